@@ -1,0 +1,40 @@
+"""Durations in Lyapunov times, and the steps of the network that they stand for."""
+
+import math
+
+
+def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
+    """Whole network steps in one Lyapunov time, floor(1 / (exponent * sampling_interval)).
+
+    Parameters
+    ----------
+    exponent
+        Leading Lyapunov exponent, in inverse time units; positive.
+    sampling_interval
+        Time between two steps of the network, in time units; positive.
+
+    Raises
+    ------
+    ValueError
+        If either is not positive and finite, or if a Lyapunov time is shorter than one step.
+    """
+    if not (exponent > 0 and math.isfinite(exponent)):
+        raise ValueError(f"the leading Lyapunov exponent must be positive, not {exponent}")
+    if not (sampling_interval > 0 and math.isfinite(sampling_interval)):
+        raise ValueError(f"the sampling interval must be positive, not {sampling_interval}")
+    count = math.floor(1.0 / (exponent * sampling_interval))
+    if count < 1:
+        raise ValueError(
+            f"a Lyapunov time of {1 / exponent:.3g} time units is shorter than one step of the "
+            f"network ({sampling_interval} time units): sample the ensemble more often"
+        )
+    return count
+
+
+def steps(duration_lt: float, steps_per_lyapunov_time: int) -> int:
+    """Whole network steps in a duration given in Lyapunov times, rounded down.
+
+    A duration such as 0.1 * 3 Lyapunov times that misses a whole number by rounding error only
+    counts as that whole number.
+    """
+    return math.floor(duration_lt * steps_per_lyapunov_time + 1e-9)

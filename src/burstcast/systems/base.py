@@ -1,0 +1,41 @@
+"""The interface of a dynamical system: what the rest of the library asks of one."""
+
+import abc
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class DynamicalSystem(abc.ABC):
+    """An autonomous system of ordinary differential equations with a scalar observable.
+
+    A subclass is a frozen dataclass whose fields are the parameters of the equations, so that
+    ``dataclasses.replace(system, reynolds=2000.0)`` is the same system under other parameters.
+    States are arrays with the components first: ``(dimension, ...)``. All methods act on each
+    trailing index independently, bit for bit.
+    """
+
+    dimension: ClassVar[int]
+    observable_name: ClassVar[str]
+    """What the observable is, for axes and tables: "kinetic energy"."""
+    observable_symbol: ClassVar[str]
+    """Its symbol in TeX, without dollars: "k"."""
+
+    @abc.abstractmethod
+    def right_hand_side(self, state: FloatArray) -> FloatArray:
+        """Time derivative of the state; both of shape ``(dimension, ...)``."""
+
+    @abc.abstractmethod
+    def jacobian(self, state: FloatArray) -> FloatArray:
+        """Jacobian of the right-hand side, ``(dimension, dimension, ...)``.
+
+        Entry ``[i, j]`` is the derivative of component i of the right-hand side in component j of
+        the state.
+        """
+
+    @abc.abstractmethod
+    def observable(self, state: FloatArray) -> FloatArray:
+        """Observable whose extreme events are forecast, of shape ``(...)``."""
