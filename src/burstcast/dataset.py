@@ -1,0 +1,183 @@
+"""Ensembles of time series: their making, laminarisation, observation noise and normalisation.
+
+Source: section "Generation of the dataset" of the paper.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast import random_streams
+from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.integration import integrate, integrate_observed
+
+SERIES_PER_BATCH = 250
+"""Series integrated at a time: bounds the memory, changes no result."""
+
+
+@dataclass(frozen=True)
+class KeptSeries:
+    """Series of one batch that did not laminarise.
+
+    Attributes
+    ----------
+    index
+        Number of each kept series among all that were generated, ``(kept,)``.
+    states
+        Sampled states, ``(kept, time, component)``.
+    """
+
+    index: npt.NDArray[np.int64]
+    states: FloatArray
+
+
+def initial_states(
+    initial_state: FloatArray,
+    perturbed_component: int,
+    perturbation: float,
+    series: int,
+    generator: np.random.Generator,
+) -> FloatArray:
+    """Initial conditions of an ensemble: one component is raised by a random amount.
+
+    Parameters
+    ----------
+    initial_state
+        State that all series share, ``(dimension,)``.
+    perturbed_component
+        Index of the perturbed component, from 0.
+    perturbation
+        Largest perturbation; each series draws its own uniformly from [0, perturbation].
+    series
+        Number of series.
+    generator
+        Source of the random numbers; series i takes the i-th number, so that a longer ensemble
+        begins with the shorter one.
+
+    Returns
+    -------
+    Initial states, ``(dimension, series)``.
+    """
+    states = np.repeat(np.asarray(initial_state, dtype=np.float64)[:, np.newaxis], series, axis=1)
+    states[perturbed_component] += perturbation * generator.random(series)
+    return states
+
+
+def generate_ensemble(
+    system: DynamicalSystem,
+    states: FloatArray,
+    *,
+    time_step: float,
+    sampling_stride: int,
+    transient_steps: int,
+    kept_steps: int,
+    laminarisation_threshold: float | None,
+) -> Iterator[KeptSeries]:
+    """Integrate an ensemble and yield the series that do not laminarise, batch by batch.
+
+    Parameters
+    ----------
+    system
+        The equations.
+    states
+        Initial states, ``(dimension, series)``.
+    time_step
+        Time step of the Runge-Kutta scheme, in time units.
+    sampling_stride
+        Integration steps between two samples.
+    transient_steps, kept_steps
+        Integration steps that are dropped, and kept after them.
+    laminarisation_threshold
+        A series whose observable exceeds it at any kept integration step is discarded; None keeps
+        every series.
+
+    Raises
+    ------
+    FloatingPointError
+        If a series leaves the finite numbers.
+    """
+    for start in range(0, states.shape[1], SERIES_PER_BATCH):
+        batch = states[:, start : start + SERIES_PER_BATCH]
+        developed = integrate(system, batch, time_step, transient_steps, stride=transient_steps)[-1]
+        samples, maximum = integrate_observed(
+            system, developed, time_step, kept_steps, stride=sampling_stride
+        )
+        if not np.isfinite(maximum).all():
+            first = start + int(np.argmin(np.isfinite(maximum)))
+            raise FloatingPointError(
+                f"series {first} of the ensemble is not finite: reduce ensemble.time_step, or "
+                f"choose another ensemble.initial_state"
+            )
+        kept = np.ones(len(maximum), dtype=bool)
+        if laminarisation_threshold is not None:
+            kept = maximum <= laminarisation_threshold
+        yield KeptSeries(
+            index=start + np.flatnonzero(kept),
+            states=np.ascontiguousarray(samples[:, :, kept].transpose(2, 0, 1)),
+        )
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Size of each component over the training series.
+
+    Attributes
+    ----------
+    standard_deviation
+        sigma_u, ``(dimension,)``: the unit of the observation noise.
+    range
+        Largest minus smallest value, ``(dimension,)``: what the inputs of a network are divided by.
+    """
+
+    standard_deviation: FloatArray
+    range: FloatArray
+
+
+def component_scales(training_states: FloatArray) -> Scales:
+    """Scales of the training series ``(series, time, component)``.
+
+    Raises
+    ------
+    ValueError
+        If a component is constant, since the inputs are divided by its range.
+    """
+    flat = training_states.reshape(-1, training_states.shape[-1])
+    component_range = flat.max(axis=0) - flat.min(axis=0)
+    if not (component_range > 0).all():
+        constant = int(np.argmin(component_range > 0)) + 1
+        raise ValueError(f"component {constant} is constant over the training series")
+    return Scales(standard_deviation=flat.std(axis=0), range=component_range)
+
+
+def observe(
+    states: FloatArray,
+    first_series: int,
+    noise: float,
+    scales: Scales,
+    root_seed: int,
+    *stream_names: str | int,
+) -> FloatArray:
+    """Series as an observer sees them: with Gaussian noise, added once.
+
+    Parameters
+    ----------
+    states
+        True series, ``(series, time, component)``.
+    first_series
+        Number of the first of them in the ensemble. The noise of a series depends on its number and
+        on nothing else, so that it is the same in whatever part of the ensemble it is read.
+    noise
+        Standard deviation of the noise in units of each component's standard deviation.
+    scales
+        Scales of the training series.
+    root_seed, stream_names
+        Name of the random stream, to which the number of each series is appended.
+    """
+    observed = np.empty_like(states)
+    for row, series in enumerate(states):
+        generator = random_streams.stream(root_seed, *stream_names, first_series + row)
+        deviation = generator.standard_normal(series.shape)
+        observed[row] = series + noise * scales.standard_deviation * deviation
+    return observed

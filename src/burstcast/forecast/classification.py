@@ -1,0 +1,140 @@
+"""Binary classification of extreme events: counts, precision, recall, F-score, their intervals.
+
+Source: section "Precision and recall" of the paper. Scoring never asks who forecast.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.systems.base import FloatArray
+
+BoolArray = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Outcomes of forecasts; integers, or arrays of one shape.
+
+    Attributes
+    ----------
+    true_positive, false_positive, false_negative, true_negative
+        How many forecasts of each kind there are.
+    """
+
+    true_positive: npt.NDArray[np.int64]
+    false_positive: npt.NDArray[np.int64]
+    false_negative: npt.NDArray[np.int64]
+    true_negative: npt.NDArray[np.int64]
+
+    @property
+    def precision(self) -> FloatArray:
+        """TP / (TP + FP); not a number where nothing was predicted."""
+        return ratio(self.true_positive, self.true_positive + self.false_positive)
+
+    @property
+    def recall(self) -> FloatArray:
+        """TP / (TP + FN); not a number where nothing happened."""
+        return ratio(self.true_positive, self.true_positive + self.false_negative)
+
+    @property
+    def f_score(self) -> FloatArray:
+        """2 / (1 / precision + 1 / recall) = 2 TP / (2 TP + FP + FN).
+
+        Not a number where nothing was predicted and nothing happened.
+        """
+        return ratio(
+            2 * self.true_positive,
+            2 * self.true_positive + self.false_positive + self.false_negative,
+        )
+
+
+def ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike) -> FloatArray:
+    """Quotient that is not a number, without a warning, where the denominator is zero."""
+    top = np.asarray(numerator, dtype=np.float64)
+    bottom = np.asarray(denominator, dtype=np.float64)
+    return np.divide(top, bottom, out=np.full_like(bottom, np.nan), where=bottom != 0)
+
+
+def count_by_series(
+    predicted: BoolArray, happened: BoolArray, scored: BoolArray, series: npt.NDArray[np.int64]
+) -> Counts:
+    """Outcomes in each test series.
+
+    Parameters
+    ----------
+    predicted, happened
+        Whether the forecast, and the truth, cross the threshold in the window, ``(points,)``.
+    scored
+        Points that count, ``(points,)``.
+    series
+        Row of each point's series, ``(points,)``, from 0.
+
+    Returns
+    -------
+    Counts of shape ``(series,)``.
+    """
+    number = int(series.max()) + 1 if series.size else 0
+
+    def tally(outcome: BoolArray) -> npt.NDArray[np.int64]:
+        return np.bincount(series[outcome & scored], minlength=number).astype(np.int64)
+
+    return Counts(
+        true_positive=tally(predicted & happened),
+        false_positive=tally(predicted & ~happened),
+        false_negative=tally(~predicted & happened),
+        true_negative=tally(~predicted & ~happened),
+    )
+
+
+def total(counts: Counts) -> Counts:
+    """Sum of counts over their last axis."""
+    return _map(counts, lambda values: values.sum(axis=-1))
+
+
+def bootstrap_interval(
+    counts: Counts, resamples: int, confidence: float, generator: np.random.Generator
+) -> dict[str, tuple[float, float]]:
+    """Percentile bootstrap intervals of precision, recall and F-score, resampled over series.
+
+    Starting points of one series are not independent, whole series are.
+
+    Parameters
+    ----------
+    counts
+        By series, ``(series,)``.
+    resamples
+        Number of bootstrap samples.
+    confidence
+        Share of the samples inside the interval, in (0, 1).
+    generator
+        Source of the random numbers.
+
+    Returns
+    -------
+    Lower and upper end for each score; not a number where it is undefined in every resample.
+    """
+    series = counts.true_positive.shape[-1]
+    weights = generator.multinomial(series, np.full(series, 1 / series), size=resamples)
+    resampled = _map(counts, lambda values: weights @ values)
+    tail = (1 - confidence) / 2
+    intervals = {}
+    for name in ("precision", "recall", "f_score"):
+        scores: FloatArray = getattr(resampled, name)
+        defined = scores[np.isfinite(scores)]
+        low, high = np.quantile(defined, [tail, 1 - tail]) if defined.size else (np.nan, np.nan)
+        intervals[name] = (float(low), float(high))
+    return intervals
+
+
+def _map(
+    counts: Counts, function: Callable[[npt.NDArray[np.int64]], npt.NDArray[np.int64]]
+) -> Counts:
+    return Counts(
+        true_positive=function(counts.true_positive),
+        false_positive=function(counts.false_positive),
+        false_negative=function(counts.false_negative),
+        true_negative=function(counts.true_negative),
+    )

@@ -1,0 +1,195 @@
+"""Prediction horizon of extreme events, PH_ee.
+
+Source: section "Prediction horizon of extreme events" of the paper.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast import durations
+from burstcast.forecast.forecasters import Forecaster
+from burstcast.systems.base import FloatArray
+
+STEPS_BETWEEN_CHECKS = 16
+"""Forecast steps between two looks at which forecasts are decided: costs time, changes no result."""
+
+EVENTS_PER_BATCH = 512
+"""Forecasts that run side by side: bounds the memory, changes no result."""
+
+
+@dataclass(frozen=True)
+class HorizonSearch:
+    """How the horizon of an event is looked for.
+
+    Attributes
+    ----------
+    longest_start_lt
+        First tau_e: the forecast starts this long before the event, in Lyapunov times.
+    start_step_lt
+        By how much tau_e decreases while the forecast fails.
+    tolerance
+        Largest error of the observable that still counts as a prediction, in the observable's
+        units: 0.2 (k_e - mean k) in the paper.
+    washout
+        Inputs of the washout; the last one is the starting point itself.
+    steps_per_lyapunov_time
+        Steps of the network in a Lyapunov time.
+    """
+
+    longest_start_lt: float
+    start_step_lt: float
+    tolerance: float
+    washout: int
+    steps_per_lyapunov_time: int
+
+    def __post_init__(self) -> None:
+        """Check that there is a start to try and an error to allow.
+
+        Raises
+        ------
+        ValueError
+            If a duration or the tolerance is not positive.
+        """
+        if not self.tolerance > 0:
+            raise ValueError(
+                f"the tolerance of the prediction horizon must be positive, not {self.tolerance}: "
+                f"the event threshold must exceed the mean of the observable"
+            )
+        if not 0 < self.start_step_lt <= self.longest_start_lt:
+            raise ValueError("horizon.start_step_lt must lie in (0, horizon.longest_start_lt]")
+
+    @property
+    def starts_lt(self) -> list[float]:
+        """All tau_e in the order in which they are tried, in Lyapunov times."""
+        count = int(self.longest_start_lt / self.start_step_lt + 1e-9)
+        return [self.longest_start_lt - index * self.start_step_lt for index in range(count)]
+
+    @property
+    def longest_start(self) -> int:
+        """First tau_e in steps."""
+        return durations.steps(self.longest_start_lt, self.steps_per_lyapunov_time)
+
+    @property
+    def steps_before_event(self) -> int:
+        """Steps before an event that the search looks at: the longest start and its washout."""
+        return self.longest_start + self.washout - 1
+
+
+def accurate_steps(
+    forecaster: Forecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    washouts: FloatArray,
+    truth: FloatArray,
+    tolerance: float,
+) -> npt.NDArray[np.int64]:
+    """Steps during which each forecast stays within the tolerance of the truth (paper, eq. 11).
+
+    A forecast is given up as soon as it leaves the tolerance.
+
+    Parameters
+    ----------
+    forecaster
+        Who forecasts.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
+    washouts
+        ``(steps, dimension, batch)``.
+    truth
+        True observable from one step after the starting point, ``(steps, batch)``.
+    tolerance
+        Error that counts as lost, in the observable's units.
+
+    Returns
+    -------
+    Accurate steps, ``(batch,)``; all the steps of ``truth`` where the forecast never leaves it.
+    """
+    steps, batch = truth.shape
+    accurate = np.full(batch, steps, dtype=np.int64)
+    running = np.arange(batch)
+    memory = forecaster.start(washouts)
+    for start in range(0, steps, STEPS_BETWEEN_CHECKS):
+        chunk = min(STEPS_BETWEEN_CHECKS, steps - start)
+        outputs, memory = forecaster.advance(memory, chunk)
+        error = np.abs(observable(outputs.transpose(1, 0, 2)) - truth[start : start + chunk, running])
+        # a forecast that is no longer finite has left the tolerance, too
+        lost = ~(error < tolerance)
+        failed = lost.any(axis=0)
+        accurate[running[failed]] = start + lost[:, failed].argmax(axis=0)
+        if failed.any():
+            running = running[~failed]
+            memory = np.ascontiguousarray(memory[..., ~failed])
+        if running.size == 0:
+            break
+    return accurate
+
+
+def prediction_horizons(
+    forecaster: Forecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    observed: FloatArray,
+    truth: FloatArray,
+    search: HorizonSearch,
+) -> FloatArray:
+    """PH_ee of each event.
+
+    The forecast starts tau_e before the event. Where it stays within the tolerance up to the event,
+    PH_ee is tau_e; where it does not, tau_e is shortened and the forecast made anew. Where even the
+    shortest start fails, PH_ee is the horizon measured from that start.
+
+    Parameters
+    ----------
+    forecaster
+        Who forecasts.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
+    observed
+        Observed states up to the event, ``(events, search.steps_before_event + 1, dimension)``.
+    truth
+        True observable of the same steps, ``(events, search.steps_before_event + 1)``.
+    search
+        How to look for the horizon.
+
+    Returns
+    -------
+    Prediction horizons in Lyapunov times, ``(events,)``.
+
+    Raises
+    ------
+    ValueError
+        If the segments are not as long as the search needs.
+    """
+    if observed.shape[1] != search.steps_before_event + 1 or truth.shape != observed.shape[:2]:
+        raise ValueError("the segments before the events do not fit the search for the horizon")
+    horizons = np.full(len(truth), np.nan)
+    event = observed.shape[1] - 1
+    undecided = np.arange(len(truth))
+    for start_lt in search.starts_lt:
+        start = event - durations.steps(start_lt, search.steps_per_lyapunov_time)
+        accurate = np.concatenate(
+            [
+                accurate_steps(
+                    forecaster,
+                    observable,
+                    np.ascontiguousarray(
+                        observed[rows, start - search.washout + 1 : start + 1].transpose(1, 2, 0)
+                    ),
+                    np.ascontiguousarray(truth[rows, start + 1 :].T),
+                    search.tolerance,
+                )
+                for rows in _batches(undecided, EVENTS_PER_BATCH)
+            ]
+        )
+        horizons[undecided] = accurate / search.steps_per_lyapunov_time
+        predicted = accurate == event - start
+        horizons[undecided[predicted]] = start_lt
+        undecided = undecided[~predicted]
+        if undecided.size == 0:
+            break
+    return horizons
+
+
+def _batches(rows: npt.NDArray[np.int64], size: int) -> list[npt.NDArray[np.int64]]:
+    return [rows[start : start + size] for start in range(0, len(rows), size)]

@@ -1,0 +1,116 @@
+"""Where forecasts start, and which events they should foresee.
+
+Source: sections "Precision and recall" and "Prediction horizon of extreme events" of the paper.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.systems.base import FloatArray
+
+IntArray = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class SeriesPoints:
+    """Points in the series of an ensemble.
+
+    Attributes
+    ----------
+    series
+        Row of each point's series, ``(points,)``.
+    step
+        Its step within the series, ``(points,)``.
+    """
+
+    series: IntArray
+    step: IntArray
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.series)
+
+
+def starting_points(
+    series: int, length: int, spacing: int, washout: int, longest_forecast: int
+) -> SeriesPoints:
+    """Evenly spaced starting points, as many as leave room for the washout and the forecast.
+
+    Parameters
+    ----------
+    series
+        Number of series.
+    length
+        Samples in each.
+    spacing
+        Steps between two starting points.
+    washout
+        Inputs of the washout; the last one is the starting point itself.
+    longest_forecast
+        Steps that a forecast reaches beyond its starting point.
+
+    Raises
+    ------
+    ValueError
+        If the series are too short for a single starting point.
+    """
+    steps = np.arange(washout - 1, length - longest_forecast, spacing)
+    if steps.size == 0:
+        raise ValueError(
+            f"series of {length} samples leave no room for a washout of {washout} steps and a "
+            f"forecast of {longest_forecast}: lengthen ensemble.duration or shorten "
+            f"classification.longest_prediction_time_lt"
+        )
+    return SeriesPoints(
+        series=np.repeat(np.arange(series), steps.size), step=np.tile(steps, series)
+    )
+
+
+def upward_crossings(observable: FloatArray, threshold: float) -> SeriesPoints:
+    """Starts of extreme events: first samples at or above the threshold after one below it.
+
+    Parameters
+    ----------
+    observable
+        ``(series, time)``.
+    threshold
+        The event threshold, k_e.
+
+    Returns
+    -------
+    Events in the order of series, then time.
+    """
+    above = observable >= threshold
+    series, step = np.nonzero(above[:, 1:] & ~above[:, :-1])
+    return SeriesPoints(series=series, step=step + 1)
+
+
+def horizon_events(crossings: SeriesPoints, earliest_step: int, count: int) -> SeriesPoints:
+    """First ``count`` events that leave ``earliest_step`` steps of their series before them."""
+    usable = np.flatnonzero(crossings.step >= earliest_step)[:count]
+    return SeriesPoints(series=crossings.series[usable], step=crossings.step[usable])
+
+
+def segments(series: FloatArray, points: SeriesPoints, before: int, after: int) -> FloatArray:
+    """Stretches of series around points, ``(points, before + 1 + after, ...)``.
+
+    Parameters
+    ----------
+    series
+        ``(series, time, ...)``.
+    points
+        The points.
+    before, after
+        Steps before and after each point.
+
+    Raises
+    ------
+    IndexError
+        If a stretch reaches beyond its series.
+    """
+    if len(points) and (points.step.min() < before or points.step.max() + after >= series.shape[1]):
+        raise IndexError("a segment reaches beyond its series")
+    window = np.arange(-before, after + 1)
+    return series[points.series[:, np.newaxis], points.step[:, np.newaxis] + window]

@@ -1,0 +1,100 @@
+"""Forecasts reduced to what scoring needs: the first and largest observable of each window.
+
+The time after a starting point is cut into windows of one resolution (half a Lyapunov time). A
+prediction window, which is several of them, is scored from their summaries, whatever the event
+threshold is. Neighbouring windows share their common step.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast import durations
+from burstcast.systems.base import FloatArray
+
+
+@dataclass(frozen=True)
+class WindowSummaries:
+    """First and largest observable in each window after each starting point.
+
+    Attributes
+    ----------
+    first
+        Observable at the window's first step, ``(points, windows)``; not a number where the forecast
+        has diverged.
+    largest
+        Largest observable in the window, both ends included, ``(points, windows)``; likewise.
+    """
+
+    first: FloatArray
+    largest: FloatArray
+
+
+def window_boundaries(
+    resolution_lt: float, windows: int, steps_per_lyapunov_time: int
+) -> tuple[int, ...]:
+    """Steps after the starting point at which the windows begin and end.
+
+    Window i reaches from boundary i to boundary i + 1, both included. The first boundary is one
+    resolution after the starting point: no prediction time is shorter.
+
+    Parameters
+    ----------
+    resolution_lt
+        Length of a window, in Lyapunov times.
+    windows
+        Number of windows.
+    steps_per_lyapunov_time
+        Steps of the network in a Lyapunov time.
+    """
+    return tuple(
+        durations.steps((index + 1) * resolution_lt, steps_per_lyapunov_time)
+        for index in range(windows + 1)
+    )
+
+
+def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSummaries:
+    """Window summaries of observables that begin one step after the starting points.
+
+    Parameters
+    ----------
+    observable
+        ``(steps, points)``; entry 0 is one step after the starting point.
+    boundaries
+        Of the windows (`window_boundaries`).
+    """
+    pairs = list(zip(boundaries[:-1], boundaries[1:], strict=True))
+    return WindowSummaries(
+        first=np.stack([observable[start - 1] for start, _ in pairs], axis=1),
+        largest=np.stack([observable[start - 1 : end].max(axis=0) for start, end in pairs], axis=1),
+    )
+
+
+def crosses(
+    summaries: WindowSummaries, first_window: int, windows: int, threshold: float
+) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Whether the observable crosses the threshold in a prediction window.
+
+    It does if it is below the threshold at the window's first step and at or above it later on. A
+    forecast that has diverged (not a number) crosses nothing.
+
+    Parameters
+    ----------
+    summaries
+        Of the forecast or of the truth.
+    first_window, windows
+        Which windows make up the prediction window.
+    threshold
+        The event threshold, k_e.
+
+    Returns
+    -------
+    ``(points,)``.
+    """
+    span = slice(first_window, first_window + windows)
+    if first_window < 0 or first_window + windows > summaries.first.shape[1]:
+        raise IndexError("the prediction window reaches beyond the forecast")
+    below_at_first: np.ndarray[tuple[int], np.dtype[np.bool_]] = (
+        summaries.first[:, first_window] < threshold
+    )
+    return below_at_first & (summaries.largest[:, span].max(axis=1) >= threshold)
