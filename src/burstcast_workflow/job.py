@@ -1,0 +1,152 @@
+"""What every script of the workflow runs in: its log, its failure, its provenance.
+
+A script is one function and a call::
+
+    def main(inputs, outputs, settings, provenance): ...
+
+    if __name__ == "__main__":
+        run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there
+
+``inputs`` and ``outputs`` are the rule's files by name, ``settings`` the one mapping that the rule
+passes as ``params.settings``, and ``provenance`` what goes into the output files as their origin.
+"""
+
+import logging
+import os
+import platform
+import resource
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NoReturn
+
+from burstcast_workflow.canonical import canonical, canonical_json
+from burstcast_workflow.storage import remove_partial
+
+logger = logging.getLogger(__name__)
+
+# import name -> name in the provenance; only those that the script has imported count
+_LIBRARIES = {
+    "numpy": "numpy",
+    "scipy": "scipy",
+    "numba": "numba",
+    "skopt": "scikit-optimize",
+}
+
+Provenance = dict[str, str]
+Main = Callable[[Any, Any, dict[str, Any], Provenance], None]
+
+
+def run_job(snakemake: Any, main: Main) -> None:
+    """Run a script's function with everything that it prints in the rule's log.
+
+    Floating-point errors keep NumPy's defaults, a warning in the log: a diverged forecast is a
+    result, and it is the library that knows when a number that is not finite is an error.
+
+    Parameters
+    ----------
+    snakemake
+        The object that Snakemake puts into the script.
+    main
+        ``main(inputs, outputs, settings, provenance)``.
+
+    Raises
+    ------
+    SystemExit
+        With status 1 if ``main`` raises; the traceback is in the log, one line on stderr.
+    """
+    log = Path(snakemake.log[0])
+    log.parent.mkdir(parents=True, exist_ok=True)
+    label = _label(snakemake)
+    signal.signal(signal.SIGTERM, _terminate)
+    start = time.monotonic()
+    with _output_to(log) as stderr:
+        logging.basicConfig(
+            stream=sys.stderr,
+            level=logging.INFO,
+            format="%(asctime)s %(levelname)s %(name)s: %(message)s",
+            force=True,
+        )
+        logging.captureWarnings(True)
+        try:
+            settings = canonical(dict(snakemake.params.settings), "params.settings")
+            logger.info("%s starts with settings %s", label, canonical_json(settings))
+            for path in snakemake.output:
+                Path(path).parent.mkdir(parents=True, exist_ok=True)
+                remove_partial(path)
+            main(snakemake.input, snakemake.output, settings, provenance(snakemake.rule, settings))
+            logger.info("%s is done: %s", label, _cost(start))
+        except Exception as error:
+            traceback.print_exc()
+            logger.error("%s failed: %s", label, _cost(start))
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            print(f"{label} failed: {reason} (log: {log})", file=stderr, flush=True)
+            raise SystemExit(1) from None
+
+
+def provenance(rule: str, settings: dict[str, Any]) -> Provenance:
+    """Tell what makes an output: package, rule, settings, versions; no time, machine or path."""
+    record = {
+        "source": f"burstcast {version('burstcast')}",
+        "rule": rule,
+        "settings": canonical_json(settings),
+        "python": platform.python_version(),
+    }
+    for module, name in _LIBRARIES.items():
+        if module in sys.modules:
+            record[name] = str(sys.modules[module].__version__)
+    return record
+
+
+def _label(snakemake: Any) -> str:
+    """Rule and wildcards as a person reads them: train (case=Re400, seed=3)."""
+    wildcards = ", ".join(f"{name}={value}" for name, value in snakemake.wildcards.items())
+    return f"{snakemake.rule} ({wildcards})" if wildcards else str(snakemake.rule)
+
+
+@contextmanager
+def _output_to(log: Path) -> Iterator[Any]:
+    """Send stdout and stderr to the log, compiled code's included; yield the original stderr."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    saved = os.dup(1), os.dup(2)
+    streams = sys.stdout, sys.stderr
+    with (
+        log.open("w", encoding="utf-8", buffering=1, errors="backslashreplace") as file,
+        os.fdopen(os.dup(saved[1]), "w", encoding="utf-8", errors="backslashreplace") as stderr,
+    ):
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+        sys.stdout = sys.stderr = file
+        try:
+            yield stderr
+        finally:
+            sys.stdout, sys.stderr = streams
+            for descriptor, original in zip((1, 2), saved, strict=True):
+                os.dup2(original, descriptor)
+                os.close(original)
+
+
+def _terminate(signum: int, _frame: Any) -> NoReturn:
+    """Leave through the exits of all contexts, which removes half-written files."""
+    raise SystemExit(128 + signum)
+
+
+def _cost(start: float) -> str:
+    return f"{time.monotonic() - start:.2f} s, peak memory {_peak_memory() / 2**20:.0f} MiB"
+
+
+def _peak_memory() -> int:
+    """Largest resident memory of this process so far, in bytes."""
+    status = Path("/proc/self/status")
+    if status.exists():  # getrusage on Linux includes the process that this one was forked from
+        for line in status.read_text().splitlines():
+            if line.startswith("VmHWM:"):
+                return int(line.split()[1]) * 1024
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024
