@@ -1,0 +1,268 @@
+"""Dynamics of the reservoir, driven by data (open loop) or by its own predictions (closed loop).
+
+One step is r <- tanh(W_in [u; b_in] + W r), a prediction [r; 1]^T W_out (section "Echo state
+networks" of the paper). Everything works on a batch of trajectories at once; each of them is bit
+for bit the same whatever the batch that it is part of.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Literal, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.esn.kernels_scipy import ScipyKernel
+from burstcast.esn.reservoir import Reservoir
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Kernel(Protocol):
+    """What an implementation of the dynamics provides (see `kernels_scipy.ScipyKernel`)."""
+
+    def open_loop(
+        self, inputs: FloatArray, states: FloatArray, record: FloatArray | None
+    ) -> FloatArray:
+        """Drive the states by data; ``record`` receives the state after each input."""
+
+    def closed_loop(
+        self, weights: FloatArray, input_range: FloatArray, states: FloatArray, steps: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Let the network drive itself."""
+
+
+@dataclass(frozen=True)
+class StatePanel:
+    """Reservoir states of a stretch of steps.
+
+    Parameters
+    ----------
+    start, stop
+        The stretch: the states after the inputs ``start`` to ``stop - 1``. The state after input i
+        predicts the data at step i + 1.
+    states
+        Shape ``(neurons, stop - start, batch)``, C-contiguous.
+    """
+
+    start: int
+    stop: int
+    states: FloatArray
+
+    @property
+    def columns(self) -> FloatArray:
+        """The states as a matrix ``(neurons, (stop - start) * batch)``, for a Gram matrix.
+
+        Its transpose is column-major. The batch varies fastest.
+        """
+        return self.states.reshape(self.states.shape[0], -1)
+
+    @property
+    def last(self) -> FloatArray:
+        """States after input ``stop - 1``, ``(neurons, batch)``: where a forecast may start."""
+        return np.ascontiguousarray(self.states[:, -1])
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """A reservoir with its hyperparameters applied.
+
+    Parameters
+    ----------
+    reservoir
+        The random matrices.
+    spectral_radius
+        rho, multiplies the recurrent weights.
+    input_scaling
+        sigma_in, multiplies the input weights, those of the bias included.
+    kernel
+        Implementation: "compiled" (numba) or "scipy". They agree to rounding error.
+
+    Raises
+    ------
+    ValueError
+        If a hyperparameter is negative or not finite, or the kernel is unknown.
+    """
+
+    reservoir: Reservoir
+    spectral_radius: float
+    input_scaling: float
+    kernel: Literal["compiled", "scipy"] = "compiled"
+
+    def __post_init__(self) -> None:
+        for name in ("spectral_radius", "input_scaling"):
+            value = getattr(self, name)
+            if not (value >= 0 and np.isfinite(value)):
+                raise ValueError(f"{name} must be finite and not negative, not {value}")
+        if self.kernel not in ("compiled", "scipy"):
+            raise ValueError(f"the kernel is 'compiled' or 'scipy', not {self.kernel!r}")
+
+    def open_loop(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
+        """States after a sequence of inputs.
+
+        Parameters
+        ----------
+        inputs
+            Inputs divided by their range, shape ``(steps, dimension, batch)``.
+        states
+            Initial states, shape ``(neurons, batch)``; None: zero.
+
+        Returns
+        -------
+        Final states, shape ``(neurons, batch)``.
+
+        Raises
+        ------
+        ValueError
+            If a shape does not fit or an input or a state is not finite.
+        """
+        inputs, states = self._check_inputs(inputs, states)
+        return self._implementation.open_loop(inputs, states, None)
+
+    def state_panels(
+        self,
+        inputs: FloatArray,
+        states: FloatArray | None = None,
+        *,
+        breakpoints: Sequence[int] = (),
+        columns_per_panel: int = 1000,
+    ) -> Iterator[StatePanel]:
+        """Stream the states that a sequence of inputs drives, panel by panel.
+
+        Parameters
+        ----------
+        inputs, states
+            As for `open_loop`.
+        breakpoints
+            Steps at which a panel must end, in any order. After the panel that ends at step b,
+            ``panel.last`` holds the states after the inputs before b, whose prediction is the data
+            at step b; sums over the panels so far are those of the steps before b. Zero and the
+            number of steps are always among them.
+        columns_per_panel
+            Largest number of columns of a panel (steps times batch; one step at least).
+
+        Yields
+        ------
+        Panels in the order of time; each is a fresh array.
+
+        Raises
+        ------
+        ValueError
+            As for `open_loop`, or if a breakpoint lies outside the inputs.
+        """
+        inputs, states = self._check_inputs(inputs, states)
+        steps, _, batch = inputs.shape
+        outside = [step for step in breakpoints if not 0 <= step <= steps]
+        if outside:
+            raise ValueError(f"breakpoints outside the {steps} steps of the inputs: {outside}")
+        # The checks above run when the generator is made, not when its first panel is asked for.
+        return self._panels(
+            inputs,
+            states,
+            sorted({0, *breakpoints, steps}),
+            max(1, columns_per_panel // max(1, batch)),
+        )
+
+    def closed_loop(
+        self,
+        weights: FloatArray,
+        input_range: FloatArray,
+        states: FloatArray,
+        steps: int,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Autonomous forecast: every prediction is the next input.
+
+        Parameters
+        ----------
+        weights
+            Readout weights W_out, the bias last, shape ``(neurons + 1, dimension)``.
+        input_range
+            What the inputs are divided by, shape ``(dimension,)``.
+        states
+            Initial states, shape ``(neurons, batch)``. They are not changed.
+        steps
+            Length of the forecast.
+
+        Returns
+        -------
+        outputs
+            Predictions, shape ``(steps, dimension, batch)``; the first is that of the initial
+            states. A network may diverge: that is a result, not an error.
+        states
+            States after the last prediction was fed back, shape ``(neurons, batch)``: a call with
+            them continues the forecast.
+
+        Raises
+        ------
+        ValueError
+            If a shape does not fit, an initial state or a weight is not finite or a range is not
+            positive.
+        """
+        neurons, dimension = self.reservoir.neurons, self.reservoir.dimension
+        weights = np.ascontiguousarray(weights, dtype=np.float64)
+        input_range = np.ascontiguousarray(input_range, dtype=np.float64)
+        if weights.shape != (neurons + 1, dimension):
+            raise ValueError(
+                f"readout weights must have shape {(neurons + 1, dimension)}, not {weights.shape}"
+            )
+        if input_range.shape != (dimension,):
+            raise ValueError(
+                f"the input range must have shape {(dimension,)}, not {input_range.shape}"
+            )
+        if not np.isfinite(weights).all():
+            raise ValueError("the readout weights are not finite")
+        if not (np.isfinite(input_range).all() and (input_range > 0).all()):
+            raise ValueError("the input range must be finite and positive")
+        if steps < 0:
+            raise ValueError(f"a forecast cannot have {steps} steps")
+        states = self._check_states(states)
+        return self._implementation.closed_loop(weights, input_range, states, steps)
+
+    @cached_property
+    def _implementation(self) -> Kernel:
+        recurrent = self.reservoir.recurrent * self.spectral_radius
+        weight = self.reservoir.input_weight * self.input_scaling
+        arguments = (recurrent, self.reservoir.input_column, weight, self.reservoir.input_bias)
+        return ScipyKernel(*arguments)
+
+    def _panels(
+        self, inputs: FloatArray, states: FloatArray, edges: Sequence[int], steps_per_panel: int
+    ) -> Iterator[StatePanel]:
+        for first, end in pairwise(edges):
+            for start in range(first, end, steps_per_panel):
+                stop = min(start + steps_per_panel, end)
+                record = np.empty((self.reservoir.neurons, stop - start, states.shape[1]))
+                states = self._implementation.open_loop(inputs[start:stop], states, record)
+                yield StatePanel(start, stop, record)
+
+    def _check_inputs(
+        self, inputs: FloatArray, states: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray]:
+        inputs = np.ascontiguousarray(inputs, dtype=np.float64)
+        if inputs.ndim != 3 or inputs.shape[1] != self.reservoir.dimension:
+            raise ValueError(
+                f"inputs must have shape (steps, {self.reservoir.dimension}, batch), "
+                f"not {inputs.shape}"
+            )
+        if not np.isfinite(inputs).all():
+            raise ValueError("the inputs of the network are not finite")
+        if states is None:
+            states = np.zeros((self.reservoir.neurons, inputs.shape[2]))
+        states = self._check_states(states)
+        if states.shape[1] != inputs.shape[2]:
+            raise ValueError(
+                f"{states.shape[1]} initial states do not fit {inputs.shape[2]} input series"
+            )
+        return inputs, states
+
+    def _check_states(self, states: FloatArray) -> FloatArray:
+        states = np.ascontiguousarray(states, dtype=np.float64)
+        if states.ndim != 2 or states.shape[0] != self.reservoir.neurons:
+            raise ValueError(
+                f"states must have shape ({self.reservoir.neurons}, batch), not {states.shape}"
+            )
+        if not np.isfinite(states).all():
+            raise ValueError("the initial states are not finite")
+        return states

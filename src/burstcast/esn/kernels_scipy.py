@@ -1,0 +1,73 @@
+"""Dynamics of the reservoir in numpy and scipy: the plain implementation.
+
+It is the reference for `burstcast.esn.kernels_compiled`, and serves where numba is not available.
+The state of a trajectory is bit for bit the same whatever the batch that it is part of: every
+product is one of a sparse matrix with a batch, summed in the order of the row's entries. (A product
+of BLAS would depend on the size of the batch.)
+"""
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int32]
+
+
+class ScipyKernel:
+    """Open and closed loop of one reservoir with its hyperparameters applied.
+
+    Parameters
+    ----------
+    recurrent
+        Recurrent weights times the spectral radius, shape ``(neurons, neurons)``.
+    input_column, input_weight
+        The input that feeds each neuron (the last one is the bias) and its weight times the input
+        scaling, shape ``(neurons,)``.
+    input_bias
+        The constant that is appended to every input.
+    """
+
+    def __init__(
+        self,
+        recurrent: scipy.sparse.csr_array,
+        input_column: IntArray,
+        input_weight: FloatArray,
+        input_bias: float,
+    ) -> None:
+        self._recurrent = recurrent
+        self._input_column = input_column
+        self._input_weight = input_weight
+        self._input_bias = input_bias
+
+    def open_loop(
+        self, inputs: FloatArray, states: FloatArray, record: FloatArray | None
+    ) -> FloatArray:
+        """Drive the states by data; arguments as in `burstcast.esn.dynamics.Dynamics.open_loop`.
+
+        ``record``, of shape ``(neurons, steps, batch)``, receives the state after each input.
+        """
+        for step, current in enumerate(inputs):
+            states = self._step(current, states)
+            if record is not None:
+                record[:, step] = states
+        return states
+
+    def closed_loop(
+        self, weights: FloatArray, input_range: FloatArray, states: FloatArray, steps: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Let the network drive itself; see `burstcast.esn.dynamics.Dynamics.closed_loop`."""
+        output_matrix = scipy.sparse.csr_array(weights[:-1].T)
+        output_bias = weights[-1][:, np.newaxis]
+        outputs = np.empty((steps, weights.shape[1], states.shape[1]))
+        for step in range(steps):
+            outputs[step] = output_matrix @ states + output_bias
+            states = self._step(outputs[step] / input_range[:, np.newaxis], states)
+        return outputs, states
+
+    def _step(self, current: FloatArray, states: FloatArray) -> FloatArray:
+        bias = np.full((1, states.shape[1]), self._input_bias)
+        fed = np.concatenate([current, bias])[self._input_column]
+        return np.asarray(
+            np.tanh(self._recurrent @ states + self._input_weight[:, np.newaxis] * fed)
+        )

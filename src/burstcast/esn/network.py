@@ -1,0 +1,97 @@
+"""A trained echo state network: dynamics, normalisation and readout."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.readout import Readout
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EchoStateNetwork:
+    """A trained network, in the units of the data.
+
+    Parameters
+    ----------
+    dynamics
+        The reservoir with its hyperparameters.
+    readout
+        The trained output weights.
+    input_range
+        Range of each component over the training data, which the inputs are divided by, shape
+        ``(dimension,)``.
+    """
+
+    dynamics: Dynamics
+    readout: Readout
+    input_range: FloatArray
+
+    def washout(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
+        """States of the reservoir after it has been driven by data.
+
+        Parameters
+        ----------
+        inputs
+            Data in their own units, shape ``(steps, dimension, batch)``. They end with the starting
+            point of the forecast itself.
+        states
+            Initial states, shape ``(neurons, batch)``; None: zero.
+
+        Returns
+        -------
+        States, shape ``(neurons, batch)``.
+
+        Raises
+        ------
+        ValueError
+            If a shape does not fit or a value is not finite.
+        """
+        return self.dynamics.open_loop(inputs / self.input_range[:, np.newaxis], states)
+
+    def forecast(self, states: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Autonomous forecast from the states after a washout.
+
+        Parameters
+        ----------
+        states
+            Shape ``(neurons, batch)``; not changed.
+        steps
+            Length of the forecast.
+
+        Returns
+        -------
+        outputs
+            Shape ``(steps, dimension, batch)``, in the units of the data; the first lies one step
+            after the last input of the washout.
+        states
+            Shape ``(neurons, batch)``; a call with them continues the forecast.
+
+        Raises
+        ------
+        ValueError
+            If a shape does not fit or a state is not finite.
+        """
+        return self.dynamics.closed_loop(self.readout.weights, self.input_range, states, steps)
+
+    def diverged(self, outputs: FloatArray, bound: float) -> npt.NDArray[np.bool_]:
+        """Which forecasts of a batch have diverged.
+
+        Parameters
+        ----------
+        outputs
+            Forecasts, shape ``(steps, dimension, batch)``.
+        bound
+            In training ranges of the component.
+
+        Returns
+        -------
+        Shape ``(batch,)``: whether any value is not finite or larger than ``bound`` times its
+        component's training range.
+        """
+        largest = bound * self.input_range[:, np.newaxis]
+        # Negated, so that nan counts as diverged.
+        return np.asarray(~(np.abs(outputs) <= largest).all(axis=(0, 1)))
