@@ -1,0 +1,60 @@
+"""The cases of a campaign: dynamical systems with their parameters, thresholds and datasets."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from burstcast_workflow.canonical import canonical
+
+Config = dict[str, Any]
+
+_REYNOLDS_NAME = re.compile(r"Re(\d+(?:\.\d+)?)")
+
+
+def case_name(reynolds: float) -> str:
+    """Name of the shear flow's case at a Reynolds number: Re400, Re412.5."""
+    return f"Re{canonical(reynolds)}"
+
+
+def block_cases(block: Mapping[str, Any]) -> list[str]:
+    """Names of the cases of one block of the campaign, each once."""
+    names = [case_name(reynolds) for reynolds in block.get("reynolds", [])]
+    return list(dict.fromkeys([*names, *block.get("cases", [])]))
+
+
+def case_records(config: Mapping[str, Any]) -> dict[str, Config]:
+    """Complete record of each case that the campaign uses, in the order of their first use.
+
+    A record is ``case_defaults`` with the case's own entry laid over it: mappings are merged,
+    everything else is replaced; the parameters are replaced as a whole if the entry names another
+    system. A name ``Re<number>`` sets the parameter ``reynolds``.
+    """
+    names = dict.fromkeys(name for block in config["campaign"] for name in block_cases(block))
+    return {name: case_record(config, name) for name in names}
+
+
+def case_record(config: Mapping[str, Any], name: str) -> Config:
+    """Complete record of one case; see `case_records`."""
+    defaults, own = config["case_defaults"], config["cases"].get(name) or {}
+    if own.get("system", defaults["system"]) != defaults["system"]:
+        defaults = {**defaults, "parameters": {}}
+    record = _merged(defaults, own)
+    if match := _REYNOLDS_NAME.fullmatch(name):
+        # what the entry itself says stays, for the checks to compare
+        record["parameters"].setdefault("reynolds", canonical(float(match[1])))
+    result: Config = canonical(record, f"cases.{name}")
+    return result
+
+
+def _merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> Config:
+    result = dict(base)
+    for key, value in overlay.items():
+        below = base.get(key)
+        if isinstance(below, Mapping) and isinstance(value, Mapping):
+            result[key] = _merged(below, value)
+        else:
+            result[key] = value
+    return {
+        key: _merged(value, {}) if isinstance(value, Mapping) else value
+        for key, value in result.items()
+    }

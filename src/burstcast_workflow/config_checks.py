@@ -1,0 +1,240 @@
+"""What must hold between the settings of a config, each of which is allowed by the schema."""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from burstcast import durations
+from burstcast.systems.registry import make_system
+from burstcast_workflow.cases import block_cases, case_name, case_record
+from burstcast_workflow.config_messages import suggestion
+from burstcast_workflow.series_fit import misfits
+
+
+def problems_between_settings(config: Mapping[str, Any]) -> list[str]:
+    """Check what the schema cannot; one message for each thing that is wrong.
+
+    Cases that the campaign does not use are not looked at: an overlay may shorten the series of all
+    cases without adjusting those that it leaves out.
+    """
+    problems = [
+        *_campaign(config),
+        *_search(config["search"]),
+        *_classification(config["classification"]),
+        *_horizon(config["horizon"]),
+        *_figures(config),
+    ]
+    known = _known_cases(config)
+    by_problem: dict[str, list[str]] = {}
+    for name in dict.fromkeys(name for block in config["campaign"] for name in block_cases(block)):
+        if name in known:
+            for problem in _case(config, name):
+                by_problem.setdefault(problem, []).append(name)
+    problems += [f"{_listed_cases(names)}: {problem}" for problem, names in by_problem.items()]
+    return list(dict.fromkeys(problems))
+
+
+def _listed_cases(names: list[str]) -> str:
+    return f"case{'s' if len(names) > 1 else ''} {', '.join(names)}"
+
+
+def _known_cases(config: Mapping[str, Any]) -> list[str]:
+    """Names with an entry in ``cases``, and those of Reynolds numbers, which need none."""
+    numbers = [value for block in config["campaign"] for value in block.get("reynolds", [])]
+    return list(dict.fromkeys([*config["cases"], *map(case_name, numbers)]))
+
+
+def _campaign(config: Mapping[str, Any]) -> Iterator[str]:
+    connectivity = config["network"]["connectivity"]
+    known = _known_cases(config)
+    for index, block in enumerate(config["campaign"]):
+        place = f"campaign[{index}]"
+        if not block_cases(block):
+            yield f"{place} names no case: give it reynolds: [...] or cases: [...]"
+        for name in block.get("cases", []):
+            if name not in known:
+                yield f"{place}.cases: there is no case {name} in cases; {suggestion(name, known)}"
+        smallest = min(block["neurons"])
+        if connectivity > smallest - 1:
+            yield (
+                f"network.connectivity is {connectivity}, but a reservoir of {smallest} neurons "
+                f"({place}.neurons) has at most {smallest - 1} connections per neuron"
+            )
+
+
+def _search(search: Mapping[str, Any]) -> Iterator[str]:
+    for name in ("spectral_radius", "input_scaling"):
+        low, high = search[name]
+        if not low < high:
+            yield f"search.{name} is [{low}, {high}]; the first number must be below the second"
+
+
+def _classification(classification: Mapping[str, Any]) -> Iterator[str]:
+    resolution = classification["resolution_lt"]
+    longest = classification["longest_prediction_time_lt"]
+    for name in ("window_lt", "longest_prediction_time_lt"):
+        if not _is_multiple(classification[name], resolution):
+            yield (
+                f"classification.{name} is {classification[name]}; it must be a multiple of "
+                f"classification.resolution_lt, {resolution}"
+            )
+    for time in classification["prediction_times_lt"]:
+        if not _is_multiple(time, resolution):
+            yield (
+                f"classification.prediction_times_lt has {time}, which is no multiple of "
+                f"classification.resolution_lt, {resolution}"
+            )
+        if time > longest:
+            yield (
+                f"classification.prediction_times_lt has {time}, which is beyond "
+                f"classification.longest_prediction_time_lt, {longest}"
+            )
+
+
+def _horizon(horizon: Mapping[str, Any]) -> Iterator[str]:
+    if horizon["start_step_lt"] > horizon["longest_start_lt"]:
+        yield (
+            f"horizon.start_step_lt is {horizon['start_step_lt']}; it must be at most "
+            f"horizon.longest_start_lt, {horizon['longest_start_lt']}"
+        )
+
+
+def _figures(config: Mapping[str, Any]) -> Iterator[str]:
+    figures, campaign = config["figures"], config["campaign"]
+    wanted = {
+        "neurons": figures["example_neurons"],
+        "validation": figures["example_validation"],
+    }
+    if not any(
+        figures["example_case"] in block_cases(block)
+        and all(value in block[name] for name, value in wanted.items())
+        and figures["example_seed"] < block["seeds"]
+        for block in campaign
+    ):
+        yield (
+            f"the example network of the figures ({figures['example_case']}, "
+            f"{figures['example_neurons']} neurons, {figures['example_validation']}, seed "
+            f"{figures['example_seed']}) is not part of the campaign: change figures.example_case, "
+            "example_neurons, example_validation or example_seed"
+        )
+    sizes = sorted({neurons for block in campaign for neurons in block["neurons"]})
+    if figures["fixed_neurons"] not in sizes:
+        yield (
+            f"figures.fixed_neurons is {figures['fixed_neurons']}; it must be a size of the "
+            f"campaign: {', '.join(map(str, sizes))}"
+        )
+    times = config["classification"]["prediction_times_lt"]
+    for name in ("example_prediction_time_lt", "fixed_prediction_time_lt"):
+        if figures[name] not in times:
+            yield _not_a_prediction_time(f"{name} is", figures[name], times)
+    for time in figures["reynolds_prediction_times_lt"]:
+        if time not in times:
+            yield _not_a_prediction_time("reynolds_prediction_times_lt has", time, times)
+
+
+def _not_a_prediction_time(setting: str, time: float, times: list[float]) -> str:
+    return (
+        f"figures.{setting} {time}; it must be one of classification.prediction_times_lt: "
+        f"{', '.join(map(str, times))}"
+    )
+
+
+def _case(config: Mapping[str, Any], name: str) -> Iterator[str]:
+    record = case_record(config, name)
+    ensemble, lyapunov = record["ensemble"], record["lyapunov"]
+    yield from _system(name, record)
+    yield from _thresholds(record)
+    yield from _series_counts(record)
+    yield from _times(ensemble, lyapunov)
+    if lyapunov["perturbation"] >= lyapunov["saturation"]:
+        yield (
+            f"lyapunov.perturbation is {lyapunov['perturbation']}; it must be below "
+            f"lyapunov.saturation, {lyapunov['saturation']}"
+        )
+    if lyapunov["time_unit"] == "published" and lyapunov["published_exponent"] is not None:
+        interval = ensemble["time_step"] * ensemble["sampling_stride"]
+        try:
+            steps = durations.steps_per_lyapunov_time(lyapunov["published_exponent"], interval)
+        except ValueError as error:
+            yield f"lyapunov.published_exponent: {error}"
+        else:
+            samples = math.floor(ensemble["duration"] / interval + 1e-9)
+            yield from misfits(config, record, samples, steps)
+
+
+def _system(name: str, record: Mapping[str, Any]) -> Iterator[str]:
+    reynolds = record["parameters"].get("reynolds")
+    if name.startswith("Re") and reynolds is not None and _is_reynolds_of_another(name, reynolds):
+        yield f"parameters.reynolds is {reynolds}, which contradicts the name {name}: leave it out"
+    try:
+        system = make_system(record["system"], record["parameters"])
+    except ValueError as error:
+        yield f"system or parameters: {error}"
+        return
+    ensemble = record["ensemble"]
+    if len(ensemble["initial_state"]) != system.dimension:
+        yield (
+            f"ensemble.initial_state has {len(ensemble['initial_state'])} numbers; the system "
+            f"{record['system']} needs {system.dimension}"
+        )
+    if ensemble["perturbed_component"] > system.dimension:
+        yield (
+            f"ensemble.perturbed_component is {ensemble['perturbed_component']}; the system "
+            f"{record['system']} has the components 1 to {system.dimension}"
+        )
+
+
+def _is_reynolds_of_another(name: str, reynolds: float) -> bool:
+    try:
+        return float(name.removeprefix("Re")) != reynolds
+    except ValueError:  # a name such as Reference
+        return False
+
+
+def _thresholds(record: Mapping[str, Any]) -> Iterator[str]:
+    laminar = record["laminarisation_threshold"]
+    if laminar is not None and laminar <= record["event_threshold"]:
+        yield (
+            f"event_threshold is {record['event_threshold']}; it must be below "
+            f"laminarisation_threshold, {laminar}"
+        )
+
+
+def _series_counts(record: Mapping[str, Any]) -> Iterator[str]:
+    series, training = record["ensemble"]["series"], record["training"]["series"]
+    if training + record["test_series"] > series:
+        yield (
+            f"training.series and test_series are {training} and {record['test_series']}; together "
+            f"they must be at most ensemble.series, {series}"
+        )
+    if record["recycle_validation"]["series"] > training:
+        yield (
+            f"recycle_validation.series is {record['recycle_validation']['series']}; it must be at "
+            f"most training.series, {training}"
+        )
+
+
+def _times(ensemble: Mapping[str, Any], lyapunov: Mapping[str, Any]) -> Iterator[str]:
+    step = ensemble["time_step"]
+    interval = step * ensemble["sampling_stride"]
+    if not _is_multiple(ensemble["transient"], step):
+        yield (
+            f"ensemble.transient is {ensemble['transient']}; it must be a multiple of "
+            f"ensemble.time_step, {step}"
+        )
+    if not _is_multiple(ensemble["duration"], interval):
+        yield (
+            f"ensemble.duration is {ensemble['duration']}; it must be a multiple of "
+            f"ensemble.time_step times sampling_stride, {interval:g}"
+        )
+    if not _is_multiple(lyapunov["orthonormalisation_interval"], step):
+        yield (
+            f"lyapunov.orthonormalisation_interval is {lyapunov['orthonormalisation_interval']}; "
+            f"it must be a multiple of ensemble.time_step, {step}"
+        )
+
+
+def _is_multiple(value: float, unit: float) -> bool:
+    """Whether value is unit times 1, 2, 3, ..., up to rounding errors."""
+    ratio = value / unit
+    return round(ratio) >= 1 and math.isclose(ratio, round(ratio), rel_tol=1e-9)
