@@ -1,0 +1,330 @@
+"""Lyapunov exponents: the spectrum by the QR method, the leading one by growth of perturbations.
+
+Both average over many trajectories at once and over the time along each of them (section 2.1 of the
+paper). They share no code beyond the time stepping: the first integrates the linearised equations,
+the second two neighbouring solutions of the full ones, so that each checks the other.
+
+The states to start from are on the attractor. Where chaos is transient, as in the shear flow, the
+exponents are those of the chaotic phase: start from series that are known not to laminarise over
+the time integrated here, and use the time step that they were made with. Both functions then follow
+the very same trajectories, bit for bit, and stay in the chaotic phase.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import stdtrit
+
+from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.integration import check_batch, combine, step
+
+# Ratio of the weakest to the strongest growth between two orthonormalisations below which the
+# weakest direction drowns in the rounding errors of the strongest.
+_SMALLEST_GROWTH_RATIO = 1e-10
+
+
+@dataclass(frozen=True)
+class LyapunovSpectrum:
+    """Lyapunov exponents of each trajectory, in inverse time units.
+
+    Attributes
+    ----------
+    exponents
+        ``(batch, dimension)``, in the order of the QR method: from the largest to the smallest, up
+        to the statistical error of a trajectory of finite length.
+    duration
+        Time that they are averaged over, in time units.
+    """
+
+    exponents: FloatArray
+    duration: float
+
+
+@dataclass(frozen=True)
+class PerturbationGrowth:
+    """Leading Lyapunov exponent of each trajectory, from the growth of finite perturbations.
+
+    Attributes
+    ----------
+    exponents
+        ``(batch,)``, in inverse time units.
+    restarts
+        How often the perturbation was brought back to its initial size; ``(batch,)``.
+    duration
+        Time that they are averaged over, in time units.
+    """
+
+    exponents: FloatArray
+    restarts: npt.NDArray[np.int64]
+    duration: float
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean over independent trajectories with its confidence interval.
+
+    Attributes
+    ----------
+    mean, standard_error, low, high
+        Arrays of one shape: that of what was averaged, without the axis of the trajectories.
+    """
+
+    mean: FloatArray
+    standard_error: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+
+def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Estimate:
+    """Mean over the first axis and its confidence interval (Student's t).
+
+    Exponents of long trajectories are averages over many correlation times, so that the central
+    limit theorem makes them normal already before this mean is taken.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two trajectories, or the confidence is not between 0 and 1.
+    """
+    count = len(per_series)
+    if count < 2:
+        raise ValueError(f"a confidence interval needs at least two trajectories, not {count}")
+    if not 0.0 < confidence < 1.0:
+        raise ValueError(f"the confidence must be between 0 and 1, not {confidence}")
+    mean = np.asarray(per_series.mean(axis=0))
+    error = np.asarray(per_series.std(axis=0, ddof=1) / np.sqrt(count))
+    margin = stdtrit(count - 1, 0.5 + 0.5 * confidence) * error
+    return Estimate(
+        mean=mean,
+        standard_error=error,
+        low=np.asarray(mean - margin),
+        high=np.asarray(mean + margin),
+    )
+
+
+def lyapunov_spectrum(
+    system: DynamicalSystem,
+    state: FloatArray,
+    time_step: float,
+    steps: int,
+    orthonormalisation_steps: int,
+    alignment_steps: int = 0,
+) -> LyapunovSpectrum:
+    """All Lyapunov exponents by repeated QR factorisation of the tangent propagator.
+
+    As many perturbations as the system has dimensions evolve under the linearised equations, and
+    are orthonormalised at regular intervals before they all line up with the fastest one
+    (Ginelli et al., Phys. Rev. Lett. 99 (2007) 130601, which the paper follows). The exponents are
+    the mean growth rates, the logarithms of the diagonal of R over time. The linear equations are
+    stepped by the same Runge-Kutta scheme, which yields the derivative of the discrete map itself.
+
+    Parameters
+    ----------
+    system
+        The equations.
+    state
+        States on the attractor to start from, ``(dimension, batch)``. They must not leave the
+        chaotic phase within ``alignment_steps + steps`` steps: see the module's description.
+    time_step
+        Step of the scheme, in time units.
+    steps
+        Number of steps that growth is averaged over; an incomplete interval at their end is
+        left out.
+    orthonormalisation_steps
+        Number of steps between two factorisations.
+    alignment_steps
+        Number of steps before growth counts, so that the perturbations forget the unit vectors
+        that they start from; rounded up to whole intervals.
+
+    Raises
+    ------
+    ValueError
+        If an argument has the wrong shape or sign, if there is no complete interval, or if the
+        interval is so long that the weakest direction is lost to rounding.
+    FloatingPointError
+        If a trajectory leaves the range of floating-point numbers.
+    """
+    check_batch(system, state, time_step)
+    if orthonormalisation_steps < 1:
+        raise ValueError(
+            f"at least one step must lie between two factorisations, not {orthonormalisation_steps}"
+        )
+    if alignment_steps < 0:
+        raise ValueError(f"the alignment must not be negative, not {alignment_steps} steps")
+    intervals = steps // orthonormalisation_steps
+    if intervals < 1:
+        raise ValueError(
+            f"{steps} steps hold no complete interval of {orthonormalisation_steps} steps "
+            "between two factorisations"
+        )
+    alignment_intervals = -(-alignment_steps // orthonormalisation_steps)
+    dimension, batch = state.shape
+    tangent = np.broadcast_to(np.eye(dimension), (batch, dimension, dimension))
+    log_growth = np.zeros((batch, dimension))
+    for interval in range(alignment_intervals + intervals):
+        with np.errstate(over="ignore", invalid="ignore"):
+            for _ in range(orthonormalisation_steps):
+                state, tangent = tangent_step(system, state, tangent, time_step)
+        if not (np.isfinite(state).all() and np.isfinite(tangent).all()):
+            raise FloatingPointError(
+                "a trajectory or its perturbations left the range of floating-point numbers"
+            )
+        tangent, triangle = np.linalg.qr(tangent)
+        growth = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
+        if (growth.min(axis=1) < _SMALLEST_GROWTH_RATIO * growth.max(axis=1)).any():
+            raise ValueError(
+                f"an interval of {orthonormalisation_steps * time_step:g} time units between two "
+                "factorisations is too long: the weakest direction is lost to rounding"
+            )
+        if interval >= alignment_intervals:
+            log_growth += np.log(growth)
+    duration = intervals * orthonormalisation_steps * time_step
+    return LyapunovSpectrum(exponents=log_growth / duration, duration=duration)
+
+
+def tangent_step(
+    system: DynamicalSystem, state: FloatArray, tangent: FloatArray, time_step: float
+) -> tuple[FloatArray, FloatArray]:
+    """One Runge-Kutta step of states and of perturbations under the linearised equations.
+
+    Parameters
+    ----------
+    system
+        The equations.
+    state
+        ``(dimension, batch)``.
+    tangent
+        Perturbations in columns, ``(batch, dimension, perturbations)``.
+    time_step
+        Step of the scheme, in time units.
+
+    Returns
+    -------
+    tuple
+        Both, one step later. The state is bit for bit that of `integration.step`; the
+        perturbations are multiplied by the derivative of that map.
+    """
+    half = 0.5 * time_step
+    slope_1 = system.right_hand_side(state)
+    tangent_1 = _jacobians(system, state) @ tangent
+    stage = state + half * slope_1
+    slope_2 = system.right_hand_side(stage)
+    tangent_2 = _jacobians(system, stage) @ (tangent + half * tangent_1)
+    stage = state + half * slope_2
+    slope_3 = system.right_hand_side(stage)
+    tangent_3 = _jacobians(system, stage) @ (tangent + half * tangent_2)
+    stage = state + time_step * slope_3
+    slope_4 = system.right_hand_side(stage)
+    tangent_4 = _jacobians(system, stage) @ (tangent + time_step * tangent_3)
+    return (
+        combine(state, slope_1, slope_2, slope_3, slope_4, time_step),
+        combine(tangent, tangent_1, tangent_2, tangent_3, tangent_4, time_step),
+    )
+
+
+def _jacobians(system: DynamicalSystem, state: FloatArray) -> FloatArray:
+    """Jacobians as a stack of matrices, ``(batch, dimension, dimension)``."""
+    # contiguous: numpy multiplies stacks of strided matrices without BLAS, ten times slower
+    return np.ascontiguousarray(np.moveaxis(system.jacobian(state), -1, 0))
+
+
+def perturbation_growth(
+    system: DynamicalSystem,
+    state: FloatArray,
+    time_step: float,
+    steps: int,
+    initial_distance: float,
+    saturation_distance: float,
+    generator: np.random.Generator,
+    alignment_steps: int = 0,
+) -> PerturbationGrowth:
+    """Leading Lyapunov exponent from the divergence of neighbouring trajectories.
+
+    Beside each trajectory runs a neighbour. When nonlinearity is about to saturate their distance,
+    the neighbour is brought back to the initial distance along the direction that it has reached
+    (Benettin et al., Meccanica 15 (1980) 9), and growth starts anew from another point of the
+    attractor. A distance that falls far below the initial one is renewed likewise, before rounding
+    errors show in it.
+
+    The exponent of a trajectory is the ratio of all its logarithmic growth, of the last incomplete
+    phase too, to all the time. It is not the mean of the rates of the single phases: a phase ends
+    when the perturbation has grown by a fixed factor, so that fast phases are short, and a mean
+    that gives each phase one vote would count the bursts of growth too much.
+
+    Parameters
+    ----------
+    system, state, time_step
+        See `lyapunov_spectrum`.
+    steps
+        Number of steps that growth is averaged over.
+    initial_distance, saturation_distance
+        Distances between neighbours at the start of a growth phase and at its end, in units of the
+        state (see `attractor_size`).
+    generator
+        Draws the directions of the first perturbations.
+    alignment_steps
+        Number of steps before growth counts, so that the perturbations find the leading direction.
+
+    Raises
+    ------
+    ValueError
+        If an argument has the wrong shape or sign.
+    FloatingPointError
+        If a trajectory leaves the range of floating-point numbers, or neighbours coincide.
+    """
+    check_batch(system, state, time_step)
+    if not 0.0 < initial_distance < saturation_distance < np.inf:
+        raise ValueError(
+            "the distances must satisfy 0 < initial < saturation, "
+            f"not {initial_distance} and {saturation_distance}"
+        )
+    if steps < 1:
+        raise ValueError(f"growth must be averaged over at least one step, not {steps}")
+    if alignment_steps < 0:
+        raise ValueError(f"the alignment must not be negative, not {alignment_steps} steps")
+    direction = generator.standard_normal(state.shape)
+    direction *= initial_distance / _norm(direction)
+    # The pair is an axis of its own, so that parameters over the batch still broadcast.
+    pair = np.stack([state, state + direction], axis=1)
+    log_growth = np.zeros(state.shape[1])
+    restarts = np.zeros(state.shape[1], dtype=np.int64)
+    distance = np.empty(0)
+    for index in range(alignment_steps + steps):
+        if index == alignment_steps:
+            log_growth = -np.log(_norm(pair[:, 1] - pair[:, 0]) / initial_distance)
+            restarts[:] = 0
+        with np.errstate(over="ignore", invalid="ignore"):
+            pair = step(system, pair, time_step)
+            difference = pair[:, 1] - pair[:, 0]
+            distance = _norm(difference)
+        if not (distance > 0.0).all():
+            raise FloatingPointError(
+                "two neighbouring trajectories coincide or left the range of floating-point "
+                "numbers: check the time step and the initial distance"
+            )
+        restart = (distance > saturation_distance) | (distance < 0.01 * initial_distance)
+        if restart.any():
+            log_growth[restart] += np.log(distance[restart] / initial_distance)
+            restarts[restart] += 1
+            difference = difference[:, restart] * (initial_distance / distance[restart])
+            pair[:, 1, restart] = pair[:, 0, restart] + difference
+            distance[restart] = initial_distance
+    log_growth += np.log(distance / initial_distance)
+    duration = steps * time_step
+    return PerturbationGrowth(exponents=log_growth / duration, restarts=restarts, duration=duration)
+
+
+def attractor_size(states: FloatArray) -> float:
+    """Root-mean-square distance of states ``(dimension, count)`` from their mean."""
+    deviation = states - states.mean(axis=1, keepdims=True)
+    return float(np.sqrt(np.mean(np.sum(np.square(deviation), axis=0))))
+
+
+def _norm(vectors: FloatArray) -> FloatArray:
+    """Euclidean norm over the first axis."""
+    # row by row, so that the rounding does not depend on the size of the batch
+    total: FloatArray = np.square(vectors[0])
+    for row in vectors[1:]:
+        total += row * row
+    return np.sqrt(total)

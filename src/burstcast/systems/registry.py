@@ -1,0 +1,104 @@
+"""Dynamical systems by name: the module ``burstcast.systems.<name>`` holds the system ``<name>``.
+
+A new system is one new module with one concrete subclass of `DynamicalSystem` in it; nothing has to
+be registered.
+"""
+
+import dataclasses
+import difflib
+import importlib
+import inspect
+import math
+import numbers
+import pkgutil
+from collections.abc import Iterable, Mapping
+
+import burstcast.systems
+from burstcast.systems.base import DynamicalSystem
+
+
+def available_systems() -> list[str]:
+    """Names of all the systems, sorted."""
+    return [name for name in _module_names() if _systems_in(name)]
+
+
+def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
+    """Make the system ``name`` with these parameters.
+
+    Parameters
+    ----------
+    name
+        Name of a module of `burstcast.systems`: "mfe", "lorenz63", ...
+    parameters
+        Values of the fields of the system's class; those with a default may be left out.
+
+    Raises
+    ------
+    ValueError
+        If there is no such system; if a parameter is unknown, missing or not a finite number; or
+        if the system itself rejects a value.
+    TypeError
+        If the module defines more than one system.
+    """
+    classes = _systems_in(name) if name in _module_names() else []
+    if not classes:
+        available = available_systems()
+        raise ValueError(
+            f"unknown system {name!r}{_suggestion(name, available)}; "
+            f"the available systems are {', '.join(available)}"
+        )
+    if len(classes) > 1:
+        names = ", ".join(system_class.__name__ for system_class in classes)
+        raise TypeError(f"burstcast.systems.{name} must define one system, not several: {names}")
+    return classes[0](**_checked_parameters(name, classes[0], parameters))
+
+
+def _module_names() -> list[str]:
+    return sorted(module.name for module in pkgutil.iter_modules(burstcast.systems.__path__))
+
+
+def _systems_in(module_name: str) -> list[type[DynamicalSystem]]:
+    """Concrete systems that a module itself defines (not those that it imports)."""
+    module = importlib.import_module(f"burstcast.systems.{module_name}")
+    return [
+        candidate
+        for candidate in vars(module).values()
+        if inspect.isclass(candidate)
+        and issubclass(candidate, DynamicalSystem)
+        and candidate.__module__ == module.__name__
+        and not inspect.isabstract(candidate)
+    ]
+
+
+def _checked_parameters(
+    name: str, system_class: type[DynamicalSystem], parameters: Mapping[str, float]
+) -> dict[str, float]:
+    if not dataclasses.is_dataclass(system_class):
+        raise TypeError(f"{system_class.__name__} must be a dataclass of its parameters")
+    fields = [field for field in dataclasses.fields(system_class) if field.init]
+    known = [field.name for field in fields]
+    for key in parameters:
+        if key not in known:
+            raise ValueError(
+                f"system {name!r} has no parameter {key!r}{_suggestion(key, known)}; "
+                f"its parameters are {', '.join(known) or 'none'}"
+            )
+    for field in fields:
+        optional = (
+            field.default is not dataclasses.MISSING
+            or field.default_factory is not dataclasses.MISSING
+        )
+        if not optional and field.name not in parameters:
+            raise ValueError(f"system {name!r} needs the parameter {field.name!r}")
+    for key, value in parameters.items():
+        is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        if not is_number or not math.isfinite(value):
+            raise ValueError(
+                f"parameter {key!r} of system {name!r} must be a finite number, not {value!r}"
+            )
+    return {key: float(value) for key, value in parameters.items()}
+
+
+def _suggestion(name: str, candidates: Iterable[str]) -> str:
+    closest = difflib.get_close_matches(str(name), list(candidates), n=1)
+    return f" (did you mean {closest[0]!r}?)" if closest else ""
