@@ -1,0 +1,234 @@
+"""Fingerprints of code: what a script runs, insensitive to how it is written down.
+
+Snakemake does not notice that a module which a script imports has changed. Each rule therefore
+carries the fingerprints of its script and of all modules of the project that the script reaches
+through imports, as a parameter, and Snakemake compares them as it does any other parameter.
+
+A fingerprint is a hash of the syntax tree without positions, comments and docstrings. The tree is
+walked here rather than by `ast.dump`, whose output differs between Python versions. What imports do
+not show must not happen: `forbidden_imports` finds it, and a test keeps it out.
+"""
+
+import ast
+import hashlib
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from pathlib import Path
+
+_HASH_LENGTH = 12
+
+
+def fingerprint(script: Path, source_root: Path, extra_modules: Sequence[str] = ()) -> list[str]:
+    """Fingerprints of a script and of the project's modules that it uses.
+
+    Files are read once per process: what is edited while the workflow runs counts at its next run.
+
+    Parameters
+    ----------
+    script
+        The script's file. It may import the project's packages and its own neighbours.
+    source_root
+        Directory of the project's packages.
+    extra_modules
+        Modules that the script reaches otherwise than by importing them: the dynamical system,
+        which is found by its name.
+
+    Returns
+    -------
+    list of str
+        Sorted entries ``module@hash``; the script's is ``name.py@hash``.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the script or one of the extra modules does not exist.
+    SyntaxError
+        If one of the files is not Python.
+    """
+    return list(_fingerprint(Path(script), Path(source_root), tuple(extra_modules)))
+
+
+def forget_files() -> None:
+    """Forget all files that were read, so that edits are seen by this process."""
+    _fingerprint.cache_clear()
+    _parsed.cache_clear()
+    _located.cache_clear()
+
+
+@cache
+def _fingerprint(script: Path, source_root: Path, extra_modules: tuple[str, ...]) -> list[str]:
+    roots = (source_root, script.parent)
+    digest, imports = _parsed(script)
+    entries = {script.name: digest}
+    waiting = [name for name, level in imports if level == 0]
+    for module in extra_modules:
+        if _located(module, roots) is None:
+            raise FileNotFoundError(f"there is no module {module} in {source_root}")
+        waiting.append(module)
+    while waiting:
+        for module in _with_parents(waiting.pop()):
+            path = _located(module, roots)
+            if module in entries or path is None:
+                continue
+            digest, imports = _parsed(path)
+            entries[module] = digest
+            package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+            waiting += [_absolute(name, level, package) for name, level in imports]
+    return sorted(f"{name}@{digest}" for name, digest in entries.items())
+
+
+def _absolute(name: str, level: int, package: str) -> str:
+    """Name that ``level`` leading dots and ``name`` stand for in a module of ``package``."""
+    if level == 0:
+        return name
+    parts = package.split(".")
+    base = parts[: len(parts) - (level - 1)]
+    return ".".join([*base, *filter(None, [name])])
+
+
+def _with_parents(name: str) -> list[str]:
+    """List the packages that a module lies in, and it: an import runs them all."""
+    parts = name.split(".")
+    return [".".join(parts[:count]) for count in range(1, len(parts) + 1)]
+
+
+@cache
+def _located(module: str, roots: tuple[Path, ...]) -> Path | None:
+    """File of a module of the project; None for other modules, and names that are no modules."""
+    for root in roots:
+        path = root.joinpath(*module.split("."))
+        for candidate in (path / "__init__.py", path.with_name(path.name + ".py")):
+            if candidate.is_file():
+                return candidate
+    return None
+
+
+@cache
+def _parsed(path: Path) -> tuple[str, list[tuple[str, int]]]:
+    """Hash of a file's code, and its imports: names with their numbers of leading dots."""
+    tree = ast.parse(path.read_bytes(), str(path))
+    parts: list[str] = []
+    _serialise(tree, parts)
+    digest = hashlib.sha256("\x1f".join(parts).encode("utf-8", "surrogatepass")).hexdigest()
+    return digest[:_HASH_LENGTH], list(_imports(tree))
+
+
+def _imports(tree: ast.AST) -> Iterator[tuple[str, int]]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield alias.name, 0
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            yield base, node.level
+            for alias in node.names:
+                # a module, or a name in one: only the former is found as a file
+                yield f"{base}.{alias.name}" if base else alias.name, node.level
+
+
+# fields that say nothing about what the code does, or that repeat its position
+_IGNORED_FIELDS = frozenset({"ctx", "kind", "type_comment", "type_ignores"})
+
+
+def _serialise(node: ast.AST, parts: list[str]) -> None:
+    """Append the tree below a node in a form that depends only on what the code does.
+
+    Fields that are empty are left out, since later Python versions have fields that earlier ones
+    have not; statements without effect (docstrings, other bare constants, pass) likewise.
+    """
+    kind = type(node)
+    parts.append(kind.__name__)
+    if kind is ast.Constant:
+        parts.append(_constant(node.value))  # type: ignore[attr-defined]
+        return
+    for field in kind._fields:
+        value = getattr(node, field, None)
+        if value is None or value == [] or field in _IGNORED_FIELDS:
+            continue
+        parts.append(field)
+        if isinstance(value, list):
+            parts.append("[")
+            for item in value:
+                if isinstance(item, ast.AST):
+                    if not _without_effect(item):
+                        _serialise(item, parts)
+                else:
+                    parts.append(repr(item))  # names, and None for what is absent in a row
+            parts.append("]")
+        elif isinstance(value, ast.AST):
+            _serialise(value, parts)
+        else:
+            parts.append(repr(value))
+    parts.append(")")
+
+
+def _constant(value: object) -> str:
+    return f"{type(value).__name__} {value!r}"
+
+
+def _without_effect(node: ast.AST) -> bool:
+    kind = type(node)
+    return kind is ast.Pass or (kind is ast.Expr and type(node.value) is ast.Constant)  # type: ignore[attr-defined]
+
+
+# -- what fingerprints cannot follow ------------------------------------------------------------
+
+_FORBIDDEN_MODULES = frozenset({"importlib", "imp", "pkgutil", "runpy", "zipimport"})
+_FORBIDDEN_NAMES = frozenset({"__import__", "compile", "eval", "exec"})
+
+
+def forbidden_imports(path: Path) -> list[str]:
+    """Places of a file that run code which fingerprints do not see, as ``line 3: ...``.
+
+    These are imports by computed names, code made from text, and ``import *``, after which it is
+    unclear where a name comes from. ``from importlib.metadata import ...`` only reads versions and
+    is allowed.
+    """
+    return _places(path, _forbidden_import)
+
+
+def forbidden_reads(path: Path) -> list[str]:
+    """Places of a script that read something of Snakemake which no parameter carries.
+
+    A script hands the object ``snakemake`` to `burstcast_workflow.job.run_job` and does nothing
+    else with it: its config and its wildcards would be settings that nothing tracks.
+    """
+    return _places(path, _forbidden_read)
+
+
+def _places(path: Path, find: Callable[[ast.AST], str]) -> list[str]:
+    tree = ast.parse(path.read_bytes(), str(path))
+    return [
+        f"line {getattr(node, 'lineno', 0)}: {what}"
+        for node in ast.walk(tree)
+        if (what := find(node))
+    ]
+
+
+def _forbidden_import(node: ast.AST) -> str:
+    if isinstance(node, ast.Import):
+        names = [alias.name for alias in node.names]
+    elif isinstance(node, ast.ImportFrom):
+        if any(alias.name == "*" for alias in node.names):
+            return f"from {'.' * node.level}{node.module or ''} import *"
+        names = [] if node.module == "importlib.metadata" else [node.module or ""]
+    else:
+        return node.id if isinstance(node, ast.Name) and node.id in _FORBIDDEN_NAMES else ""
+    forbidden = [name for name in names if name.split(".")[0] in _FORBIDDEN_MODULES]
+    return f"import {forbidden[0]}" if forbidden else ""
+
+
+def _forbidden_read(node: ast.AST) -> str:
+    if isinstance(node, ast.Attribute | ast.Subscript) and _is_snakemake(node.value):
+        return f"snakemake.{node.attr}" if isinstance(node, ast.Attribute) else "snakemake[...]"
+    if isinstance(node, ast.Assign | ast.AnnAssign | ast.NamedExpr) and _is_snakemake(node.value):
+        return "snakemake under another name"
+    if isinstance(node, ast.Call):
+        called = node.func.id if isinstance(node.func, ast.Name) else ""
+        if called != "run_job" and any(_is_snakemake(argument) for argument in node.args):
+            return f"snakemake handed to {called or 'something'} instead of run_job"
+    return ""
+
+
+def _is_snakemake(node: ast.AST | None) -> bool:
+    return isinstance(node, ast.Name) and node.id == "snakemake"
