@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.systems.base import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
@@ -86,6 +87,46 @@ def count_by_series(
         false_positive=tally(predicted & ~happened),
         false_negative=tally(~predicted & happened),
         true_negative=tally(~predicted & ~happened),
+    )
+
+
+def score_forecasts(
+    forecast: WindowSummaries,
+    truth: WindowSummaries,
+    washout_maximum: FloatArray,
+    series: npt.NDArray[np.int64],
+    *,
+    first_window: int,
+    windows: int,
+    threshold: float,
+) -> Counts:
+    """Outcomes in each test series at one prediction time.
+
+    A starting point is skipped where the observed washout already reaches the threshold: an event
+    that is under way needs no forecast.
+
+    Parameters
+    ----------
+    forecast, truth
+        Window summaries of the same starting points.
+    washout_maximum
+        Largest observable of each observed washout, ``(points,)``.
+    series
+        Row of each point's series, ``(points,)``.
+    first_window, windows
+        Which windows make up the prediction window.
+    threshold
+        The event threshold, k_e.
+
+    Returns
+    -------
+    Counts of shape ``(series,)``.
+    """
+    return count_by_series(
+        predicted=crosses(forecast, first_window, windows, threshold),
+        happened=crosses(truth, first_window, windows, threshold),
+        scored=washout_maximum < threshold,
+        series=series,
     )
 
 

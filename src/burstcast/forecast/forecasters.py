@@ -8,6 +8,7 @@ import abc
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.systems.base import DynamicalSystem, FloatArray
@@ -41,12 +42,26 @@ class Forecaster(abc.ABC):
         or after the last forecast state, and the memory from which the forecast goes on.
         """
 
+    def diverged(self, outputs: FloatArray) -> npt.NDArray[np.bool_]:
+        """Tell which forecasts ``(steps, dimension, batch)`` have left the finite numbers."""
+        finite: npt.NDArray[np.bool_] = np.isfinite(outputs).all(axis=(0, 1))
+        return ~finite
+
 
 @dataclass(frozen=True)
 class NetworkForecaster(Forecaster):
-    """An echo state network: open loop over the washout, closed loop from there on."""
+    """An echo state network: open loop over the washout, closed loop from there on.
+
+    Attributes
+    ----------
+    network
+        The trained network.
+    divergence_bound
+        A forecast beyond this many training ranges of any component has diverged.
+    """
 
     network: EchoStateNetwork
+    divergence_bound: float
 
     def start(self, washout: FloatArray) -> FloatArray:
         """Reservoir states after the washout, ``(neurons, batch)``."""
@@ -55,6 +70,10 @@ class NetworkForecaster(Forecaster):
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Closed loop (see `Forecaster.advance`)."""
         return self.network.forecast(memory, steps)
+
+    def diverged(self, outputs: FloatArray) -> npt.NDArray[np.bool_]:
+        """Tell which forecasts are not finite or beyond the divergence bound."""
+        return self.network.diverged(outputs, self.divergence_bound)
 
 
 @dataclass(frozen=True)

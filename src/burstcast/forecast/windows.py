@@ -5,12 +5,18 @@ prediction window, which is several of them, is scored from their summaries, wha
 threshold is. Neighbouring windows share their common step.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from burstcast import durations
+from burstcast.forecast.forecasters import Forecaster
 from burstcast.systems.base import FloatArray
+
+POINTS_PER_BATCH = 1024
+"""Forecasts that run side by side: bounds the memory, changes no result."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,7 @@ def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSumm
 
 def crosses(
     summaries: WindowSummaries, first_window: int, windows: int, threshold: float
-) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+) -> npt.NDArray[np.bool_]:
     """Whether the observable crosses the threshold in a prediction window.
 
     It does if it is below the threshold at the window's first step and at or above it later on. A
@@ -94,7 +100,45 @@ def crosses(
     span = slice(first_window, first_window + windows)
     if first_window < 0 or first_window + windows > summaries.first.shape[1]:
         raise IndexError("the prediction window reaches beyond the forecast")
-    below_at_first: np.ndarray[tuple[int], np.dtype[np.bool_]] = (
+    below_at_first: npt.NDArray[np.bool_] = (
         summaries.first[:, first_window] < threshold
     )
     return below_at_first & (summaries.largest[:, span].max(axis=1) >= threshold)
+
+
+def forecast_summaries(
+    forecaster: Forecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    washouts: FloatArray,
+    boundaries: tuple[int, ...],
+) -> tuple[WindowSummaries, npt.NDArray[np.bool_]]:
+    """Forecast from many starting points and keep the window summaries.
+
+    Parameters
+    ----------
+    forecaster
+        Who forecasts.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
+    washouts
+        Observed states up to each starting point, ``(points, steps, dimension)``.
+    boundaries
+        Of the windows (`window_boundaries`).
+
+    Returns
+    -------
+    Summaries, and which forecasts have diverged, ``(points,)``.
+    """
+    batches = []
+    diverged = []
+    for start in range(0, len(washouts), POINTS_PER_BATCH):
+        batch = washouts[start : start + POINTS_PER_BATCH].transpose(1, 2, 0)
+        memory = forecaster.start(np.ascontiguousarray(batch))
+        outputs, _ = forecaster.advance(memory, boundaries[-1])
+        batches.append(summarise(observable(outputs.transpose(1, 0, 2)), boundaries))
+        diverged.append(forecaster.diverged(outputs))
+    summaries = WindowSummaries(
+        first=np.concatenate([batch.first for batch in batches]),
+        largest=np.concatenate([batch.largest for batch in batches]),
+    )
+    return summaries, np.concatenate(diverged)

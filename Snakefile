@@ -1,0 +1,26 @@
+"""burstcast: forecasting and control of extreme events in chaotic flows."""
+
+from snakemake.utils import min_version
+
+min_version("9.20")
+
+
+configfile: "config.yaml"
+
+
+conda: "workflow/envs/burstcast.yaml"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/dataset.smk"
+include: "workflow/rules/network.smk"
+include: "workflow/rules/time_accurate.smk"
+include: "workflow/rules/report.smk"
+
+
+rule all:
+    default_target: True
+    localrule: True
+    input:
+        rules.tables.input,
+        rules.figures.input,

@@ -1,0 +1,126 @@
+"""The open loop over the training series, gathered into what training and validation need.
+
+Source: section "Echo State Networks" of the paper. All series are driven side by side, and the
+states are summed up panel by panel as they come: they are never all in memory.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.readout import Moments, MomentsAccumulator, Readout, solve_ridge
+from burstcast.systems.base import FloatArray
+
+@dataclass(frozen=True)
+class TrainingSeries:
+    """Series to learn from.
+
+    Attributes
+    ----------
+    observed
+        States with their observation noise, ``(series, time, dimension)``: inputs and targets.
+    input_range
+        What the inputs are divided by, ``(dimension,)``.
+    """
+
+    observed: FloatArray
+    input_range: FloatArray
+
+    @property
+    def series(self) -> int:
+        """Number of series."""
+        return int(self.observed.shape[0])
+
+    @property
+    def length(self) -> int:
+        """Samples of each series."""
+        return int(self.observed.shape[1])
+
+
+@dataclass(frozen=True)
+class Collected:
+    """What an open loop over the training series leaves behind.
+
+    The state at step j has seen the inputs up to step j - 1 and is paired with the target of step j.
+
+    Attributes
+    ----------
+    moments
+        Of all states after the washout.
+    snapshot
+        Of those before the step of the snapshot; None where none was asked for.
+    states
+        Reservoir states ``(neurons, series)`` by step, where they were asked for.
+    """
+
+    moments: Moments
+    snapshot: Moments | None
+    states: dict[int, FloatArray]
+
+
+def collect(
+    dynamics: Dynamics,
+    training: TrainingSeries,
+    *,
+    washout: int,
+    snapshot: int | None = None,
+    last: int | None = None,
+    keep: Sequence[int] = (),
+) -> Collected:
+    """Drive a reservoir by the training series.
+
+    Parameters
+    ----------
+    dynamics
+        The reservoir.
+    training
+        The series.
+    washout
+        Number of inputs before the first state that counts, which is the one at step ``washout``.
+    snapshot
+        Step before which a snapshot of the moments ends.
+    last
+        Last step that is needed; None: the end of the series. The states up to and including it
+        are driven; its own state counts in the moments as all others do.
+    keep
+        Steps whose states are kept.
+
+    Raises
+    ------
+    ValueError
+        If a step lies outside of what is driven.
+    """
+    end = training.length - 1 if last is None else last
+    wanted = sorted(set(keep))
+    if washout < 1:
+        raise ValueError(f"the washout must have at least one step, not {washout}")
+    if (wanted and not washout <= wanted[0] <= wanted[-1] <= end) or not washout < end:
+        raise ValueError("the steps asked for lie outside of the training series")
+    # inputs 0 .. end - 1 lead to the states at steps 1 .. end
+    inputs = np.ascontiguousarray(training.observed[:, :end].transpose(1, 2, 0))
+    inputs /= training.input_range[:, np.newaxis]
+    accumulator = MomentsAccumulator(dynamics.reservoir.neurons, training.observed.shape[2])
+    taken: Moments | None = None
+    states: dict[int, FloatArray] = {}
+    breakpoints = [washout - 1, *([] if snapshot is None else [snapshot - 1])]
+    for panel in dynamics.state_panels(inputs, breakpoints=breakpoints):
+        first, stop = panel.start + 1, panel.stop + 1  # steps of the states in this panel
+        for step in wanted:
+            if first <= step < stop:
+                states[step] = panel.states[:, step - first].copy()
+        if first < washout:
+            continue
+        if first == snapshot:
+            taken = accumulator.moments()
+        targets = training.observed[:, first:stop].transpose(2, 1, 0)
+        accumulator.add(panel.columns, targets.reshape(len(targets), -1))
+    return Collected(moments=accumulator.moments(), snapshot=taken, states=states)
+
+
+def train(
+    dynamics: Dynamics, training: TrainingSeries, *, washout: int, tikhonov: float
+) -> Readout:
+    """Readout of a network trained on the whole of the series (paper, ridge regression)."""
+    return solve_ridge(collect(dynamics, training, washout=washout).moments, tikhonov)

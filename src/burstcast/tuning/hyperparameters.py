@@ -1,0 +1,69 @@
+"""The searched hyperparameters, the space they are searched in, and the grid that covers it."""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class HyperparameterPoint:
+    """Where in the search space a network is evaluated.
+
+    Attributes
+    ----------
+    spectral_radius
+        rho, of the recurrent matrix.
+    input_scaling
+        sigma_in, of the input matrix.
+    """
+
+    spectral_radius: float
+    input_scaling: float
+
+
+@dataclass(frozen=True)
+class SearchSpace:
+    """Bounds of the search, which goes on in logarithmic scale.
+
+    Attributes
+    ----------
+    spectral_radius, input_scaling
+        Lower and upper bound of each; positive.
+    """
+
+    spectral_radius: tuple[float, float]
+    input_scaling: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        """Check the bounds.
+
+        Raises
+        ------
+        ValueError
+            If they are not positive and increasing.
+        """
+        for name in ("spectral_radius", "input_scaling"):
+            low, high = getattr(self, name)
+            if not 0 < low < high:
+                raise ValueError(f"search.{name} must be positive and increasing, not {low}, {high}")
+
+    def grid(self, points: int) -> list[HyperparameterPoint]:
+        """Regular grid of ``points`` x ``points`` in logarithmic scale that includes the corners."""
+        return [
+            HyperparameterPoint(float(rho), float(sigma))
+            for rho, sigma in itertools.product(
+                np.geomspace(*self.spectral_radius, points),
+                np.geomspace(*self.input_scaling, points),
+            )
+        ]
+
+    def logarithm(self, point: HyperparameterPoint) -> list[float]:
+        """Decimal logarithms of a point, moved onto the bounds where rounding has left them."""
+        return [
+            float(np.clip(np.log10(value), *np.log10(bounds)))
+            for value, bounds in (
+                (point.spectral_radius, self.spectral_radius),
+                (point.input_scaling, self.input_scaling),
+            )
+        ]

@@ -1,0 +1,65 @@
+"""Search for the spectral radius and the input scaling: a grid, then Bayesian optimisation.
+
+Source: section "Validation" of the paper: a 4 x 4 grid in logarithmic scale, then nine points chosen
+by gp_hedge (Hoffman et al., 2011). The Tikhonov parameter is the best of its own grid at each point.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from skopt import Optimizer
+from skopt.learning import GaussianProcessRegressor
+from skopt.learning.gaussian_process.kernels import ConstantKernel, Matern
+from skopt.space import Real
+
+from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
+
+def bayesian_search(
+    space: SearchSpace,
+    evaluated: Sequence[tuple[HyperparameterPoint, float]],
+    points: int,
+    evaluate: Callable[[HyperparameterPoint], float],
+    seed: int,
+) -> None:
+    """Evaluate ``points`` more hyperparameters where a Gaussian process expects most of them.
+
+    The Gaussian process has a constant times an anisotropic Matern 5/2 kernel and normalised
+    targets; gp_hedge chooses among expected improvement, lower confidence bound and probability of
+    improvement.
+
+    Parameters
+    ----------
+    space
+        Bounds of the search.
+    evaluated
+        Points that are known, with their objectives: the grid.
+    points
+        How many points to add.
+    evaluate
+        Objective at a point, to be minimised. The caller records what it needs of each evaluation.
+    seed
+        Seed of the optimiser.
+    """
+    kernel = ConstantKernel(1.0, (1e-2, 1e3)) * Matern(
+        length_scale=[1.0, 1.0], length_scale_bounds=[(1e-2, 1e2), (1e-2, 1e2)], nu=2.5
+    )
+    process = GaussianProcessRegressor(
+        kernel=kernel, normalize_y=True, n_restarts_optimizer=3, noise=1e-10, random_state=seed
+    )
+    optimizer = Optimizer(
+        [Real(*np.log10(space.spectral_radius)), Real(*np.log10(space.input_scaling))],
+        base_estimator=process,
+        n_initial_points=0,
+        acq_func="gp_hedge",
+        random_state=seed,
+    )
+    optimizer.tell(
+        [space.logarithm(point) for point, _ in evaluated],
+        [objective for _, objective in evaluated],
+        fit=points > 0,
+    )
+    for remaining in reversed(range(points)):
+        logarithm = optimizer.ask()
+        objective = evaluate(HyperparameterPoint(10.0 ** logarithm[0], 10.0 ** logarithm[1]))
+        # the last fit would propose a point that nobody evaluates
+        optimizer.tell(logarithm, objective, fit=remaining > 0)

@@ -1,0 +1,300 @@
+"""The campaign: which networks are made, and which settings each rule reads.
+
+Every rule gets one plain dictionary of just the settings that its script reads. A setting that a
+rule does not read cannot make it run again; a setting that it reads always does.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from burstcast import durations
+from burstcast_workflow.canonical import canonical
+
+Settings = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Network:
+    """One network of the campaign: a case, a size, a validation strategy and a seed."""
+
+    case: str
+    neurons: int
+    validation: str
+    seed: int
+
+    @property
+    def directory(self) -> str:
+        """Its directory below the results directory."""
+        return f"{self.case}/N{self.neurons}/{self.validation}/seed{self.seed}"
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A validated configuration, expanded.
+
+    Attributes
+    ----------
+    config
+        The whole configuration (`burstcast_workflow.config.load`).
+    cases
+        The record of each case that the campaign uses (`burstcast_workflow.config.case_records`).
+    """
+
+    config: Mapping[str, Any]
+    cases: Mapping[str, Mapping[str, Any]]
+
+    @cached_property
+    def networks(self) -> tuple[Network, ...]:
+        """All networks, each once, in the order of the campaign's blocks."""
+        return tuple(dict.fromkeys(self._expand()))
+
+    def _expand(self) -> Iterator[Network]:
+        for block in self.config["campaign"]:
+            names = [f"Re{reynolds:g}" for reynolds in block.get("reynolds", [])]
+            for case in [*names, *block.get("cases", [])]:
+                for neurons in block["neurons"]:
+                    for validation in block["validation"]:
+                        for seed in range(block["seeds"]):
+                            yield Network(case, neurons, validation, seed)
+
+    def select(self, **values: object) -> tuple[Network, ...]:
+        """Networks whose attributes have the given values."""
+        return tuple(
+            network
+            for network in self.networks
+            if all(getattr(network, name) == value for name, value in values.items())
+        )
+
+    @property
+    def case_names(self) -> tuple[str, ...]:
+        """Cases that some network of the campaign is made for."""
+        return tuple(dict.fromkeys(network.case for network in self.networks))
+
+    def reynolds(self, case: str) -> float | None:
+        """Reynolds number of a case; None for a system that has none."""
+        value = self.cases[case]["parameters"].get("reynolds")
+        return None if value is None else float(value)
+
+    def steps_per_lyapunov_time(self, case: str) -> int | None:
+        """Network steps in a Lyapunov time, where the config knows it; None where it is computed."""
+        record = self.cases[case]
+        exponent = record["lyapunov"]["published_exponent"]
+        if record["lyapunov"]["time_unit"] == "computed" or exponent is None:
+            return None
+        return durations.steps_per_lyapunov_time(exponent, self.sampling_interval(case))
+
+    def sampling_interval(self, case: str) -> float:
+        """Time between two steps of the network, in time units."""
+        ensemble = self.cases[case]["ensemble"]
+        return float(ensemble["time_step"] * ensemble["sampling_stride"])
+
+    @property
+    def example(self) -> Network:
+        """The network whose forecasts the figures show."""
+        figures = self.config["figures"]
+        return Network(
+            figures["example_case"],
+            figures["example_neurons"],
+            figures["example_validation"],
+            figures["example_seed"],
+        )
+
+    # -- settings, one function for each rule ------------------------------------------------------
+
+    def settings(self, rule: str, wildcards: Mapping[str, str]) -> Settings:
+        """Settings that the script of ``rule`` reads, in canonical form.
+
+        Raises
+        ------
+        KeyError
+            If no settings are defined for the rule.
+        """
+        read: Callable[[Mapping[str, str]], Settings] = getattr(self, f"_{rule}")
+        result: Settings = canonical(read(wildcards))
+        return result
+
+    def _system(self, case: str) -> Settings:
+        return _pick(self.cases[case], "system", "parameters")
+
+    def _time(self, case: str) -> Settings:
+        return {
+            "sampling_interval": self.sampling_interval(case),
+            "steps_per_lyapunov_time": self.steps_per_lyapunov_time(case),
+        }
+
+    def _observation(self, case: str) -> Settings:
+        return {
+            "case": case,
+            "random_seed": self.config["random_seed"],
+            "training": self.cases[case]["training"],
+        }
+
+    def _simulate(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._system(case),
+            **_pick(self.cases[case], "ensemble", "laminarisation_threshold"),
+            "case": case,
+            "random_seed": self.config["random_seed"],
+        }
+
+    def _lyapunov(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        record = self.cases[case]
+        return {
+            **self._system(case),
+            "lyapunov": _pick(
+                record["lyapunov"],
+                "series",
+                "orthonormalisation_interval",
+                "perturbation",
+                "saturation",
+            ),
+            "ensemble": _pick(record["ensemble"], "time_step", "sampling_stride"),
+            "case": case,
+            "random_seed": self.config["random_seed"],
+        }
+
+    def _test_set(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._system(case),
+            **self._time(case),
+            **self._observation(case),
+            "test_series": self.cases[case]["test_series"],
+            "washout_lt": self.config["network"]["washout_lt"],
+            "start_spacing_lt": self.config["classification"]["start_spacing_lt"],
+            "windows": self._windows(),
+        }
+
+    def _windows(self) -> Settings:
+        """How forecasts are cut into windows: all that forecasting knows of the classification."""
+        classification = self.config["classification"]
+        resolution = classification["resolution_lt"]
+        reach = classification["longest_prediction_time_lt"] + classification["window_lt"]
+        return {"resolution_lt": resolution, "count": round(reach / resolution) - 1}
+
+    def _events(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._time(case),
+            **self._observation(case),
+            "event_threshold": self.cases[case]["event_threshold"],
+            "washout_lt": self.config["network"]["washout_lt"],
+            **_pick(self.config["horizon"], "events", "longest_start_lt"),
+        }
+
+    def _validation(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._system(case),
+            **self._time(case),
+            **self._observation(case),
+            **self._reservoir(wildcards),
+            "interval_lt": self.config["search"]["interval_lt"],
+            "recycle_validation": self.cases[case]["recycle_validation"],
+            "tikhonov": self.config["search"]["tikhonov"],
+        }
+
+    def _reservoir(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            "neurons": int(wildcards["neurons"]),
+            "seed": int(wildcards["seed"]),
+            **_pick(self.config["network"], "connectivity", "input_bias", "washout_lt", "kernel"),
+        }
+
+    def _scan(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            **self._validation(wildcards),
+            **_pick(self.config["search"], "spectral_radius", "input_scaling", "grid"),
+        }
+
+    def _tune(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            **self._validation(wildcards),
+            **_pick(self.config["search"], "spectral_radius", "input_scaling", "bayesian_points"),
+            "validation": wildcards["validation"],
+        }
+
+    def _train(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._time(case),
+            **self._observation(case),
+            **self._reservoir(wildcards),
+        }
+
+    def _forecast(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._system(case),
+            **self._time(case),
+            "windows": self._windows(),
+            **_pick(self.config["network"], "kernel", "divergence_bound"),
+        }
+
+    def _horizon(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._system(case),
+            **self._time(case),
+            "event_threshold": self.cases[case]["event_threshold"],
+            **_pick(self.config["network"], "kernel", "washout_lt"),
+            "horizon": _pick(
+                self.config["horizon"], "longest_start_lt", "start_step_lt", "tolerance"
+            ),
+        }
+
+    # -- tables ------------------------------------------------------------------------------------
+
+    def keys(self, networks: Iterable[Network]) -> list[Settings]:
+        """Key columns of the tables, one record for each network."""
+        return [
+            {
+                "case": network.case,
+                "reynolds": self.reynolds(network.case),
+                "forecaster": "esn",
+                "neurons": network.neurons,
+                "validation": network.validation,
+                "seed": network.seed,
+            }
+            for network in networks
+        ]
+
+    def _dataset_table(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            "cases": [
+                {
+                    "case": case,
+                    "reynolds": self.reynolds(case),
+                    "published_exponent": self.cases[case]["lyapunov"]["published_exponent"],
+                    **self._time(case),
+                }
+                for case in self.case_names
+            ]
+        }
+
+    def _hyperparameters_table(self, wildcards: Mapping[str, str]) -> Settings:
+        return {"networks": self.keys(self.networks)}
+
+    def _horizon_table(self, wildcards: Mapping[str, str]) -> Settings:
+        return {"networks": self.keys(self.networks)}
+
+    def _classify(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            "networks": self.keys(self.networks),
+            "event_thresholds": {
+                case: self.cases[case]["event_threshold"] for case in self.case_names
+            },
+            **_pick(
+                self.config["classification"], "prediction_times_lt", "window_lt", "resolution_lt"
+            ),
+            "bootstrap": self.config["bootstrap"],
+            "random_seed": self.config["random_seed"],
+        }
+
+
+def _pick(record: Mapping[str, Any], *names: str) -> Settings:
+    return {name: record[name] for name in names}

@@ -1,0 +1,75 @@
+"""What all rules share: the campaign, and what each rule depends on."""
+
+from pathlib import Path
+
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.cases import case_records
+from burstcast_workflow.config import load
+from burstcast_workflow.costs import memory_mib, runtime_minutes
+from burstcast_workflow.fingerprint import fingerprint
+
+config = load(config)
+campaign = Campaign(config, case_records(config))
+RESULTS = config["results"]
+SOURCES = Path(workflow.basedir) / "src"
+SCRIPTS = Path(workflow.basedir) / "workflow" / "scripts"
+NETWORK = f"{RESULTS}/{{case}}/N{{neurons}}/{{validation}}/seed{{seed}}"
+SCAN = f"{RESULTS}/{{case}}/N{{neurons}}/scan/seed{{seed}}"
+TABLES = f"{RESULTS}/tables"
+FIGURES = f"{RESULTS}/figures"
+
+
+wildcard_constraints:
+    case=r"[A-Za-z0-9_-]+",
+    neurons=r"\d+",
+    validation="SSV|RV",
+    seed=r"\d+",
+    table="[a-z_]+",
+
+
+def settings_of(name):
+    """The settings that the script of a rule reads, as a function of its wildcards."""
+    return lambda wildcards: campaign.settings(name, dict(wildcards.items()))
+
+
+def code_of(name):
+    """Fingerprints of the code that a rule runs, its system's module included."""
+    script = SCRIPTS / f"{name}.py"
+
+    def code(wildcards):
+        case = wildcards.get("case")
+        systems = [campaign.cases[case]["system"]] if case else []
+        return fingerprint(script, SOURCES, [f"burstcast.systems.{system}" for system in systems])
+
+    return code
+
+
+def memory_of(name):
+    """Memory that a rule asks for, in MiB; more at each retry."""
+    return lambda wildcards, attempt: memory_mib(name, campaign, dict(wildcards.items()), attempt)
+
+
+def runtime_of(name):
+    """Time that a rule asks for, in minutes; more at each retry."""
+    return lambda wildcards, attempt: runtime_minutes(
+        name, campaign, dict(wildcards.items()), attempt
+    )
+
+
+def of_networks(name):
+    """The file called ``name`` of every network of the campaign."""
+    return [f"{RESULTS}/{network.directory}/{name}" for network in campaign.networks]
+
+
+def of_cases(name):
+    """The file called ``name`` of every case of the campaign."""
+    return [f"{RESULTS}/{case}/{name}" for case in campaign.case_names]
+
+
+def time_unit(wildcards):
+    """The computed Lyapunov exponent, where it sets the unit of time."""
+    if campaign.steps_per_lyapunov_time(wildcards.case) is None:
+        return f"{RESULTS}/{wildcards.case}/lyapunov.json"
+    return []
+
+TABLE_NAMES = ["dataset", "hyperparameters", "classification", "horizon"]

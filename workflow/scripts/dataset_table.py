@@ -1,0 +1,42 @@
+"""Gather the summaries of all cases into the table of the dataset."""
+
+import pandas as pd
+
+from burstcast import durations
+from burstcast_workflow.job import run_job
+from burstcast_workflow.storage import read_json
+from burstcast_workflow.table_files import write_table
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write one row for each case."""
+    rows = []
+    for case, dataset, events, lyapunov in zip(
+        settings["cases"], inputs.dataset, inputs.events, inputs.lyapunov, strict=True
+    ):
+        summary = read_json(dataset)
+        leading = read_json(lyapunov)["leading"]
+        steps = case["steps_per_lyapunov_time"] or durations.steps_per_lyapunov_time(
+            leading["mean"], case["sampling_interval"]
+        )
+        rows.append(
+            {
+                "case": case["case"],
+                "reynolds": case["reynolds"],
+                "series_generated": summary["series_generated"],
+                "series_kept": summary["series_kept"],
+                "laminarised_fraction": summary["laminarised_fraction"],
+                "mean_kinetic_energy": summary["mean_observable"],
+                "events_per_series": read_json(events)["events_per_series"],
+                "lyapunov_exponent": leading["mean"],
+                "lyapunov_exponent_low": leading["low"],
+                "lyapunov_exponent_high": leading["high"],
+                "lyapunov_exponent_paper": case["published_exponent"],
+                "steps_per_lyapunov_time": steps,
+            }
+        )
+    write_table(outputs.table, pd.DataFrame(rows))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

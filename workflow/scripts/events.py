@@ -1,0 +1,73 @@
+"""Find the extreme events of the series that were not used for training."""
+
+import numpy as np
+
+from burstcast import durations
+from burstcast.dataset import component_scales, observe
+from burstcast.forecast.test_set import SeriesPoints, horizon_events, segments, upward_crossings
+from burstcast_workflow.job import run_job
+from burstcast_workflow.storage import Variable, read_netcdf, read_rows, write_json, write_netcdf
+from burstcast_workflow.time_unit import steps_per_lyapunov_time
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write the events, with what was observed and what was true before each of them."""
+    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    training = settings["training"]
+    scales = component_scales(read_rows(inputs.ensemble, "state", 0, training["series"]))
+    observable = read_netcdf(inputs.ensemble, "observable")["observable"]
+    crossings = upward_crossings(observable, settings["event_threshold"])
+    unseen = crossings.series >= training["series"]
+    before = (
+        durations.steps(settings["longest_start_lt"], lyapunov_time)
+        + durations.steps(settings["washout_lt"], lyapunov_time)
+        - 1
+    )
+    events = horizon_events(
+        SeriesPoints(crossings.series[unseen], crossings.step[unseen]), before, settings["events"]
+    )
+    first = training["series"]
+    last = int(events.series.max()) + 1 if len(events) else first
+    observed = observe(
+        read_rows(inputs.ensemble, "state", first, last),
+        first,
+        training["noise"],
+        scales,
+        settings["random_seed"],
+        "noise",
+        settings["case"],
+    )
+    in_part = SeriesPoints(events.series - first, events.step)
+    write_netcdf(
+        outputs.events,
+        {
+            "series": Variable(("event",), events.series, "1", "row among the kept series"),
+            "step": Variable(("event",), events.step, "1", "step at which the event begins"),
+            "observed": Variable(
+                ("event", "step_before", "component"),
+                segments(observed, in_part, before, 0),
+                "1",
+                "observed states up to the event",
+            ),
+            "truth": Variable(
+                ("event", "step_before"),
+                segments(observable, events, before, 0),
+                "1",
+                "true observable up to the event",
+            ),
+        },
+        provenance,
+    )
+    write_json(
+        outputs.summary,
+        {
+            "events_per_series": len(crossings) / len(observable),
+            "usable_events": len(events),
+            "largest_observable": float(np.max(observable)),
+            "provenance": provenance,
+        },
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,26 @@
+"""Average the prediction horizons of each network over the events."""
+
+import pandas as pd
+
+from burstcast_workflow.job import run_job
+from burstcast_workflow.table_files import read_table, write_table
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write one row for each network; the averages are undefined where there is no event."""
+    rows = []
+    for keys, path in zip(settings["networks"], inputs.horizons, strict=True):
+        horizons = read_table(path)["prediction_horizon_lt"]
+        rows.append(
+            {
+                **keys,
+                "events": len(horizons),
+                "mean_horizon_lt": horizons.mean(),
+                "median_horizon_lt": horizons.median(),
+            }
+        )
+    write_table(outputs.table, pd.DataFrame(rows))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,21 @@
+"""Gather the hyperparameters of all networks."""
+
+import pandas as pd
+
+from burstcast_workflow.job import run_job
+from burstcast_workflow.storage import read_json
+from burstcast_workflow.table_files import write_table
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write one row for each network."""
+    names = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
+    rows = []
+    for keys, path in zip(settings["networks"], inputs.hyperparameters, strict=True):
+        record = read_json(path)
+        rows.append({**keys, **{name: record[name] for name in names}})
+    write_table(outputs.table, pd.DataFrame(rows))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,72 @@
+"""Lyapunov exponents of a case: the spectrum by QR, the leading one by growth of perturbations."""
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.systems.lyapunov import (
+    attractor_size,
+    lyapunov_spectrum,
+    mean_with_interval,
+    perturbation_growth,
+)
+from burstcast.systems.registry import make_system
+from burstcast_workflow.job import run_job
+from burstcast_workflow.storage import read_rows, write_json
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write the exponents with their 95 % confidence intervals."""
+    system = make_system(settings["system"], settings["parameters"])
+    ensemble, lyapunov = settings["ensemble"], settings["lyapunov"]
+    states = read_rows(inputs.ensemble, "state", 0, lyapunov["series"])
+    start = np.ascontiguousarray(states[:, 0].T)
+    # along the kept series, which are known not to laminarise
+    steps = (states.shape[1] - 1) * ensemble["sampling_stride"]
+    interval = round(lyapunov["orthonormalisation_interval"] / ensemble["time_step"])
+    alignment = steps // 20 // interval * interval
+    spectrum = lyapunov_spectrum(
+        system,
+        start,
+        ensemble["time_step"],
+        steps - alignment,
+        interval,
+        alignment_steps=alignment,
+    )
+    size = attractor_size(states)
+    growth = perturbation_growth(
+        system,
+        start,
+        ensemble["time_step"],
+        steps - alignment,
+        lyapunov["perturbation"] * size,
+        lyapunov["saturation"] * size,
+        random_streams.stream(settings["random_seed"], "lyapunov", settings["case"]),
+        alignment_steps=alignment,
+    )
+    exponents = mean_with_interval(spectrum.exponents)
+    by_growth = mean_with_interval(growth.exponents)
+    write_json(
+        outputs.exponents,
+        {
+            "leading": {
+                "mean": float(exponents.mean[0]),
+                "low": float(exponents.low[0]),
+                "high": float(exponents.high[0]),
+            },
+            "leading_by_growth": {
+                "mean": float(by_growth.mean),
+                "low": float(by_growth.low),
+                "high": float(by_growth.high),
+            },
+            "spectrum": exponents.mean.tolist(),
+            "spectrum_low": exponents.low.tolist(),
+            "spectrum_high": exponents.high.tolist(),
+            "series": len(states),
+            "duration": spectrum.duration,
+            "provenance": provenance,
+        },
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,23 @@
+"""Validate a reservoir on the grid of the search, for both strategies."""
+
+import pandas as pd
+
+from burstcast.tuning.hyperparameters import SearchSpace
+from burstcast.tuning.validation import STRATEGIES
+from burstcast_workflow.job import run_job
+from burstcast_workflow.searches import PointValidator, trace_rows
+from burstcast_workflow.table_files import write_table
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write the objective at every point, for every strategy and Tikhonov parameter."""
+    space = SearchSpace(tuple(settings["spectral_radius"]), tuple(settings["input_scaling"]))
+    validator = PointValidator(settings, inputs)
+    rows = []
+    for number, point in enumerate(space.grid(settings["grid"])):
+        rows += trace_rows(number, "grid", point, validator(point, STRATEGIES))
+    write_table(outputs.scan, pd.DataFrame(rows))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there
