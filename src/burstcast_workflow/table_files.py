@@ -7,6 +7,7 @@ import io
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from burstcast_workflow.storage import write_text
@@ -43,28 +44,36 @@ def read_table(path: str | Path) -> pd.DataFrame:
     return _parse(Path(path).read_text(encoding="utf-8"))
 
 
+_WHOLE_NUMBER = r"-?\d{1,18}"
+_NUMBER = r"-?(\d+(\.\d*)?([eE][+-]?\d+)?|inf)"
+
+
 def _parse(text: str) -> pd.DataFrame:
-    table = pd.read_csv(
-        io.StringIO(text),
-        keep_default_na=False,
-        na_values=[""],
-        float_precision="round_trip",
-        dtype_backend="numpy_nullable",
-    )
-    return pd.DataFrame(
-        {column: _plain(table[column]) for column in table.columns}, columns=table.columns
-    )
+    # types are found here: what pandas takes for a number, and how exactly, varies with its version
+    cells = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False, skip_blank_lines=False)
+    return pd.DataFrame({name: _typed(cells[name]) for name in cells.columns})
 
 
-def _plain(column: "pd.Series[Any]") -> "pd.Series[Any]":
-    """Column in numpy's own type wherever that loses nothing."""
-    gaps = column.isna()
-    if gaps.all():
-        return column.astype("float64")
-    if pd.api.types.is_bool_dtype(column.dtype):
-        return column if gaps.any() else column.astype("bool")
-    if pd.api.types.is_integer_dtype(column.dtype):
-        return column if gaps.any() else column.astype("int64")
-    if pd.api.types.is_float_dtype(column.dtype):
-        return column.astype("float64")
-    return column.astype("str")
+def _typed(cells: "pd.Series[str]") -> "pd.Series[Any]":
+    """Column of the simplest type that all of its cells can be read as."""
+    empty = cells == ""
+    values = cells[~empty]
+    if empty.all():
+        return pd.Series(np.nan, index=cells.index, dtype="float64")
+    if values.str.fullmatch(_WHOLE_NUMBER).all():
+        return _with_gaps(values.astype("int64"), cells, "Int64")
+    if values.str.fullmatch(_NUMBER).all():
+        return _with_gaps(values.astype("float64"), cells, "float64")
+    if values.isin(["True", "False"]).all():
+        return _with_gaps(values == "True", cells, "boolean")
+    return _with_gaps(values, cells, "str")
+
+
+def _with_gaps(
+    values: "pd.Series[Any]", cells: "pd.Series[str]", type_with_gaps: Any
+) -> "pd.Series[Any]":
+    """Values put back where they come from; the rest is missing."""
+    if len(values) == len(cells):
+        return values
+    result: pd.Series[Any] = values.astype(type_with_gaps).reindex(cells.index)
+    return result
