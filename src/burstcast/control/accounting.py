@@ -1,0 +1,349 @@
+"""What control achieved, counted so that nothing can hide.
+
+Source: section "Control of extreme events" of the paper.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.control.flows import ControlledFlows, Forecasts
+from burstcast.control.monitor import BoolArray, IntArray
+from burstcast.systems.base import FloatArray
+
+
+@dataclass(frozen=True)
+class Accounting:
+    """Counts over flows with and without control, over the same steps from the same states.
+
+    An event is an upward crossing of the threshold. Events are counted from the first forecast of
+    each flow to its last step, steps and histograms over the steps that count (`Timing`). The
+    following always hold; ``given`` is the number of flows that `follow` was given:
+
+    * given = flows + left_out + laminarised
+    * forecasts = alarms + forecasts without an alarm
+    * alarms = true_alarms + false_alarms
+    * true_alarms = suppressed_events + unsuppressed_events
+    * false_alarms >= early_alarms
+    * events_controlled = missed_events + events_under_way + events_after_true_alarms
+      + events_after_false_alarms + events_between_windows
+    * steps_controlled = steps_uncontrolled
+      = flows * steps per flow
+    * exceeding steps <= steps, actuated_integration_steps <= integration_steps
+
+    Attributes
+    ----------
+    flows
+        Flows that count.
+    left_out
+        Flows with an event before anything could be done about it.
+    laminarised
+        Flows that exceed the laminarisation threshold, with control or without it: they count in
+        neither sample. Of them, ``laminarised_controlled`` do so with control and
+        ``laminarised_uncontrolled`` without (some may do both).
+    forecasts, alarms
+        Forecasts that were made, and that raised an alarm.
+    true_alarms
+        Alarms after which the flow would have crossed the threshold in the window, had the alarm
+        not been acted on: the very state at the alarm is integrated on to know this.
+    false_alarms
+        The others. Of them, after ``early_alarms`` the flow would have been at or above the
+        threshold at the window's first step already: there was an event, but it began earlier.
+    suppressed_events
+        True alarms after which the controlled flow stays below the threshold in the window, and
+        does not cross it between the start of the actuation and the window.
+    unsuppressed_events
+        The other true alarms: events that were predicted, and came before the next forecast.
+    missed_events
+        Events of the controlled flow in a window for which no alarm was raised, and at whose first
+        step the flow was below the threshold.
+    events_under_way
+        Events in a window for which no alarm was raised, and at whose first step the flow was at or
+        above the threshold: a former event was under way, and the flow dipped below the threshold
+        in between.
+    events_after_true_alarms, events_after_false_alarms
+        Events in a window for which an alarm was raised.
+    events_between_windows
+        Events in no forecast's window: between an alarm's window and the first one after it.
+    events_uncontrolled, events_controlled
+        All events without and with control.
+    steps
+        Steps that count, in each of the two samples.
+    steps_free
+        Of them, those that the controlled flow came to without actuation.
+    exceeding_uncontrolled, exceeding_controlled, exceeding_free
+        Steps at or above the threshold: without control, with control, and with control but outside
+        actuation.
+    integration_steps, actuated_integration_steps
+        Integration steps that count, and those of the controlled flows under actuation.
+    edges
+        Edges of the histograms' bins, ``(bins + 1,)``.
+    histogram_uncontrolled, histogram_controlled, histogram_free
+        Steps in each bin, ``(bins,)``, in the same three samples. Values outside the edges are in
+        no bin.
+    """
+
+    flows: int
+    left_out: int
+    laminarised: int
+    laminarised_controlled: int
+    laminarised_uncontrolled: int
+    forecasts: int
+    alarms: int
+    true_alarms: int
+    false_alarms: int
+    early_alarms: int
+    suppressed_events: int
+    unsuppressed_events: int
+    missed_events: int
+    events_under_way: int
+    events_after_true_alarms: int
+    events_after_false_alarms: int
+    events_between_windows: int
+    events_uncontrolled: int
+    events_controlled: int
+    steps: int
+    steps_free: int
+    exceeding_uncontrolled: int
+    exceeding_controlled: int
+    exceeding_free: int
+    integration_steps: int
+    actuated_integration_steps: int
+    edges: FloatArray
+    histogram_uncontrolled: IntArray
+    histogram_controlled: IntArray
+    histogram_free: IntArray
+
+    @property
+    def exceedance_uncontrolled(self) -> float:
+        """Probability that the observable is at or above the threshold, without control."""
+        return _ratio(self.exceeding_uncontrolled, self.steps)
+
+    @property
+    def exceedance_controlled(self) -> float:
+        """The same with control, time under actuation included."""
+        return _ratio(self.exceeding_controlled, self.steps)
+
+    @property
+    def exceedance_free(self) -> float:
+        """The same with control, time under actuation left out."""
+        return _ratio(self.exceeding_free, self.steps_free)
+
+    @property
+    def reduction(self) -> float:
+        """Share of the exceedance that control removes; not a number if there is none."""
+        return 1.0 - _ratio(self.exceeding_controlled, self.exceeding_uncontrolled)
+
+    @property
+    def control_fraction(self) -> float:
+        """Share of the time that counts under actuation."""
+        return _ratio(self.actuated_integration_steps, self.integration_steps)
+
+    @property
+    def alarm_rate(self) -> float:
+        """Share of the forecasts that raise an alarm."""
+        return _ratio(self.alarms, self.forecasts)
+
+
+def account(
+    followed: ControlledFlows, laminarisation_threshold: float | None, edges: FloatArray
+) -> Accounting:
+    """Count what happened in the flows.
+
+    Parameters
+    ----------
+    followed
+        The flows.
+    laminarisation_threshold
+        A flow whose observable exceeds it, with or without control, counts in neither sample; None:
+        all flows count.
+    edges
+        Edges of the histograms' bins, increasing, ``(bins + 1,)``.
+    """
+    never = np.zeros(len(followed), dtype=bool)
+    laminar_controlled = laminar_uncontrolled = never
+    if laminarisation_threshold is not None:
+        laminar_controlled = followed.controlled.max(axis=1) > laminarisation_threshold
+        laminar_uncontrolled = followed.uncontrolled.max(axis=1) > laminarisation_threshold
+    counts = ~(laminar_controlled | laminar_uncontrolled)
+
+    timing = followed.timing
+    span = slice(timing.counted_from + 1, timing.counted_until + 1)
+    uncontrolled = followed.uncontrolled[counts, span]
+    controlled = followed.controlled[counts, span]
+    free = controlled[~followed.actuated[counts, span]]
+
+    forecasts = followed.forecasts
+    scored = counts[forecasts.flow]
+    true_alarm = forecasts.alarm & forecasts.would_cross & scored
+    false_alarm = forecasts.alarm & ~forecasts.would_cross & scored
+    upward = upward_crossings(followed.controlled, followed.threshold) & counts[:, np.newaxis]
+    upward[:, : timing.first_forecast + 1] = False
+    upward_uncontrolled = upward_crossings(followed.uncontrolled, followed.threshold)[counts]
+    window = _windows(followed)
+
+    def events(kind: int) -> int:
+        return int((upward & (window == kind)).sum())
+
+    return Accounting(
+        flows=int(counts.sum()),
+        left_out=followed.left_out,
+        laminarised=int((~counts).sum()),
+        laminarised_controlled=int(laminar_controlled.sum()),
+        laminarised_uncontrolled=int(laminar_uncontrolled.sum()),
+        forecasts=int(scored.sum()),
+        alarms=int((forecasts.alarm & scored).sum()),
+        true_alarms=int(true_alarm.sum()),
+        false_alarms=int(false_alarm.sum()),
+        early_alarms=int((false_alarm & forecasts.would_be_under_way).sum()),
+        suppressed_events=int((true_alarm & ~forecasts.reached).sum()),
+        unsuppressed_events=int((true_alarm & forecasts.reached).sum()),
+        missed_events=events(_MISSED),
+        events_under_way=events(_UNDER_WAY),
+        events_after_true_alarms=events(_TRUE_ALARM),
+        events_after_false_alarms=events(_FALSE_ALARM),
+        events_between_windows=events(_NO_WINDOW),
+        events_uncontrolled=int(upward_uncontrolled[:, timing.first_forecast + 1 :].sum()),
+        events_controlled=int(upward.sum()),
+        steps=controlled.size,
+        steps_free=free.size,
+        exceeding_uncontrolled=int((uncontrolled >= followed.threshold).sum()),
+        exceeding_controlled=int((controlled >= followed.threshold).sum()),
+        exceeding_free=int((free >= followed.threshold).sum()),
+        integration_steps=controlled.size * timing.sampling_stride,
+        actuated_integration_steps=int(followed.actuated_integration_steps[counts].sum()),
+        edges=edges,
+        histogram_uncontrolled=_histogram(uncontrolled, edges),
+        histogram_controlled=_histogram(controlled, edges),
+        histogram_free=_histogram(free, edges),
+    )
+
+
+def upward_crossings(observable: FloatArray, threshold: float) -> BoolArray:
+    """Mark the starts of events: steps at or above the threshold after one below it.
+
+    Parameters
+    ----------
+    observable
+        ``(flows, steps)``.
+    threshold
+        The event threshold, k_e.
+
+    Returns
+    -------
+    ``(flows, steps)``; the first step never starts an event.
+    """
+    above = observable >= threshold
+    upward = np.zeros_like(above)
+    upward[:, 1:] = above[:, 1:] & ~above[:, :-1]
+    return upward
+
+
+# Kinds of windows
+_NO_WINDOW, _MISSED, _UNDER_WAY, _TRUE_ALARM, _FALSE_ALARM = range(5)
+
+
+def _windows(followed: ControlledFlows) -> npt.NDArray[np.int8]:
+    """Kind of the window in which each step of each flow lies, ``(flows, timing.length)``.
+
+    A window's first step belongs to the window before it: whoever crosses the threshold in a window
+    is below it at the first step.
+    """
+    timing = followed.timing
+    forecasts = followed.forecasts
+    kinds = np.full((len(followed), timing.length + timing.window_end), _NO_WINDOW, dtype=np.int8)
+    # a last window may begin beyond the last step: its kind matters to nobody
+    first_step = np.minimum(forecasts.step + timing.window_start, timing.counted_until)
+    under_way = followed.controlled[forecasts.flow, first_step] >= followed.threshold
+    kind = np.select(
+        [forecasts.alarm & forecasts.would_cross, forecasts.alarm, under_way],
+        [_TRUE_ALARM, _FALSE_ALARM, _UNDER_WAY],
+        default=_MISSED,
+    )
+    within = np.arange(timing.window_start + 1, timing.window_end + 1)
+    kinds[forecasts.flow[:, np.newaxis], forecasts.step[:, np.newaxis] + within] = kind[
+        :, np.newaxis
+    ]
+    return kinds[:, : timing.length]
+
+
+def _histogram(values: FloatArray, edges: FloatArray) -> IntArray:
+    return np.histogram(values, bins=edges)[0].astype(np.int64)
+
+
+def _ratio(numerator: int, denominator: int) -> float:
+    return numerator / denominator if denominator else float("nan")
+
+
+@dataclass(frozen=True)
+class SuppressedEvent:
+    """An event that control suppressed.
+
+    Attributes
+    ----------
+    flow
+        Position of its flow among the followed ones.
+    row
+        Row of its flow among the given ones.
+    alarm_step
+        Step at which the alarm was raised.
+    """
+
+    flow: int
+    row: int
+    alarm_step: int
+
+
+def largest_suppressed_event(
+    followed: ControlledFlows, laminarisation_threshold: float | None
+) -> SuppressedEvent | None:
+    """Find the event that shows best what control does.
+
+    It is a true alarm, and the first alarm in its flow, so that up to there the two flows are the
+    same and the uncontrolled one shows the very event that was predicted. From the alarm to the
+    start of the next window the controlled flow stays below the threshold (the paper's criterion of
+    a suppressed event), and all these steps count. Of all such alarms it is the one whose event has
+    the largest observable in the alarm's window; the first one where there are several.
+
+    Parameters
+    ----------
+    followed
+        The flows.
+    laminarisation_threshold
+        Flows whose observable exceeds it, with or without control, are not considered; None: all
+        are.
+
+    Returns
+    -------
+    The event, or None if there is none.
+    """
+    timing = followed.timing
+    candidates = _first_alarms(followed.forecasts)
+    best: SuppressedEvent | None = None
+    largest = -np.inf
+    for index in candidates:
+        flow, alarm = int(followed.forecasts.flow[index]), int(followed.forecasts.step[index])
+        controlled, uncontrolled = followed.controlled[flow], followed.uncontrolled[flow]
+        stop = alarm + timing.window_end + timing.window_start
+        if not followed.forecasts.would_cross[index] or stop > timing.counted_until:
+            continue
+        if laminarisation_threshold is not None and (
+            max(controlled.max(), uncontrolled.max()) > laminarisation_threshold
+        ):
+            continue
+        if (controlled[alarm : stop + 1] >= followed.threshold).any():
+            continue
+        peak = uncontrolled[alarm + timing.window_start : alarm + timing.window_end + 1].max()
+        if peak > largest:
+            largest = peak
+            best = SuppressedEvent(flow=flow, row=int(followed.rows[flow]), alarm_step=alarm)
+    return best
+
+
+def _first_alarms(forecasts: Forecasts) -> IntArray:
+    """Positions of the first alarm of each flow that has one."""
+    alarms = np.flatnonzero(forecasts.alarm)
+    # forecasts are in the order of flows, then time
+    _, first = np.unique(forecasts.flow[alarms], return_index=True)
+    return alarms[first]

@@ -1,0 +1,144 @@
+"""What is done about an alarm: other equations, for a while.
+
+Source: section "Control of extreme events" of the paper. Its control raises the Reynolds number to
+2000 for 1.5 Lyapunov times, from one Lyapunov time before the window in which an event is expected.
+"""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast import durations
+from burstcast.control.timing import Timing
+from burstcast.systems.base import DynamicalSystem, FloatArray
+
+
+@dataclass(frozen=True)
+class Actuation:
+    """Open-loop control: after an alarm the flow obeys other equations over an interval.
+
+    Attributes
+    ----------
+    system
+        The equations under actuation (see `actuated_system`).
+    start_lt
+        From the first step of the alarm's window to the start of the interval, in Lyapunov times:
+        -1 in the paper.
+    duration_lt
+        Length of the interval in Lyapunov times: 1.5 in the paper.
+    """
+
+    system: DynamicalSystem
+    start_lt: float
+    duration_lt: float
+
+    def interval(self, timing: Timing) -> tuple[int, int]:
+        """First integration step after an alarm under actuation, and the first free one after it.
+
+        Integration step i after an alarm leads from i to i + 1 time steps after it. Durations are
+        rounded down to whole integration steps.
+
+        Raises
+        ------
+        ValueError
+            If the interval would begin before the alarm, as it does for the paper's control at
+            prediction times below one Lyapunov time, or is shorter than one step.
+        """
+        integration_steps = timing.steps_per_lyapunov_time * timing.sampling_stride
+        start = durations.steps(timing.prediction_time_lt + self.start_lt, integration_steps)
+        length = durations.steps(self.duration_lt, integration_steps)
+        if start < 0:
+            raise ValueError(
+                f"control is not defined for a prediction time of {timing.prediction_time_lt} "
+                f"Lyapunov times: the actuation starts {-self.start_lt} Lyapunov times before the "
+                f"window, which would be before the alarm"
+            )
+        if length < 1:
+            raise ValueError(f"an actuation of {self.duration_lt} Lyapunov times lasts no step")
+        return start, start + length
+
+
+def actuated_system(
+    system: DynamicalSystem,
+    parameters: Mapping[str, float],
+    force: Sequence[float] | None = None,
+) -> DynamicalSystem:
+    """Equations under actuation: other parameters, an added force, or both.
+
+    Parameters
+    ----------
+    system
+        The equations without actuation; a dataclass of its parameters.
+    parameters
+        Parameters that actuation changes, and their values: ``{"reynolds": 2000.0}`` in the paper.
+    force
+        Constant force, one number per component, that is added to the right-hand side.
+
+    Raises
+    ------
+    ValueError
+        If the system has no such parameter, or nothing is changed.
+    """
+    if not parameters and force is None:
+        raise ValueError("an actuation changes a parameter of the equations or adds a force")
+    changed = _with_parameters(system, parameters) if parameters else system
+    return changed if force is None else ForcedSystem(changed, force)
+
+
+def _with_parameters(system: DynamicalSystem, parameters: Mapping[str, float]) -> DynamicalSystem:
+    if not dataclasses.is_dataclass(system):
+        raise ValueError("only the parameters of a system that is a dataclass can be changed")
+    known = [field.name for field in dataclasses.fields(system) if field.init]
+    unknown = sorted(set(parameters) - set(known))
+    if unknown:
+        raise ValueError(
+            f"the actuation changes {', '.join(unknown)}, which the system does not have; "
+            f"its parameters are {', '.join(known) or 'none'}"
+        )
+    return dataclasses.replace(system, **dict(parameters))
+
+
+class ForcedSystem(DynamicalSystem):
+    """A system with a constant force added to its right-hand side.
+
+    It is not a dataclass: the force is a vector over the components, and an array among the fields
+    of a system would be taken for a parameter that differs between the trajectories of a batch.
+
+    Parameters
+    ----------
+    system
+        The system.
+    force
+        One number per component.
+
+    Raises
+    ------
+    ValueError
+        If the force is not finite or has the wrong length.
+    """
+
+    def __init__(self, system: DynamicalSystem, force: Sequence[float]) -> None:
+        vector = np.asarray(force, dtype=np.float64)
+        if vector.shape != (system.dimension,) or not np.isfinite(vector).all():
+            raise ValueError(f"a force needs {system.dimension} finite components, not {force}")
+        self._system = system
+        self._force = vector
+        # class variables of a system, but those of this one are those of the system inside it
+        object.__setattr__(self, "dimension", system.dimension)
+        object.__setattr__(self, "observable_name", system.observable_name)
+        object.__setattr__(self, "observable_symbol", system.observable_symbol)
+
+    def right_hand_side(self, state: FloatArray) -> FloatArray:
+        """Time derivative of the state with the force (see `DynamicalSystem.right_hand_side`)."""
+        force = self._force.reshape((-1,) + (1,) * (state.ndim - 1))
+        return self._system.right_hand_side(state) + force
+
+    def jacobian(self, state: FloatArray) -> FloatArray:
+        """Jacobian of the right-hand side, which the force does not change."""
+        return self._system.jacobian(state)
+
+    def observable(self, state: FloatArray) -> FloatArray:
+        """Observable of the system."""
+        return self._system.observable(state)

@@ -1,0 +1,248 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers_control import PAPER, Rotor, TableMonitor, plain_flow, table_monitor, washouts_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from burstcast.control import flows as flows_module
+from burstcast.control.actuation import Actuation, actuated_system
+from burstcast.control.flows import ControlledFlows, follow
+from burstcast.control.monitor import ForecastMonitor, most_forecasts
+from burstcast.control.timing import Timing
+from burstcast.forecast.forecasters import EquationsForecaster
+from burstcast.systems.base import FloatArray
+from burstcast.systems.integration import integrate
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+FLOW = MoehlisFaisstEckhardt(reynolds=400.0)
+RAISED = Actuation(actuated_system(FLOW, {"reynolds": 2000.0}), -1.0, 1.5)
+SHORT = replace(PAPER, span_lt=3.0, washout=5, steps_per_lyapunov_time=20)
+
+
+def turbulent_washouts(flows: int, timing: Timing) -> FloatArray:
+    state = np.zeros((9, flows))
+    state[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
+    state[3] += 0.01 * np.random.default_rng(5).random(flows)
+    developed = integrate(FLOW, state, 0.25, 1200, stride=1200)[-1]
+    return washouts_of(FLOW, developed, timing)
+
+
+def never(flows: int, timing: Timing) -> TableMonitor:
+    return table_monitor(np.zeros((flows, most_forecasts(timing)), dtype=bool))
+
+
+@pytest.mark.parametrize("prediction_time_lt", [1.0, 1.5, 3.0])
+def test_out_of_reach_the_controlled_flow_is_the_uncontrolled_one(
+    prediction_time_lt: float,
+) -> None:
+    timing = replace(SHORT, prediction_time_lt=prediction_time_lt)
+    washouts = turbulent_washouts(3, timing)
+    monitor = ForecastMonitor(
+        EquationsForecaster(FLOW, timing.time_step, timing.sampling_stride),
+        FLOW.observable,
+        timing,
+        threshold=np.inf,
+    )
+    followed = follow(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
+    assert followed.controlled_states is not None
+    assert followed.uncontrolled_states is not None
+    assert len(followed) == 3
+    assert followed.controlled.max() < 0.6
+    np.testing.assert_array_equal(followed.controlled, followed.uncontrolled)
+    np.testing.assert_array_equal(followed.controlled_states, followed.uncontrolled_states)
+    series = integrate(
+        FLOW, washouts[:, 0].T, timing.time_step, (timing.length - 1) * 4, stride=4
+    ).transpose(2, 0, 1)
+    np.testing.assert_array_equal(followed.uncontrolled_states, series)
+    assert not followed.actuated.any()
+    assert not followed.forecasts.alarm.any()
+
+
+@st.composite
+def cases(draw: st.DrawFn) -> tuple[Timing, Actuation, tuple[int, int], int]:
+    stride = draw(st.integers(1, 3))
+    steps_per_lyapunov_time = draw(st.integers(4, 9))
+    prediction_time_lt = draw(st.sampled_from([1.0, 1.5, 2.0]))
+    start_lt = draw(st.sampled_from([-1.0, -0.5, 0.0]))
+    duration_lt = draw(st.sampled_from([0.5, 1.5, 4.0]))
+    timing = Timing(
+        prediction_time_lt=prediction_time_lt,
+        window_lt=1.0,
+        span_lt=draw(st.sampled_from([3.0, 4.5])),
+        washout=draw(st.integers(1, 4)),
+        steps_per_lyapunov_time=steps_per_lyapunov_time,
+        sampling_stride=stride,
+        time_step=0.3,
+    )
+    per_lyapunov_time = stride * steps_per_lyapunov_time
+    interval = (
+        int((prediction_time_lt + start_lt) * per_lyapunov_time),
+        int(duration_lt * per_lyapunov_time),
+    )
+    actuation = Actuation(
+        Rotor(draw(st.sampled_from([0.02, 0.9]))), start_lt=start_lt, duration_lt=duration_lt
+    )
+    return timing, actuation, interval, draw(st.integers(0, 2**32 - 1))
+
+
+@settings(max_examples=60, deadline=None)
+@given(cases())
+def test_flows_are_those_of_a_plain_loop_bit_for_bit(
+    case: tuple[Timing, Actuation, tuple[int, int], int],
+) -> None:
+    timing, actuation, (start, steps), seed = case
+    generator = np.random.default_rng(seed)
+    system = Rotor(0.3)
+    # what can be about 1, so that some crests are events; threshold 0.9
+    washouts = washouts_of(system, generator.normal(size=(2, 6)), timing)
+    table = generator.random((6, most_forecasts(timing))) < 0.4
+    monitor = table_monitor(table)
+    followed = follow(system, washouts, monitor, actuation, timing, threshold=0.9, keep_states=True)
+    assert followed.controlled_states is not None
+    assert followed.left_out == 6 - len(followed)
+    for row in range(6):
+        plain = plain_flow(
+            system, washouts[row], list(table[row]), actuation, timing, 0.9, start, steps
+        )
+        assert plain.uncontrolled.shape == (timing.length, 2)
+        quiet = plain.uncontrolled[: timing.counted_from + 1, 0].max() < 0.9
+        assert quiet == (row in followed.rows)
+        if not quiet:
+            continue
+        flow = int(np.flatnonzero(followed.rows == row)[0])
+        np.testing.assert_array_equal(followed.uncontrolled[flow], plain.uncontrolled[:, 0])
+        np.testing.assert_array_equal(followed.controlled_states[flow], plain.controlled)
+        np.testing.assert_array_equal(followed.controlled[flow], plain.controlled[:, 0])
+        stride = timing.sampling_stride
+        counted = plain.acting[timing.counted_from * stride : timing.counted_until * stride]
+        assert followed.actuated_integration_steps[flow] == counted.sum()
+        into_step = plain.acting[stride - 1 :: stride][: timing.length - 1]
+        np.testing.assert_array_equal(followed.actuated[flow, 1:], into_step)
+
+        mine = followed.forecasts.flow == flow
+        assert followed.forecasts.step[mine].tolist() == [f.step for f in plain.forecasts]
+        for name in ("alarm", "would_cross", "would_be_under_way", "reached"):
+            expected = [getattr(forecast, name) for forecast in plain.forecasts]
+            assert getattr(followed.forecasts, name)[mine].tolist() == expected, name
+        # what the monitor saw is what lay behind it
+        for occasion, forecast in enumerate(plain.forecasts):
+            seen = monitor.seen[row, occasion]
+            last = plain.controlled[: forecast.step + 1]
+            if forecast.step < timing.length:
+                np.testing.assert_array_equal(seen, last[-timing.washout :])
+
+
+def test_actuation_lasts_from_the_alarm_for_366_integration_steps() -> None:
+    timing = replace(PAPER, span_lt=2.0)
+    monitor = never(1, timing)
+    monitor.table[0, 0] = True
+    washouts = turbulent_washouts(1, timing)
+    followed = follow(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
+    assert followed.controlled_states is not None
+    raised = MoehlisFaisstEckhardt(reynolds=2000.0)
+    under_control = integrate(raised, washouts[:, -1].T, 0.25, 366, stride=1)
+    after = integrate(FLOW, under_control[-1], 0.25, (timing.length - 30) * 4 - 366, stride=1)
+    truth = np.concatenate([under_control, after[1:]])[::4, :, 0]
+    np.testing.assert_array_equal(followed.controlled_states[0, 29:], truth)
+    # the next forecast is made at the end of the alarm's window
+    assert followed.forecasts.step[:3].tolist() == [29, 29 + 122, 29 + 183]
+    assert followed.actuated.sum() == 91
+
+
+def test_noise_belongs_to_flow_and_step_and_stays_out_of_the_truth() -> None:
+    timing = SHORT
+    flows = 4
+    washouts = turbulent_washouts(flows, timing)
+    noise = np.random.default_rng(2).normal(size=(flows, timing.length + 3, 9))
+    table = np.random.default_rng(3).random((flows, most_forecasts(timing))) < 0.5
+    plain, noisy = table_monitor(table), table_monitor(table)
+    without = follow(FLOW, washouts, plain, RAISED, timing, np.inf)
+    with_noise = follow(FLOW, washouts, noisy, RAISED, timing, np.inf, noise=noise)
+    np.testing.assert_array_equal(with_noise.controlled, without.controlled)
+    assert table[:, :3].any()
+    for flow in range(flows):
+        steps = with_noise.forecasts.step[with_noise.forecasts.flow == flow]
+        for occasion, step in enumerate(steps):
+            expected = (
+                plain.seen[flow, occasion] + noise[flow, step + 1 - timing.washout : step + 1]
+            )
+            np.testing.assert_array_equal(noisy.seen[flow, occasion], expected)
+
+
+def assert_same(left: ControlledFlows, right: ControlledFlows) -> None:
+    for name in ("rows", "uncontrolled", "controlled", "actuated", "actuated_integration_steps"):
+        np.testing.assert_array_equal(getattr(left, name), getattr(right, name), err_msg=name)
+    for name in vars(left.forecasts):
+        np.testing.assert_array_equal(
+            getattr(left.forecasts, name), getattr(right.forecasts, name), err_msg=name
+        )
+    assert left.left_out == right.left_out
+
+
+def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> None:
+    timing = SHORT
+    washouts = turbulent_washouts(7, timing)
+    noise = np.random.default_rng(2).normal(scale=1e-3, size=(7, timing.length, 9))
+    monitor = ForecastMonitor(
+        EquationsForecaster(FLOW, timing.time_step, timing.sampling_stride),
+        FLOW.observable,
+        timing,
+        threshold=0.07,
+    )
+    together = follow(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
+    assert together.forecasts.alarm.any()
+    assert 0 < len(together) < 7
+    monkeypatch.setattr(flows_module, "FLOWS_PER_BATCH", 2)
+    in_pairs = follow(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
+    assert_same(together, in_pairs)
+
+    flow = int(together.forecasts.flow[together.forecasts.alarm][0])
+    row = [together.rows[flow]]
+    alone = follow(
+        FLOW, washouts[row], monitor, RAISED, timing, 0.07, noise=noise[row], keep_states=True
+    )
+    np.testing.assert_array_equal(alone.controlled[0], together.controlled[flow])
+    assert alone.controlled_states is not None
+    np.testing.assert_array_equal(
+        FLOW.observable(alone.controlled_states[0].T), together.controlled[flow]
+    )
+
+
+def test_a_perfect_forecaster_raises_no_false_alarm() -> None:
+    timing = replace(PAPER, span_lt=4.0, washout=1)
+    washouts = turbulent_washouts(40, timing)
+    monitor = ForecastMonitor(
+        EquationsForecaster(FLOW, timing.time_step, timing.sampling_stride),
+        FLOW.observable,
+        timing,
+        threshold=0.1,
+    )
+    followed = follow(FLOW, washouts, monitor, RAISED, timing, 0.1)
+    assert followed.forecasts.alarm.sum() > 5
+    np.testing.assert_array_equal(followed.forecasts.alarm, followed.forecasts.would_cross)
+
+
+def test_no_flow_may_be_left() -> None:
+    washouts = turbulent_washouts(2, SHORT)
+    followed = follow(FLOW, washouts, never(2, SHORT), RAISED, SHORT, 0.0, keep_states=True)
+    assert (len(followed), followed.left_out) == (0, 2)
+    assert followed.controlled.shape == (0, SHORT.length)
+    nothing = follow(FLOW, washouts[:0], never(0, SHORT), RAISED, SHORT, 0.1)
+    assert (len(nothing), nothing.left_out) == (0, 0)
+
+
+def test_wrong_shapes_are_refused() -> None:
+    washouts = turbulent_washouts(2, SHORT)
+    monitor = never(2, SHORT)
+    with pytest.raises(ValueError, match="washouts must have the shape"):
+        follow(FLOW, washouts[:, 1:], monitor, RAISED, SHORT, 0.1)
+    with pytest.raises(ValueError, match="noise must have the shape"):
+        follow(
+            FLOW, washouts, monitor, RAISED, SHORT, 0.1, noise=np.zeros((2, SHORT.length - 1, 9))
+        )
+    with pytest.raises(ValueError, match="another dimension"):
+        follow(FLOW, washouts, monitor, Actuation(Rotor(1.0), -1.0, 1.0), SHORT, 0.1)
+    with pytest.raises(ValueError, match="before the alarm"):
+        follow(FLOW, washouts, monitor, Actuation(FLOW, -2.0, 1.0), SHORT, 0.1)
