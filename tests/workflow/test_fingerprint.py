@@ -1,0 +1,312 @@
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from burstcast_workflow import fingerprint as module
+from burstcast_workflow.fingerprint import fingerprint, forbidden_imports, forbidden_reads
+
+ROOT = Path(__file__).parents[2]
+SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
+SOURCES = sorted((ROOT / "src").rglob("*.py"))
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A project of a script and a few modules, and a function that edits it."""
+
+    def write(name: str, text: str) -> None:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(textwrap.dedent(text))
+        module.forget_files()
+
+    for name, text in {
+        "scripts/train.py": "import numpy\nfrom pack.middle import middle\n",
+        "src/pack/__init__.py": "",
+        "src/pack/middle.py": "from pack import deep\ndef middle(): return deep.VALUE\n",
+        "src/pack/deep.py": "VALUE = 1\n",
+        "src/pack/unused.py": "VALUE = 1\n",
+        "src/pack/sub/__init__.py": "",
+        "src/pack/sub/leaf.py": "LEAF = 1\n",
+        "src/pack/systems/__init__.py": "",
+        "src/pack/systems/mfe.py": "import pack.sub.leaf\n",
+    }.items():
+        write(name, text)
+    return write
+
+
+def taken(tmp_path, extra=()):
+    entries = fingerprint(tmp_path / "scripts" / "train.py", tmp_path / "src", extra)
+    return dict(entry.split("@") for entry in entries)
+
+
+def hash_of(text: str, tmp_path) -> str:
+    path = tmp_path / "single.py"
+    path.write_text(textwrap.dedent(text))
+    module.forget_files()
+    (entry,) = fingerprint(path, tmp_path / "nowhere")
+    return entry.split("@")[1]
+
+
+def test_closure_follows_imports_and_nothing_else(tmp_path, project):
+    assert list(taken(tmp_path)) == ["pack.deep", "pack.middle", "pack", "train.py"]
+
+
+@pytest.mark.parametrize(
+    ("statement", "expected"),
+    [
+        ("import pack.sub.leaf", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("import pack.sub.leaf as l", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("from pack.sub import leaf", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("from pack.sub.leaf import LEAF", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("def f():\n    from pack.sub import leaf", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("if False:\n    import pack.unused", {"pack", "pack.unused"}),
+        ("try:\n    import pack.unused\nexcept ImportError: pass", {"pack", "pack.unused"}),
+        ("from pack import deep, unused", {"pack", "pack.deep", "pack.unused"}),
+        ("import neighbour", {"neighbour"}),
+        ("import json, os.path", set()),
+        ("from pack import missing", {"pack"}),
+    ],
+)
+def test_forms_of_import(tmp_path, project, statement, expected):
+    project("scripts/neighbour.py", "X = 1\n")
+    project("scripts/train.py", statement + "\n")
+    assert set(taken(tmp_path)) == expected | {"train.py"}
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "from . import leaf",
+        "from .leaf import LEAF",
+        "from .. import deep",
+        "from ..deep import VALUE",
+        "def f():\n    from ..systems import mfe",
+    ],
+)
+def test_relative_imports(tmp_path, project, statement):
+    project("src/pack/sub/start.py", statement + "\n")
+    project("scripts/train.py", "import pack.sub.start\n")
+    wanted = {"leaf": "pack.sub.leaf", "mfe": "pack.systems.mfe"}
+    target = next((name for key, name in wanted.items() if key in statement), "pack.deep")
+    assert target in taken(tmp_path)
+
+
+def test_relative_import_in_a_package_itself(tmp_path, project):
+    project("src/pack/sub/__init__.py", "from .leaf import LEAF\n")
+    project("scripts/train.py", "import pack.sub\n")
+    assert "pack.sub.leaf" in taken(tmp_path)
+
+
+def test_import_cycles_end(tmp_path, project):
+    project("src/pack/deep.py", "import pack.middle\nVALUE = 1\n")
+    assert "pack.deep" in taken(tmp_path)
+
+
+def test_modules_found_by_name_count_with_what_they_import(tmp_path, project):
+    extra = set(taken(tmp_path, ["pack.systems.mfe"])) - set(taken(tmp_path))
+    assert extra == {"pack.systems", "pack.systems.mfe", "pack.sub", "pack.sub.leaf"}
+    with pytest.raises(FileNotFoundError, match=r"pack\.systems\.other"):
+        fingerprint(tmp_path / "scripts" / "train.py", tmp_path / "src", ["pack.systems.other"])
+
+
+def test_edit_changes_just_the_edited_module(tmp_path, project):
+    before = taken(tmp_path)
+    project("src/pack/deep.py", "VALUE = 2\n")
+    after = taken(tmp_path)
+    assert [name for name in before if before[name] != after[name]] == ["pack.deep"]
+    project("src/pack/unused.py", "VALUE = 2\n")
+    assert taken(tmp_path) == after
+
+
+def test_callers_cannot_spoil_the_cache(tmp_path, project):
+    script, source = tmp_path / "scripts" / "train.py", tmp_path / "src"
+    fingerprint(script, source).clear()
+    assert fingerprint(script, source)
+
+
+CODE = '''
+"""What it does."""
+import math
+
+LIMIT = 10  # a comment
+
+class Thing:
+    """A thing."""
+    size: float = 1.0
+    """Its size."""
+
+    def area(self, factor: float = 2, *, deep=None) -> float:
+        """Area."""
+        if self.size > LIMIT:
+            pass
+        return f"{factor * self.size ** 2:.3f} {deep!r}"
+'''
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("# a comment", "# another"),
+        ('"""What it does."""', '"""Something else."""'),
+        ('"""What it does."""', ""),
+        ('    """A thing."""', "    '''Two\n    lines.'''"),
+        ('    """Its size."""', ""),
+        ('        """Area."""', ""),
+        ("LIMIT = 10", "\n\n\nLIMIT   =   (10)"),
+        ("LIMIT = 10", "LIMIT = 1_0"),
+        (
+            "self, factor: float = 2, *, deep=None",
+            "self,\n        factor: float = 2, *,\n deep=None,",
+        ),
+        (
+            'f"{factor * self.size ** 2:.3f} {deep!r}"',
+            "(f'{factor * self.size ** 2:.3f} '\n            f'{deep!r}')",
+        ),
+    ],
+)
+def test_edits_without_meaning_change_nothing(tmp_path, old, new):
+    assert old in CODE
+    assert hash_of(CODE.replace(old, new), tmp_path) == hash_of(CODE, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("LIMIT = 10", "LIMIT = 11"),
+        ("LIMIT = 10", "LIMIT = 10.0"),
+        ("LIMIT = 10", "LIMIT = '10'"),
+        ("LIMIT = 10", "LIMIT = True"),
+        ("LIMIT = 10", "LIMIT: int = 10"),
+        ("import math", "import math as maths"),
+        ("import math", "from math import pi"),
+        ("import math", ""),
+        ("> LIMIT", ">= LIMIT"),
+        ("** 2", "** -2"),
+        ("** 2", "* 2"),
+        (":.3f", ":.4f"),
+        ("!r}", "!s}"),
+        ("factor: float", "factor: int"),
+        ("deep=None", "deep"),
+        ("deep=None", "deep=0"),
+        ("*, deep", "deep"),
+        ("size: float = 1.0", "size = 1.0"),
+        ("            pass", "            return 0"),
+        ("class Thing:", "class Thing(dict):"),
+        ("class Thing:", "@final\nclass Thing:"),
+        ("self.size ** 2", "self.area ** 2"),
+    ],
+)
+def test_edits_with_meaning_change_the_hash(tmp_path, old, new):
+    assert old in CODE
+    assert hash_of(CODE.replace(old, new), tmp_path) != hash_of(CODE, tmp_path)
+
+
+def test_structure_counts_as_well_as_the_sequence_of_names(tmp_path):
+    pairs = [
+        ("f(a)(b)", "f(a, b)"),
+        ("a - (b - c)", "a - b - c"),
+        ("[[a], b]", "[[a, b]]"),
+        ("if a:\n    b()\nc()", "if a:\n    b()\n    c()"),
+        ("if a:\n    b()\nelse:\n    c()", "if a:\n    b()\n    c()"),
+        ("f(a=b)", "f(b)"),
+        ("{**a}", "{None: a}"),
+        ("x = 'a\\x1fb'", "x = 'a', 'b'"),
+        ("lambda a, b=1: 0", "lambda a=1, b=1: 0"),
+        ("def f(*, a, b=1): f()", "def f(*, a=1, b): f()"),
+    ]
+    for one, other in pairs:
+        assert hash_of(one, tmp_path) != hash_of(other, tmp_path), (one, other)
+
+
+def test_hash_is_the_same_in_every_version_of_python(tmp_path):
+    # computed with Python 3.11; a version with another syntax tree must not rerun whole campaigns
+    assert hash_of(CODE, tmp_path) == "486e93a12b71"
+
+
+def test_files_are_read_once(tmp_path, project, monkeypatch):
+    taken(tmp_path)
+    monkeypatch.setattr(Path, "read_bytes", lambda path: pytest.fail(f"{path} is read again"))
+    taken(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "import importlib",
+        "import importlib.metadata",  # binds importlib, and with it import_module
+        "from importlib import import_module",
+        "def f():\n    import importlib as i",
+        "import json, runpy",
+        "__import__('pack')",
+        "exec('x = 1')",
+        "y = eval",
+        "from pack import *",
+        "from .sub import *",
+    ],
+)
+def test_code_that_imports_do_not_show_is_found(tmp_path, statement):
+    path = tmp_path / "module.py"
+    path.write_text(f"import math\n{statement}\n")
+    (place,) = forbidden_imports(path)
+    assert place.startswith("line ")
+
+
+def test_ordinary_code_is_not_forbidden(tmp_path):
+    path = tmp_path / "module.py"
+    path.write_text(
+        "from importlib.metadata import version\nimport re\nre.compile('x')\nt.eval(1)\n"
+    )
+    assert forbidden_imports(path) == []
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "a = snakemake.config['horizon']",
+        "a = snakemake.wildcards.seed",
+        "a = snakemake.threads",
+        "s = snakemake",
+        "s: object = snakemake",
+        "f(snakemake)",
+        "getattr(snakemake, 'config')",
+    ],
+)
+def test_reads_that_nothing_tracks_are_found(tmp_path, statement):
+    path = tmp_path / "script.py"
+    path.write_text(f"def main():\n    {statement}\n")
+    assert len(forbidden_reads(path)) == 1
+
+
+def test_ordinary_script_reads_nothing_forbidden(tmp_path):
+    path = tmp_path / "script.py"
+    path.write_text("if __name__ == '__main__':\n    run_job(snakemake, main)\n")
+    assert forbidden_reads(path) == []
+
+
+# -- the project itself -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", SOURCES + SCRIPTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_fingerprints_see_all_code_of_the_project(path):
+    if path != ROOT / "src" / "burstcast" / "systems" / "registry.py":
+        assert forbidden_imports(path) == []
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.name)
+def test_scripts_read_only_what_parameters_carry(path):
+    assert forbidden_reads(path) == []
+
+
+def test_packages_import_nothing_by_themselves():
+    # else every closure would be everything
+    assert [path for path in SOURCES if path.name == "__init__.py" and path.read_text()] == []
+
+
+def test_closure_in_the_project_is_selective(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("from burstcast_workflow.job import run_job\n")
+    entries = {entry.split("@")[0] for entry in fingerprint(script, ROOT / "src")}
+    assert "burstcast_workflow.canonical" in entries  # through job
+    assert not any(name.startswith("burstcast.") for name in entries)
