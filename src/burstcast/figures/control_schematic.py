@@ -1,0 +1,80 @@
+"""The control strategy on a real event: forecast, alarm, actuation."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.prediction_schematic import draw_span
+from burstcast.figures.style import (
+    BLUE,
+    DOUBLE_COLUMN,
+    GREEN,
+    LIGHT_GREY,
+    TRUTH,
+    VERMILLION,
+    WINDOW,
+    FloatArray,
+    LineStyle,
+    draw_threshold,
+    legend_above,
+    new_figure,
+    observable_label,
+    styled,
+)
+
+CONTROLLED = LineStyle(color=GREEN, linestyle=(0, (6.0, 1.2, 1.2, 1.2)), linewidth=1.3)
+"""The line of a controlled flow, the same in every figure."""
+
+
+@styled
+def control_schematic(
+    time_lt: FloatArray,
+    uncontrolled: FloatArray,
+    controlled: FloatArray,
+    threshold: float,
+    prediction_time_lt: float,
+    actuation_lt: tuple[float, float],
+    *,
+    window_lt: float = 1.0,
+    symbol: str = "k",
+    actuation_label: str = "Re = 2000",
+) -> Figure:
+    """Draw one event with and without control, and the parts of the strategy.
+
+    Parameters
+    ----------
+    time_lt, uncontrolled, controlled
+        Observable, ``(time,)``; the forecast that raises the alarm starts at time 0.
+    threshold
+        Event threshold.
+    prediction_time_lt, window_lt
+        The forecast crosses the threshold in the window that begins at the prediction time.
+    actuation_lt
+        Start and end of the actuation.
+    symbol
+        Of the observable.
+    actuation_label
+        What the actuation does.
+    """
+    figure = new_figure(DOUBLE_COLUMN, 2.6)
+    axes = figure.subplots()
+    top = float(max(uncontrolled.max(), controlled.max()))
+    window = (prediction_time_lt, prediction_time_lt + window_lt)
+    axes.axvspan(*actuation_lt, color=GREEN, alpha=0.13, linewidth=0, zorder=0.4)
+    axes.axvspan(*window, facecolor="none", edgecolor=LIGHT_GREY, hatch="//////", linewidth=0)
+    for edge in window:
+        axes.axvline(edge, **WINDOW)
+    for edge in actuation_lt:
+        axes.axvline(edge, color=GREEN, linewidth=0.7)
+    axes.axvline(0, color=VERMILLION, linewidth=0.9, linestyle=":")
+    draw_threshold(axes, threshold, f"${symbol}_e$")
+    axes.plot(time_lt, uncontrolled, label="without control", **TRUTH)
+    axes.plot(time_lt, controlled, label="with control", **CONTROLLED)
+    axes.plot(0, uncontrolled[abs(time_lt).argmin()], "o", color=VERMILLION, ms=4.5, zorder=4)
+    draw_span(axes, 0, prediction_time_lt, 1.12 * top, "prediction time", VERMILLION)
+    draw_span(axes, *window, 1.12 * top, "event forecast: alarm", BLUE)
+    draw_span(axes, *actuation_lt, 1.38 * top, f"control: {actuation_label}", GREEN)
+    axes.set_ylim(0, 1.62 * top)
+    axes.set_xlim(float(time_lt[0]), float(time_lt[-1]))
+    axes.set_xlabel("Time from the forecast [LT]")
+    axes.set_ylabel(observable_label(symbol))
+    legend_above(figure, [axes])
+    return figure

@@ -1,0 +1,110 @@
+"""What control achieves against how early it acts and how much it acts."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from burstcast.figures.percentile_curves import (
+    PREDICTION_TIME_LABEL,
+    draw_percentiles,
+    require_single_case,
+    select,
+)
+from burstcast.figures.style import (
+    BLACK,
+    BLUE,
+    DOUBLE_COLUMN,
+    GREY,
+    PURPLE,
+    MarkerStyle,
+    legend_above,
+    letter_panels,
+    new_figure,
+    styled,
+)
+
+_FORECASTERS = {
+    "esn": (
+        "echo state networks",
+        MarkerStyle(color=BLUE, linestyle="-", linewidth=1.2, marker="o"),
+    ),
+    "equations": (
+        "equations",
+        MarkerStyle(color=BLACK, linestyle=(0, (4.0, 1.5)), linewidth=1.0, marker="s"),
+    ),
+    "random": (
+        "random alarms",
+        MarkerStyle(color=GREY, linestyle=(0, (1.0, 1.0)), linewidth=1.2, marker="^"),
+    ),
+}
+_OTHER = MarkerStyle(color=PURPLE, linestyle="-", linewidth=1.0, marker="D")
+
+
+@styled
+def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
+    """Draw the reduction against (a) the prediction time and (b) the time under control.
+
+    Error bars and bands are quartiles over networks; in (b) each point is a
+    prediction time.
+
+    Parameters
+    ----------
+    percentiles
+        Of one case, one size and one strategy: forecaster, prediction_time_lt, metric
+        (``reduction``, ``control_fraction``), p25, p50, p75.
+    symbol
+        Of the observable.
+
+    Raises
+    ------
+    ValueError
+        If the table holds several cases.
+    """
+    require_single_case(percentiles)
+    figure = new_figure(DOUBLE_COLUMN, 2.6)
+    left, right = figure.subplots(1, 2, sharey=True)
+    present = list(percentiles["forecaster"].unique())
+    for forecaster in sorted(present, key=[*_FORECASTERS, *present].index):
+        name, style = _FORECASTERS.get(forecaster, (str(forecaster), _OTHER))
+        reduction = select(percentiles, forecaster=forecaster, metric="reduction")
+        fraction = select(percentiles, forecaster=forecaster, metric="control_fraction")
+        draw_percentiles(left, reduction, "prediction_time_lt", style, label=name)
+        both = fraction.merge(reduction, on="prediction_time_lt", suffixes=("_x", "_y"))
+        _draw_both(right, both.sort_values("prediction_time_lt"), style)
+        if forecaster == "esn":
+            for x, y, time in zip(
+                both["p50_x"], both["p50_y"], both["prediction_time_lt"], strict=True
+            ):
+                right.annotate(
+                    f"{time:g} LT", (x, y), (5, 3), "data", "offset points", color=style["color"]
+                )
+    left.set_xticks(sorted(percentiles["prediction_time_lt"].dropna().unique()))
+    left.margins(x=0.06)
+    left.set_ylim(bottom=min(0.0, left.dataLim.y0, right.dataLim.y0))
+    left.set_xlabel(PREDICTION_TIME_LABEL)
+    left.set_ylabel(rf"Reduction of $P({symbol} \geq {symbol}_e)$")
+    right.set_xlabel("Fraction of time under control")
+    right.margins(x=0.12)
+    legend_above(figure, [left])
+    letter_panels([left, right])
+    return figure
+
+
+def _draw_both(axes: Axes, both: pd.DataFrame, style: MarkerStyle) -> None:
+    """Draw one metric against another, with quartiles of both."""
+    bars = {
+        f"{axis}err": np.array(
+            [
+                both[f"p50_{axis}"] - both[f"p25_{axis}"],
+                both[f"p75_{axis}"] - both[f"p50_{axis}"],
+            ]
+        )
+        for axis in ("x", "y")
+    }
+    keywords: dict[str, Any] = {**style, **bars}
+    axes.errorbar(
+        both["p50_x"], both["p50_y"], capsize=2.0, elinewidth=0.8, capthick=0.8, **keywords
+    )

@@ -1,0 +1,98 @@
+"""Long-term density of the observable, and the errors in it against reservoir size."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from burstcast.figures.percentile_curves import published_handle, require_single_case
+from burstcast.figures.profile_errors import draw_statistic_by_size
+from burstcast.figures.style import (
+    DOUBLE_COLUMN,
+    NETWORK,
+    THRESHOLD,
+    TRAINING,
+    TRUTH,
+    FloatArray,
+    legend_above,
+    letter_panels,
+    new_figure,
+    observable_label,
+    styled,
+)
+
+
+@styled
+def energy_density(
+    bin_edges: FloatArray,
+    true: FloatArray,
+    training: FloatArray,
+    network: FloatArray,
+    percentiles: pd.DataFrame,
+    threshold: float,
+    *,
+    symbol: str = "k",
+    name: str = "kinetic energy",
+    published: pd.DataFrame | None = None,
+) -> Figure:
+    """Draw (a) the densities, (b) the Kantorovich metric and (c) the mean logarithmic error.
+
+    Parameters
+    ----------
+    bin_edges
+        ``(bins + 1,)``.
+    true, training, network
+        Densities, ``(bins,)``; the network is the best one of its size.
+    percentiles
+        Of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
+        (``kantorovich``, ``mean_log_error``), p25, p50, p75.
+    threshold
+        Event threshold.
+    symbol, name
+        Of the observable.
+    published
+        Published percentiles in the same form, drawn as open markers at the sizes of the table.
+
+    Raises
+    ------
+    ValueError
+        If the table holds several cases.
+    """
+    require_single_case(percentiles)
+    figure = new_figure(DOUBLE_COLUMN, 4.2)
+    panels = figure.subplot_mosaic([["density", "density"], ["kantorovich", "mean_log_error"]])
+    density = panels["density"]
+    for values, style, label in (
+        (true, TRUTH, "True"),
+        (training, TRAINING, "Train"),
+        (network, NETWORK, "ESN (best)"),
+    ):
+        density.stairs(
+            values,
+            bin_edges,
+            baseline=None,
+            label=label,
+            color=style["color"],
+            linestyle=style["linestyle"],
+            linewidth=style["linewidth"],
+        )
+    density.axvline(threshold, **THRESHOLD)
+    density.annotate(
+        f"${symbol}_e$",
+        (threshold, 1),
+        (2.5, -3),
+        density.get_xaxis_transform(),
+        "offset points",
+        ha="left",
+        va="top",
+        color=THRESHOLD["color"],
+    )
+    density.set_yscale("log")
+    density.set_ylim(0.5 * true[true > 0].min(), 2.5 * true.max())
+    density.set_xlim(float(bin_edges[0]), float(bin_edges[-1]))
+    density.set_xlabel(observable_label(symbol, name))
+    density.set_ylabel("PDF")
+    for metric in ("kantorovich", "mean_log_error"):
+        draw_statistic_by_size(panels[metric], percentiles, metric, published)
+    more = [] if published is None else [published_handle()]
+    legend_above(figure, [density, panels["kantorovich"]], more)
+    letter_panels([density, panels["kantorovich"], panels["mean_log_error"]])
+    return figure

@@ -1,0 +1,62 @@
+"""Mean prediction horizon of extreme events against reservoir size."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from burstcast.figures.percentile_curves import (
+    METRIC_LABELS,
+    NEURONS_LABEL,
+    draw_percentiles,
+    draw_published,
+    published_handle,
+    require_single_case,
+    select,
+)
+from burstcast.figures.style import (
+    SINGLE_COLUMN,
+    new_figure,
+    ordered_validations,
+    styled,
+    validation_style,
+)
+
+
+@styled
+def horizon_by_size(percentiles: pd.DataFrame, *, published: pd.DataFrame | None = None) -> Figure:
+    """Draw the quartiles over networks of the mean PH_ee, one curve per validation strategy.
+
+    Parameters
+    ----------
+    percentiles
+        Of one case: forecaster, neurons, validation, metric (``mean_horizon_lt``), p25, p50, p75.
+    published
+        Published percentiles in the same form, drawn as open markers at the sizes of the table.
+
+    Raises
+    ------
+    ValueError
+        If the table holds several cases.
+    """
+    require_single_case(percentiles)
+    networks = percentiles[percentiles["forecaster"] == "esn"]
+    sizes = np.unique(networks["neurons"].dropna().to_numpy(dtype=np.float64))
+    if published is not None:
+        published = published[published["neurons"].isin(sizes)]
+    figure = new_figure(SINGLE_COLUMN, 2.4)
+    axes = figure.subplots()
+    for validation in ordered_validations(networks["validation"].dropna()):
+        style = validation_style(validation)
+        chosen = {"validation": validation, "metric": "mean_horizon_lt"}
+        draw_percentiles(axes, select(networks, **chosen), "neurons", style, label=validation)
+        if published is not None:
+            draw_published(axes, select(published, **chosen), "neurons", style)
+    handles, _ = axes.get_legend_handles_labels()
+    if published is not None and not published.empty:
+        handles.append(published_handle())
+    axes.set_xticks(sizes)
+    axes.margins(x=0.06)
+    axes.set_xlabel(NEURONS_LABEL)
+    axes.set_ylabel(METRIC_LABELS["mean_horizon_lt"])
+    axes.legend(handles=handles, loc="lower right")
+    return figure

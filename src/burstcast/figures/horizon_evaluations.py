@@ -1,0 +1,134 @@
+"""The last evaluations of the prediction horizon before an event is predicted."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.style import (
+    DOUBLE_COLUMN,
+    LIGHT_GREY,
+    NETWORK,
+    TRUTH,
+    WINDOW,
+    FloatArray,
+    draw_threshold,
+    legend_above,
+    new_figure,
+    observable_label,
+    styled,
+)
+
+
+@dataclass(frozen=True)
+class HorizonEvaluation:
+    """One forecast of an event, started at a given time before it.
+
+    Attributes
+    ----------
+    start_lt
+        tau_e: how long before the event the forecast starts.
+    time_lt
+        Time from the event, ``(time,)``; the forecast starts at ``-start_lt``.
+    forecast
+        Observable, ``(time,)``.
+    horizon_lt
+        Prediction horizon of this forecast.
+    """
+
+    start_lt: float
+    time_lt: FloatArray
+    forecast: FloatArray
+    horizon_lt: float
+
+
+@styled
+def horizon_evaluations(
+    time_lt: FloatArray,
+    true: FloatArray,
+    evaluations: Sequence[HorizonEvaluation],
+    threshold: float,
+    allowed_error: float,
+    *,
+    symbol: str = "k",
+) -> Figure:
+    """Draw one panel per evaluation, two by two: truth, tolerance band and forecast.
+
+    Parameters
+    ----------
+    time_lt, true
+        Observable around the event, ``(time,)``; the event is at time 0.
+    evaluations
+        In the order in which they are made.
+    threshold
+        Event threshold.
+    allowed_error
+        Half-width of the band that the forecast must stay in, in units of the observable: the
+        tolerance times (threshold - mean).
+    symbol
+        Of the observable.
+
+    Raises
+    ------
+    ValueError
+        If there is no evaluation.
+    """
+    if not evaluations:
+        raise ValueError("there is no evaluation to draw")
+    rows = (len(evaluations) + 1) // 2
+    figure = new_figure(DOUBLE_COLUMN, 1.5 * rows + 0.5)
+    panels = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False).ravel()
+    for index, (panel, evaluation) in enumerate(zip(panels, evaluations, strict=False)):
+        panel.fill_between(
+            time_lt,
+            true - allowed_error,
+            true + allowed_error,
+            color=LIGHT_GREY,
+            linewidth=0,
+            label="tolerance",
+        )
+        panel.plot(time_lt, true, label=rf"${symbol}_{{\mathrm{{True}}}}$", **TRUTH)
+        panel.plot(
+            evaluation.time_lt,
+            evaluation.forecast,
+            label=rf"${symbol}_{{\mathrm{{ESN}}}}$",
+            **NETWORK,
+        )
+        draw_threshold(panel, threshold, f"${symbol}_e$")
+        panel.axvline(0, **WINDOW)
+        panel.axvline(-evaluation.start_lt, color=NETWORK["color"], linewidth=0.6, linestyle=":")
+        predicted = evaluation.horizon_lt >= evaluation.start_lt
+        verdict = (
+            r"PH $\geq \tau_e$: predicted"
+            if predicted
+            else rf"PH = {evaluation.horizon_lt:.1f} LT $< \tau_e$"
+        )
+        panel.set_title(
+            rf"({chr(ord('a') + index)}) $\tau_e$ = {evaluation.start_lt:g} LT, {verdict}",
+            loc="left",
+        )
+        if not predicted:
+            panel.plot(
+                evaluation.horizon_lt - evaluation.start_lt,
+                _value_at(evaluation, evaluation.horizon_lt - evaluation.start_lt),
+                marker="x",
+                color="black",
+                markersize=5,
+                zorder=4,
+            )
+    for panel in panels[len(evaluations) :]:
+        panel.set_axis_off()
+    panels[0].set_xlim(float(time_lt[0]), float(time_lt[-1]))
+    panels[0].set_ylim(0, 1.08 * float((true + allowed_error).max()))
+    for panel in panels[: len(evaluations)][-2:]:
+        panel.set_xlabel(r"$t - t^{(e)}$ [LT]")
+        panel.xaxis.set_tick_params(labelbottom=True)
+    for panel in panels[::2]:
+        panel.set_ylabel(observable_label(symbol))
+    legend_above(figure, [panels[0]])
+    return figure
+
+
+def _value_at(evaluation: HorizonEvaluation, time_lt: float) -> float:
+    """Forecast at the sample nearest to the given time."""
+    return float(evaluation.forecast[abs(evaluation.time_lt - time_lt).argmin()])

@@ -1,0 +1,125 @@
+"""Streamwise velocity in the midplane during an event: data, network and their difference."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from burstcast.figures.planes import (
+    add_row_bar,
+    draw_plane,
+    label_outer_planes,
+    mark_times,
+    symmetric_norm,
+)
+from burstcast.figures.style import (
+    DOUBLE_COLUMN,
+    NETWORK,
+    TRUTH,
+    FloatArray,
+    draw_threshold,
+    new_figure,
+    observable_label,
+    styled,
+)
+
+
+@styled
+def midplane_planes(
+    time_lt: FloatArray,
+    true: FloatArray,
+    forecast: FloatArray,
+    plane_times_lt: FloatArray,
+    x: FloatArray,
+    z: FloatArray,
+    true_planes: FloatArray,
+    forecast_planes: FloatArray,
+    threshold: float,
+    *,
+    symbol: str = "k",
+) -> Figure:
+    """Draw (a) the observable with the times marked, below it the planes at these times.
+
+    Parameters
+    ----------
+    time_lt, true, forecast
+        Observable over the event, ``(time,)``.
+    plane_times_lt
+        Times of the planes, ``(planes,)``.
+    x, z
+        Coordinates in the plane, ``(points_x,)`` and ``(points_z,)``.
+    true_planes, forecast_planes
+        Velocity along x, ``(planes, points_x, points_z)``.
+    threshold
+        Event threshold.
+    symbol
+        Of the observable.
+    """
+    figure = new_figure(DOUBLE_COLUMN, 4.6)
+    top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.0, 2.1])[:, 0]
+    evolution = top.subplots()
+    evolution.plot(time_lt, true, label=rf"${symbol}_{{\mathrm{{True}}}}$", **TRUTH)
+    evolution.plot(time_lt, forecast, label=rf"${symbol}_{{\mathrm{{ESN}}}}$", **NETWORK)
+    draw_threshold(evolution, threshold, f"${symbol}_e$")
+    mark_times(evolution, plane_times_lt)
+    evolution.set_xlim(float(time_lt[0]), float(time_lt[-1]))
+    evolution.set_ylim(bottom=0)
+    evolution.set_xlabel("Time [LT]")
+    evolution.set_ylabel(observable_label(symbol))
+    evolution.set_title("(a)", loc="left")
+    evolution.legend(loc="upper left")
+
+    differences = forecast_planes - true_planes
+    velocity = symmetric_norm([true_planes, forecast_planes])
+    rows = (
+        (true_planes, velocity, r"$u_{\mathrm{True}}$"),
+        (forecast_planes, velocity, r"$u_{\mathrm{ESN}}$"),
+        (differences, symmetric_norm([differences]), r"$u_{\mathrm{ESN}} - u_{\mathrm{True}}$"),
+    )
+    panels = bottom.subplots(3, len(plane_times_lt), squeeze=False)
+    for row, (planes, norm, label) in enumerate(rows):
+        for column, plane in enumerate(planes):
+            # Another colour map tells that the differences have a scale of their own.
+            colours = "RdBu_r" if row < 2 else "PuOr_r"
+            mesh = draw_plane(panels[row, column], x, z, plane, norm, colours)
+        add_row_bar(figure, mesh, list(panels[row]), label)
+        panels[row, 0].set_ylabel("$z$")
+    label_outer_planes(panels)
+    for column, axes in enumerate(panels[0]):
+        axes.set_title(f"$t_{column + 1}$", loc="center")
+    for row, axes in enumerate(panels[:, 0]):
+        axes.set_title(f"({chr(ord('b') + row)})", loc="left")
+    return figure
+
+
+def representative_times(observable: FloatArray, threshold: float) -> list[int]:
+    """Four instants of an event: its build-up twice, its peak and the state after the collapse.
+
+    Parameters
+    ----------
+    observable
+        Around one event, ``(time,)``; it should exceed the threshold somewhere.
+    threshold
+        Event threshold.
+
+    Returns
+    -------
+    list of int
+        Increasing indices: half-way from the crossing back to the last minimum, the crossing,
+        the peak, and the first time after the peak that the observable is back below half its
+        peak.
+
+    Raises
+    ------
+    ValueError
+        If there is no event.
+    """
+    above = np.flatnonzero(observable >= threshold)
+    if above.size == 0:
+        raise ValueError("the observable stays below the threshold: there is no event to show")
+    crossing = int(above[0])
+    start = int(observable[: crossing + 1].argmin())
+    calm = np.flatnonzero(observable[crossing:] < threshold)
+    end = crossing + int(calm[0]) if calm.size else len(observable)
+    peak = crossing + int(observable[crossing:end].argmax())
+    after = np.flatnonzero(observable[peak:] < 0.5 * observable[peak])
+    collapsed = peak + int(after[0]) if after.size else len(observable) - 1
+    return [(start + crossing) // 2, crossing, peak, collapsed]

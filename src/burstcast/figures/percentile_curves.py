@@ -1,0 +1,152 @@
+"""Curves of the median over an ensemble of networks, with the range between its quartiles."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from burstcast.figures.style import MarkerStyle
+
+METRIC_LABELS = {
+    "precision": "Precision, $p$",
+    "recall": "Recall, $r$",
+    "f_score": "F-score, $F$",
+    "mean_horizon_lt": r"$\overline{\mathrm{PH}}_{\mathrm{ee}}$ [LT]",
+    "kantorovich": r"Kantorovich metric, $\mathcal{K}$",
+    "mean_log_error": "Mean logarithmic error, MLE",
+    "nrmse_u": r"NRMSE of $\langle \overline{u} \rangle$",
+    "nrmse_uu": r"NRMSE of $\langle \overline{u^2} \rangle$",
+    "nrmse_uv": r"NRMSE of $\langle \overline{uv} \rangle$",
+}
+"""Labels of axes, by the name of the metric in the percentile tables."""
+
+PREDICTION_TIME_LABEL = "Prediction time [LT]"
+NEURONS_LABEL = "Neurons"
+
+
+def select(table: pd.DataFrame, **values: object) -> pd.DataFrame:
+    """Rows of a percentile table that match all the values, without undefined medians."""
+    matching = table["p50"].notna()
+    for name, value in values.items():
+        if isinstance(value, float):
+            # Prediction times of 0.1 LT and the like come out of a file or an arithmetic
+            # progression: equal but for rounding.
+            matching &= np.isclose(table[name].astype(np.float64), value)
+        else:
+            matching &= table[name] == value
+    return table[matching]
+
+
+def require_single_case(table: pd.DataFrame) -> None:
+    """Check that a percentile table holds one case only, as a figure without a case axis must.
+
+    Raises
+    ------
+    ValueError
+        If it holds several.
+    """
+    if "case" in table.columns and table["case"].nunique() > 1:
+        cases = ", ".join(str(case) for case in table["case"].unique())
+        raise ValueError(f"the figure shows one case, the table has {cases}")
+
+
+def nearest_value(table: pd.DataFrame, column: str, wanted: float) -> float:
+    """Value of the column that lies nearest to the one wanted.
+
+    Raises
+    ------
+    ValueError
+        If the column has no value.
+    """
+    values = np.unique(table[column].dropna().to_numpy(dtype=np.float64))
+    if values.size == 0:
+        raise ValueError(f"the table has no value in column {column}")
+    return float(values[np.argmin(np.abs(values - wanted))])
+
+
+def draw_percentiles(
+    axes: Axes,
+    rows: pd.DataFrame,
+    x: str,
+    style: MarkerStyle,
+    *,
+    label: str | None = None,
+    band: bool = True,
+    shift: float = 0.0,
+) -> None:
+    """Draw the median of a metric against a column: a line, and the quartiles as a band.
+
+    A single point, or ``band=False``, shows the quartiles as an error bar. Nothing is drawn for
+    no rows.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    rows
+        Of a percentile table: one per value of ``x``.
+    x
+        Name of the column on the horizontal axis.
+    style
+        Of the line.
+    label
+        For the legend.
+    band
+        Whether a band shows the quartiles.
+    shift
+        Added to ``x``, so that error bars of several curves stay apart.
+    """
+    if rows.empty:
+        return
+    rows = rows.sort_values(x)
+    position = rows[x].to_numpy(dtype=np.float64) + shift
+    low, median, high = (rows[name].to_numpy(dtype=np.float64) for name in ("p25", "p50", "p75"))
+    keywords: dict[str, Any] = {**style}
+    if band and len(rows) > 1:
+        axes.fill_between(position, low, high, color=style["color"], alpha=0.22, linewidth=0)
+        axes.plot(position, median, label=label, **keywords)
+    else:
+        axes.errorbar(
+            position,
+            median,
+            # A published median may come without quartiles: no bar then.
+            yerr=np.nan_to_num([median - low, high - median]),
+            label=label,
+            capsize=2.0,
+            elinewidth=0.8,
+            capthick=0.8,
+            **keywords,
+        )
+
+
+def draw_published(
+    axes: Axes, rows: pd.DataFrame, x: str, style: MarkerStyle, *, shift: float = 0.0
+) -> None:
+    """Draw published percentiles as open markers with error bars; nothing for no rows."""
+    if rows.empty:
+        return
+    low, median, high = (rows[name].to_numpy(dtype=np.float64) for name in ("p25", "p50", "p75"))
+    axes.errorbar(
+        rows[x].to_numpy(dtype=np.float64) + shift,
+        median,
+        yerr=np.nan_to_num([median - low, high - median]),
+        linestyle="none",
+        marker=style["marker"],
+        markersize=5.0,
+        markerfacecolor="none",
+        markeredgecolor=style["color"],
+        markeredgewidth=0.8,
+        ecolor=style["color"],
+        elinewidth=0.6,
+        capsize=1.5,
+        zorder=3,
+    )
+
+
+def published_handle() -> Line2D:
+    """Entry of a legend for published values."""
+    return Line2D(
+        [], [], linestyle="none", marker="o", mfc="none", mec="black", ms=5.0, label="published"
+    )

@@ -1,0 +1,89 @@
+"""Forecasts that are a true positive, a false positive and a false negative."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.style import (
+    DOUBLE_COLUMN,
+    LIGHT_GREY,
+    NETWORK,
+    TRUTH,
+    WINDOW,
+    FloatArray,
+    draw_threshold,
+    new_figure,
+    observable_label,
+    styled,
+)
+
+
+@dataclass(frozen=True)
+class PredictionExample:
+    """One forecast beside the truth.
+
+    Attributes
+    ----------
+    outcome
+        "true positive", "false positive" or "false negative".
+    time_lt
+        ``(time,)``; the forecast starts at 0.
+    true, forecast
+        Observable, ``(time,)``; the forecast may be NaN where there is none.
+    """
+
+    outcome: str
+    time_lt: FloatArray
+    true: FloatArray
+    forecast: FloatArray
+
+
+@styled
+def prediction_examples(
+    examples: Sequence[PredictionExample],
+    threshold: float,
+    prediction_time_lt: float,
+    *,
+    window_lt: float = 1.0,
+    symbol: str = "k",
+) -> Figure:
+    """Draw one panel per example, with the threshold and the window that is classified.
+
+    Parameters
+    ----------
+    examples
+        At least one; an outcome that never happened is left out.
+    threshold
+        Event threshold.
+    prediction_time_lt, window_lt
+        The window begins at the prediction time.
+    symbol
+        Of the observable.
+
+    Raises
+    ------
+    ValueError
+        If there is no example.
+    """
+    if not examples:
+        raise ValueError("there is no example to draw")
+    figure = new_figure(DOUBLE_COLUMN if len(examples) > 1 else DOUBLE_COLUMN / 2, 2.0)
+    panels = figure.subplots(1, len(examples), sharey=True, squeeze=False)[0]
+    for index, (panel, example) in enumerate(zip(panels, examples, strict=True)):
+        window = (prediction_time_lt, prediction_time_lt + window_lt)
+        panel.axvspan(*window, color=LIGHT_GREY, alpha=0.55, linewidth=0, zorder=0.5)
+        for edge in window:
+            panel.axvline(edge, **WINDOW)
+        draw_threshold(panel, threshold, f"${symbol}_e$")
+        panel.plot(example.time_lt, example.true, label=rf"${symbol}_{{\mathrm{{True}}}}$", **TRUTH)
+        panel.plot(
+            example.time_lt, example.forecast, label=rf"${symbol}_{{\mathrm{{ESN}}}}$", **NETWORK
+        )
+        panel.set_xlim(example.time_lt[0], example.time_lt[-1])
+        panel.set_xlabel("Time [LT]")
+        panel.set_title(f"({chr(ord('a') + index)}) {example.outcome}", loc="left")
+    panels[0].set_ylim(0, 1.08 * max(float(example.true.max()) for example in examples))
+    panels[0].set_ylabel(observable_label(symbol))
+    panels[0].legend(loc="upper left")
+    return figure

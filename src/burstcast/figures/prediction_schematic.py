@@ -1,0 +1,110 @@
+"""How a forecast is made and scored: washout, closed loop, prediction time, window."""
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from burstcast.figures.style import (
+    BLUE,
+    DOUBLE_COLUMN,
+    GREY,
+    LIGHT_GREY,
+    NETWORK,
+    TRUTH,
+    VERMILLION,
+    WINDOW,
+    FloatArray,
+    draw_threshold,
+    legend_above,
+    new_figure,
+    observable_label,
+    styled,
+)
+
+
+def draw_span(axes: Axes, start: float, end: float, height: float, label: str, colour: str) -> None:
+    """Draw a double arrow between two times, with its label above it."""
+    axes.annotate(
+        "",
+        (end, height),
+        (start, height),
+        arrowprops={
+            "arrowstyle": "<|-|>",
+            "color": colour,
+            "linewidth": 0.9,
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "mutation_scale": 6,
+        },
+    )
+    axes.annotate(
+        label,
+        (0.5 * (start + end), height),
+        (0, 2.5),
+        "data",
+        "offset points",
+        ha="center",
+        va="bottom",
+        color=colour,
+        # Lines of other parts may pass behind the label.
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+    )
+
+
+@styled
+def prediction_schematic(
+    time_lt: FloatArray,
+    true: FloatArray,
+    forecast: FloatArray,
+    threshold: float,
+    prediction_time_lt: float,
+    *,
+    washout_lt: float,
+    window_lt: float = 1.0,
+    symbol: str = "k",
+) -> Figure:
+    """Draw one real forecast with the names of its parts.
+
+    Parameters
+    ----------
+    time_lt, true, forecast
+        ``(time,)``; the forecast starts at 0 and is NaN before. Time should begin before the
+        washout does.
+    threshold
+        Event threshold.
+    prediction_time_lt, washout_lt, window_lt
+        Durations.
+    symbol
+        Of the observable.
+    """
+    figure = new_figure(DOUBLE_COLUMN, 2.5)
+    axes = figure.subplots()
+    top = float(true.max())
+    window = (prediction_time_lt, prediction_time_lt + window_lt)
+    axes.axvspan(*window, color=LIGHT_GREY, alpha=0.55, linewidth=0, zorder=0.5)
+    for edge in window:
+        axes.axvline(edge, **WINDOW)
+    axes.axvspan(
+        -washout_lt,
+        0,
+        facecolor="none",
+        edgecolor=LIGHT_GREY,
+        hatch="//////",
+        linewidth=0,
+        zorder=0.5,
+    )
+    axes.axvline(0, color=VERMILLION, linewidth=0.9, linestyle=":")
+    draw_threshold(axes, threshold, f"${symbol}_e$")
+    axes.plot(time_lt, true, label=rf"${symbol}_{{\mathrm{{True}}}}$", **TRUTH)
+    axes.plot(time_lt, forecast, label=rf"${symbol}_{{\mathrm{{ESN}}}}$", **NETWORK)
+    axes.plot(0, true[abs(time_lt).argmin()], "o", color=VERMILLION, ms=4.5, zorder=4)
+    height = 1.18 * top
+    draw_span(axes, -washout_lt, 0, height, "washout\n(open loop)", GREY)
+    draw_span(axes, 0, prediction_time_lt, height, "prediction time (closed loop)", VERMILLION)
+    draw_span(axes, *window, height, f"event here?\nwindow, {window_lt:g} LT", BLUE)
+    axes.set_ylim(0, 1.5 * top)
+    axes.set_xlim(float(time_lt[0]), float(time_lt[-1]))
+    axes.set_xlabel("Time from the start of the forecast [LT]")
+    axes.set_ylabel(observable_label(symbol))
+    # Outside: the curves may be anywhere.
+    legend_above(figure, [axes])
+    return figure

@@ -1,0 +1,122 @@
+"""Velocity profiles of the flow, and the errors in them against reservoir size."""
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from burstcast.figures.percentile_curves import (
+    METRIC_LABELS,
+    NEURONS_LABEL,
+    draw_percentiles,
+    draw_published,
+    published_handle,
+    require_single_case,
+    select,
+)
+from burstcast.figures.style import (
+    DOUBLE_COLUMN,
+    FLOOR,
+    NETWORK,
+    TRAINING,
+    TRUTH,
+    FloatArray,
+    legend_above,
+    letter_panels,
+    new_figure,
+    ordered_validations,
+    styled,
+    validation_style,
+)
+
+PROFILES = {
+    "nrmse_u": r"$\langle \overline{u} \rangle$",
+    "nrmse_uu": r"$\langle \overline{u^2} \rangle$",
+    "nrmse_uv": r"$\langle \overline{uv} \rangle$",
+}
+
+
+def draw_statistic_by_size(
+    axes: Axes, percentiles: pd.DataFrame, metric: str, published: pd.DataFrame | None = None
+) -> None:
+    """Draw a statistic's error against reservoir size, with the training set and the floor.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    percentiles
+        Of one case; rows of forecaster ``training`` and ``floor`` are horizontal lines.
+    metric
+        What to draw.
+    published
+        Published percentiles in the same form, drawn as open markers at the sizes of the table.
+    """
+    networks = percentiles[percentiles["forecaster"] == "esn"]
+    for validation in ordered_validations(networks["validation"].dropna()):
+        style = validation_style(validation)
+        rows = select(networks, metric=metric, validation=validation)
+        draw_percentiles(axes, rows, "neurons", style, label=f"ESN, {validation}")
+        if published is not None:
+            rows = select(published, metric=metric, validation=validation)
+            rows = rows[rows["neurons"].isin(networks["neurons"])]
+            draw_published(axes, rows, "neurons", style)
+    for forecaster, line, label in (
+        ("training", TRAINING, "Train"),
+        ("floor", FLOOR, "sampling floor"),
+    ):
+        for value in select(percentiles, metric=metric, forecaster=forecaster)["p50"]:
+            axes.axhline(float(value), label=label, **line)
+    axes.set_ylim(0, 1.08 * axes.dataLim.y1)
+    axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
+    if networks["neurons"].nunique() > 4:
+        for index, tick in enumerate(axes.get_xticklabels()):
+            tick.set_visible(index % 2 == 1)
+    axes.set_xlabel(NEURONS_LABEL)
+    axes.set_ylabel(METRIC_LABELS[metric])
+
+
+@styled
+def profile_errors(
+    y: FloatArray,
+    true: FloatArray,
+    training: FloatArray,
+    network: FloatArray,
+    percentiles: pd.DataFrame,
+    *,
+    published: pd.DataFrame | None = None,
+) -> Figure:
+    """Draw (a-c) the profiles of u, u^2 and uv and (d-f) the errors against reservoir size.
+
+    Parameters
+    ----------
+    y
+        Distance from the midplane, ``(points_y,)``.
+    true, training, network
+        Averages over x, z and time, ``(3, points_y)``: of u, u^2 and uv.
+    percentiles
+        Of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
+        (``nrmse_u``, ``nrmse_uu``, ``nrmse_uv``), p25, p50, p75.
+    published
+        Published percentiles in the same form, drawn as open markers at the sizes of the table.
+
+    Raises
+    ------
+    ValueError
+        If the table holds several cases.
+    """
+    require_single_case(percentiles)
+    figure = new_figure(DOUBLE_COLUMN, 4.0)
+    panels = figure.subplots(2, 3)
+    for index, (metric, label) in enumerate(PROFILES.items()):
+        profile, error = panels[:, index]
+        profile.plot(true[index], y, label="True", **TRUTH)
+        profile.plot(training[index], y, label="Train", **TRAINING)
+        profile.plot(network[index], y, label="ESN (best)", **NETWORK)
+        profile.set_xlabel(label)
+        profile.set_ylim(float(y[0]), float(y[-1]))
+        profile.set_ylabel("$y$")
+        draw_statistic_by_size(error, percentiles, metric, published)
+    more = [] if published is None else [published_handle()]
+    legend_above(figure, [panels[0, 0], panels[1, 0]], more)
+    letter_panels(list(panels.flat))
+    return figure

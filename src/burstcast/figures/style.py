@@ -1,0 +1,246 @@
+"""The look that the figures share: sizes, fonts, colours, panel letters, reproducible files.
+
+Figures are built from :class:`matplotlib.figure.Figure` without pyplot: no global state, and a
+quick start. Colours are of the Okabe-Ito palette, safe for colour-blind readers; what a colour
+tells, a line style or a marker tells too, for print in greyscale. The fonts ship with Matplotlib,
+so that a figure looks the same on every machine.
+"""
+
+import functools
+import io
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Literal, ParamSpec, TypedDict
+
+import matplotlib
+import numpy as np
+import numpy.typing as npt
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+FloatArray = npt.NDArray[np.float64]
+P = ParamSpec("P")
+
+SINGLE_COLUMN = 3.4
+"""Width of a journal's column, inches."""
+DOUBLE_COLUMN = 7.0
+"""Width of a journal's page, inches."""
+
+BLACK = "#000000"
+BLUE = "#0072B2"
+ORANGE = "#E69F00"
+GREEN = "#009E73"
+VERMILLION = "#D55E00"
+PURPLE = "#CC79A7"
+SKY = "#56B4E9"
+GREY = "#6E6E6E"
+LIGHT_GREY = "#DADADA"
+
+
+class LineStyle(TypedDict):
+    """Keywords of a line, by role."""
+
+    color: str
+    linestyle: str | tuple[float, tuple[float, ...]]
+    linewidth: float
+
+
+class MarkerStyle(LineStyle):
+    """Keywords of a line with markers, by role."""
+
+    marker: str
+
+
+TRUTH = LineStyle(color=BLACK, linestyle="-", linewidth=1.1)
+NETWORK = LineStyle(color=VERMILLION, linestyle=(0, (3.5, 1.2)), linewidth=1.2)
+TRAINING = LineStyle(color=GREEN, linestyle=(0, (1.0, 1.0)), linewidth=1.3)
+FLOOR = LineStyle(color=GREY, linestyle=(0, (6.0, 1.5, 1.0, 1.5)), linewidth=0.9)
+THRESHOLD = LineStyle(color=GREY, linestyle="-", linewidth=0.7)
+WINDOW = LineStyle(color=BLUE, linestyle=(0, (5.0, 2.0)), linewidth=0.9)
+
+_VALIDATION = {
+    "SSV": MarkerStyle(color=ORANGE, linestyle=(0, (4.0, 1.5)), linewidth=1.2, marker="s"),
+    "RV": MarkerStyle(color=BLUE, linestyle="-", linewidth=1.2, marker="o"),
+}
+_SPARE = MarkerStyle(color=PURPLE, linestyle=(0, (6.0, 1.5, 1.0, 1.5)), linewidth=1.2, marker="^")
+
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
+
+# A user's own matplotlibrc must not change a figure: every setting starts from Matplotlib's
+# defaults, except those of interactive windows, which a figure does not have.
+_INTERACTIVE = ("backend", "interactive", "toolbar", "timezone", "tk.", "webagg.", "macosx.")
+_STYLE: Any = {
+    name: value
+    for name, value in matplotlib.rcParamsDefault.items()
+    if not name.startswith(_INTERACTIVE)
+} | {
+    "font.family": "serif",
+    "font.serif": ["STIXGeneral"],
+    "mathtext.fontset": "stix",
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.0,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "legend.fontsize": 7.5,
+    "axes.linewidth": 0.6,
+    "axes.labelpad": 2.5,
+    "axes.titlepad": 4.0,
+    "lines.linewidth": 1.1,
+    "lines.markersize": 3.2,
+    "patch.linewidth": 0.6,
+    "hatch.linewidth": 0.5,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.45,
+    "ytick.minor.width": 0.45,
+    "xtick.major.size": 2.8,
+    "ytick.major.size": 2.8,
+    "xtick.minor.size": 1.6,
+    "ytick.minor.size": 1.6,
+    "legend.frameon": False,
+    "legend.handlelength": 2.2,
+    "legend.handletextpad": 0.5,
+    "legend.labelspacing": 0.3,
+    "legend.borderaxespad": 0.3,
+    "legend.columnspacing": 1.2,
+    "figure.constrained_layout.w_pad": 0.03,
+    "figure.constrained_layout.h_pad": 0.03,
+    "figure.dpi": 100.0,
+    "savefig.dpi": 300.0,
+    "pdf.fonttype": 42,
+    "pdf.compression": 6,
+    "svg.hashsalt": "burstcast",
+}
+
+
+def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Decorate a function that returns a figure: it draws in the shared style."""
+
+    @functools.wraps(draw)
+    def wrapper(*arguments: P.args, **keywords: P.kwargs) -> Figure:
+        with matplotlib.rc_context(_STYLE):
+            return draw(*arguments, **keywords)
+
+    return wrapper
+
+
+def new_figure(
+    width: float, height: float, *, layout: Literal["constrained"] | None = "constrained"
+) -> Figure:
+    """Empty figure of the given size in inches, with a canvas that needs no display."""
+    figure = Figure(figsize=(width, height), layout=layout)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def render(figure: Figure, file_format: Literal["pdf", "png", "svg"]) -> bytes:
+    """Content of the figure's file: the same figure gives the same bytes, whenever it is drawn.
+
+    Matplotlib would write the time of creation and its version into the file; both are left out.
+
+    Raises
+    ------
+    ValueError
+        If the format is unknown.
+    """
+    without: dict[str, Mapping[str, str | None]] = {
+        "pdf": {"CreationDate": None, "ModDate": None, "Producer": None, "Creator": None},
+        "png": {"Software": None},
+        "svg": {"Date": None, "Creator": None},
+    }
+    if file_format not in without:
+        raise ValueError(f"no figure is written as {file_format}; known: {', '.join(without)}")
+    buffer = io.BytesIO()
+    with matplotlib.rc_context(_STYLE):
+        figure.savefig(buffer, format=file_format, metadata=dict(without[file_format]))
+    return buffer.getvalue()
+
+
+def validation_style(validation: str) -> MarkerStyle:
+    """Colour, line style and marker of a validation strategy, the same in every figure."""
+    return _VALIDATION.get(validation, _SPARE)
+
+
+def ordered_validations(names: Iterable[str]) -> list[str]:
+    """Strategies in the order of the paper (SSV before RV), unknown ones after them by name."""
+    known = list(_VALIDATION)
+    return sorted(
+        set(names), key=lambda name: (known.index(name) if name in known else len(known), name)
+    )
+
+
+def sequence_styles(count: int) -> list[MarkerStyle]:
+    """Styles for an ordered family of curves (reservoir sizes): dark to light, markers differ."""
+    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.82, max(count, 2)))[:count]
+    return [
+        MarkerStyle(
+            color=matplotlib.colors.to_hex(colour),
+            linestyle="-" if index % 2 == 0 else (0, (4.0, 1.2)),
+            linewidth=1.0,
+            marker=_MARKERS[index % len(_MARKERS)],
+        )
+        for index, colour in enumerate(colours)
+    ]
+
+
+def letter_panels(axes: Sequence[Axes], *, inside: bool = False, start: int = 0) -> None:
+    """Write (a), (b), ... at the upper left of the panels: above the frame, or inside it."""
+    for index, panel in enumerate(axes):
+        letter = f"({chr(ord('a') + start + index)})"
+        if inside:
+            panel.annotate(
+                letter, (0, 1), (4, -4), "axes fraction", "offset points", ha="left", va="top"
+            )
+        else:
+            panel.set_title(letter, loc="left")
+
+
+def observable_label(symbol: str, name: str | None = None) -> str:
+    """Label of an axis that shows the observable: "Kinetic energy, $k$", or the symbol alone."""
+    if name is None:
+        return f"${symbol}$"
+    return f"{name[:1].upper()}{name[1:]}, ${symbol}$"
+
+
+def true_runs(condition: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of each run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], condition, [False]]).astype(np.int8)))
+    return [(int(first), int(last) - 1) for first, last in edges.reshape(-1, 2)]
+
+
+def draw_threshold(axes: Axes, threshold: float, label: str | None = None) -> None:
+    """Draw the event threshold as a horizontal line, with its symbol at the right end."""
+    axes.axhline(threshold, zorder=1.5, **THRESHOLD)
+    if label is not None:
+        axes.annotate(
+            label,
+            (1, threshold),
+            (-3, 1.5),
+            axes.get_yaxis_transform(),
+            "offset points",
+            ha="right",
+            va="bottom",
+            color=GREY,
+        )
+
+
+def legend_above(figure: Figure, axes: Iterable[Axes], more: Sequence[Artist] = ()) -> None:
+    """Draw a legend above the panels: what they label, each label once, then ``more``."""
+    entries: dict[str, Artist] = {}
+    for panel in axes:
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    for handle in more:
+        entries.setdefault(str(handle.get_label()), handle)
+    figure.legend(
+        list(entries.values()),
+        list(entries),
+        loc="outside upper center",
+        ncols=max(1, len(entries)),
+    )

@@ -1,0 +1,88 @@
+"""An event that the control suppresses, and the flow with and without control."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.control_schematic import CONTROLLED
+from burstcast.figures.planes import (
+    add_row_bar,
+    draw_plane,
+    label_outer_planes,
+    mark_times,
+    symmetric_norm,
+)
+from burstcast.figures.style import (
+    DOUBLE_COLUMN,
+    GREEN,
+    TRUTH,
+    FloatArray,
+    draw_threshold,
+    new_figure,
+    observable_label,
+    styled,
+)
+
+
+@styled
+def suppressed_event(
+    time_lt: FloatArray,
+    uncontrolled: FloatArray,
+    controlled: FloatArray,
+    actuation_lt: tuple[float, float],
+    plane_times_lt: FloatArray,
+    x: FloatArray,
+    z: FloatArray,
+    uncontrolled_planes: FloatArray,
+    controlled_planes: FloatArray,
+    threshold: float,
+    *,
+    symbol: str = "k",
+) -> Figure:
+    """Draw (a) the observable with and without control, (b, c) the midplane at the times marked.
+
+    Parameters
+    ----------
+    time_lt, uncontrolled, controlled
+        Observable over the event, ``(time,)``.
+    actuation_lt
+        Start and end of the actuation.
+    plane_times_lt
+        Times of the planes, ``(planes,)``.
+    x, z
+        Coordinates in the plane, ``(points_x,)`` and ``(points_z,)``.
+    uncontrolled_planes, controlled_planes
+        Velocity along x, ``(planes, points_x, points_z)``.
+    threshold
+        Event threshold.
+    symbol
+        Of the observable.
+    """
+    figure = new_figure(DOUBLE_COLUMN, 3.8)
+    top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.0, 1.45])[:, 0]
+    evolution = top.subplots()
+    evolution.axvspan(*actuation_lt, color=GREEN, alpha=0.13, linewidth=0, zorder=0.4)
+    evolution.plot(time_lt, uncontrolled, label="without control", **TRUTH)
+    evolution.plot(time_lt, controlled, label="with control", **CONTROLLED)
+    draw_threshold(evolution, threshold, f"${symbol}_e$")
+    mark_times(evolution, plane_times_lt)
+    evolution.set_xlim(float(time_lt[0]), float(time_lt[-1]))
+    evolution.set_ylim(bottom=0)
+    evolution.set_xlabel("Time [LT]")
+    evolution.set_ylabel(observable_label(symbol))
+    evolution.set_title("(a)", loc="left")
+    evolution.legend(loc="upper left")
+
+    norm = symmetric_norm([uncontrolled_planes, controlled_planes])
+    panels = bottom.subplots(2, len(plane_times_lt), squeeze=False)
+    for row, (planes, label) in enumerate(
+        ((uncontrolled_planes, "without control"), (controlled_planes, "with control"))
+    ):
+        for column, plane in enumerate(planes):
+            mesh = draw_plane(panels[row, column], x, z, plane, norm, "RdBu_r")
+        panels[row, 0].set_ylabel(f"{label}\n$z$")
+    label_outer_planes(panels)
+    add_row_bar(figure, mesh, list(panels.flat), "$u$", ticks=5)
+    for column, axes in enumerate(panels[0]):
+        axes.set_title(f"$t_{column + 1}$", loc="center")
+    for row, axes in enumerate(panels[:, 0]):
+        axes.set_title(f"({chr(ord('b') + row)})", loc="left")
+    return figure

@@ -1,0 +1,283 @@
+"""Percentiles over an ensemble of networks, the paper's parameter tables, and their LaTeX."""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+
+PERCENTILES = {"p25": 25.0, "p50": 50.0, "p75": 75.0}
+
+_ESCAPES = str.maketrans(
+    {
+        "\\": r"\textbackslash{}",
+        "&": r"\&",
+        "%": r"\%",
+        "$": r"\$",
+        "#": r"\#",
+        "_": r"\_",
+        "{": r"\{",
+        "}": r"\}",
+        "~": r"\textasciitilde{}",
+        "^": r"\textasciicircum{}",
+        "<": r"\textless{}",
+        ">": r"\textgreater{}",
+    }
+)
+
+
+def percentiles(table: pd.DataFrame, keys: Sequence[str], metrics: Sequence[str]) -> pd.DataFrame:
+    """Percentiles of each metric over the rows that share the same keys.
+
+    Parameters
+    ----------
+    table
+        One row per network (and per sub-key, such as a prediction time).
+    keys
+        Columns that name a group; a row with an empty key belongs to the group of that empty key.
+    metrics
+        Numerical columns. Empty cells are undefined values (a ratio without positives): they are
+        left out of the percentiles.
+
+    Returns
+    -------
+    DataFrame
+        Long form: the keys, ``metric``, ``p25``, ``p50``, ``p75`` (linear interpolation between
+        order statistics) and ``networks``, the count of defined values. Groups are in order of
+        first appearance, metrics in the order given. Percentiles of no value are empty.
+
+    Raises
+    ------
+    KeyError
+        If the table lacks a column.
+    ValueError
+        If a metric is infinite somewhere: that is no result and no undefined ratio either.
+    """
+    missing = [name for name in (*keys, *metrics) if name not in table.columns]
+    if missing:
+        raise KeyError(f"the table has no column {', '.join(missing)}")
+    infinite = [name for name in metrics if np.isinf(table[name].astype(np.float64)).any()]
+    if infinite:
+        raise ValueError(f"infinite values in column {', '.join(infinite)}")
+    rows: list[dict[str, object]] = []
+    for group, members in table.groupby(list(keys), dropna=False, sort=False):
+        for metric in metrics:
+            values = members[metric].dropna().to_numpy(dtype=np.float64)
+            row: dict[str, object] = dict(zip(keys, group, strict=True))
+            row["metric"] = metric
+            for name, percentage in PERCENTILES.items():
+                row[name] = float(np.percentile(values, percentage)) if values.size else math.nan
+            row["networks"] = int(values.size)
+            rows.append(row)
+    result = pd.DataFrame(rows, columns=[*keys, "metric", *PERCENTILES, "networks"])
+    return result.astype({key: table[key].dtype for key in keys})
+
+
+def escape(text: str) -> str:
+    """Text with the characters that are special to LaTeX made literal."""
+    return text.translate(_ESCAPES)
+
+
+def latex_number(value: float, digits: int = 4) -> str:
+    r"""Write a number as LaTeX in math mode: ``$400$``, ``$4\pi$``, ``$1.6\times10^{-3}$``.
+
+    Whole multiples of pi up to 20 are written as such (lengths of periodic domains), powers of
+    ten without a mantissa, other numbers with ``digits`` significant digits; whole numbers in full.
+
+    Raises
+    ------
+    ValueError
+        If the value is not finite.
+    """
+    if not math.isfinite(value):
+        raise ValueError(f"a table cannot show {value}")
+    if value == int(value) and abs(value) < 1e6:
+        return f"${int(value)}$"
+    multiple = round(value / math.pi)
+    if 1 <= abs(multiple) <= 20 and math.isclose(value, multiple * math.pi, rel_tol=1e-9):
+        return rf"${multiple if multiple != 1 else ''}\pi$"
+    plain = f"{value:.{digits}g}"
+    if "e" not in plain:
+        return f"${plain}$"
+    mantissa, exponent = plain.split("e")
+    power = f"10^{{{int(exponent)}}}"
+    return f"${power}$" if mantissa == "1" else rf"${mantissa}\times{power}$"
+
+
+def to_latex(
+    table: pd.DataFrame,
+    caption: str,
+    label: str,
+    *,
+    headers: Mapping[str, str] | None = None,
+    formats: Mapping[str, str] | None = None,
+    verbatim: Collection[str] = (),
+    alignment: str | None = None,
+) -> str:
+    """Write a table as a LaTeX ``table`` environment with booktabs rules.
+
+    Parameters
+    ----------
+    table
+        The index is not written.
+    caption, label
+        LaTeX: taken as they are.
+    headers
+        LaTeX heads of columns (``{"p50": r"$p_{50}$"}``), taken as they are; a column without one
+        shows its escaped name, or nothing if its name is empty.
+    formats
+        Python format specifications of numerical columns (``{"recall": ".3f"}``); a number of
+        another column is written by :func:`latex_number`.
+    verbatim
+        Columns whose text is LaTeX already; other text is escaped.
+    alignment
+        Column specification; by default numbers to the right and text to the left.
+
+    Returns
+    -------
+    str
+        Ends with a newline. Empty cells show as a dash.
+
+    Raises
+    ------
+    KeyError
+        If ``headers``, ``formats`` or ``verbatim`` name a column that the table does not have.
+    ValueError
+        If a cell is infinite.
+    """
+    headers = headers or {}
+    formats = formats or {}
+    unknown = {*headers, *formats, *verbatim} - set(table.columns)
+    if unknown:
+        raise KeyError(f"the table has no column {', '.join(sorted(unknown))}")
+    if alignment is None:
+        alignment = "".join(
+            "r" if pd.api.types.is_numeric_dtype(table[name]) else "l" for name in table.columns
+        )
+
+    def cell(name: str, value: object) -> str:
+        if value is None or value is pd.NA or (isinstance(value, float) and math.isnan(value)):
+            return "--"
+        if isinstance(value, int | float | np.number) and not isinstance(value, bool):
+            number = float(value)
+            if not math.isfinite(number):
+                raise ValueError(f"infinite value in column {name}")
+            return f"${number:{formats[name]}}$" if name in formats else latex_number(number)
+        return str(value) if name in verbatim else escape(str(value))
+
+    def line(cells: Sequence[str]) -> str:
+        return "    " + " & ".join(cells) + r" \\"
+
+    names = [str(name) for name in table.columns]
+    body = [
+        line([cell(name, value) for name, value in zip(names, values, strict=True)])
+        for values in table.itertuples(index=False, name=None)
+    ]
+    return "\n".join(
+        [
+            r"\begin{table}",
+            r"  \centering",
+            rf"  \caption{{{caption}}}",
+            rf"  \label{{{label}}}",
+            rf"  \begin{{tabular}}{{{alignment}}}",
+            r"    \toprule",
+            line([headers.get(name, escape(name)) for name in names]),
+            r"    \midrule",
+            *body,
+            r"    \bottomrule",
+            r"  \end{tabular}",
+            r"\end{table}",
+            "",
+        ]
+    )
+
+
+def data_parameters(
+    *,
+    system: Sequence[tuple[str, str, float]],
+    time_step: float,
+    laminarisation_threshold: float | None,
+    event_threshold: float,
+    series_kept: int,
+    series_duration: float,
+    training_series: int,
+    symbol: str = "k",
+) -> pd.DataFrame:
+    """Parameters used for data generation (the paper's first table).
+
+    Parameters
+    ----------
+    system
+        Parameters of the equations: symbol (LaTeX in math mode), explanation, value.
+    time_step, series_duration
+        In time units.
+    laminarisation_threshold, event_threshold
+        In units of the observable; no laminarisation threshold, no row for it.
+    series_kept, training_series
+        Numbers of series in all and for training.
+    symbol
+        Of the observable.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``Parameter``, ``Explanation``, ``Value``; the first and the last are LaTeX.
+    """
+    rows = [(f"${name}$", explanation, latex_number(value)) for name, explanation, value in system]
+    rows.append(("$dt$", "Integration time step", latex_number(time_step)))
+    if laminarisation_threshold is not None:
+        limit = latex_number(laminarisation_threshold)
+        rows.append((f"${symbol}_l$", "Laminarisation threshold", limit))
+    rows += [
+        (f"${symbol}_e$", "Extreme event threshold", latex_number(event_threshold)),
+        ("", "Number of time series", latex_number(series_kept)),
+        ("", "Length of each time series", latex_number(series_duration)),
+        ("", "Number of time series in the training set", latex_number(training_series)),
+    ]
+    return pd.DataFrame(rows, columns=["Parameter", "Explanation", "Value"])
+
+
+def network_parameters(
+    *,
+    spectral_radius: tuple[float, float],
+    input_scaling: tuple[float, float],
+    tikhonov: Sequence[float],
+    connectivity: float,
+    input_bias: float,
+    noise: float,
+) -> pd.DataFrame:
+    """Hyperparameters of the echo state networks (the paper's second table).
+
+    Parameters
+    ----------
+    spectral_radius, input_scaling
+        Bounds of the search.
+    tikhonov
+        Values tried.
+    connectivity, input_bias
+        Mean number of connections of a neuron; the constant input.
+    noise
+        Standard deviation of the training noise, in standard deviations of the data.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``Parameter``, ``Explanation``, ``Value``; the first and the last are LaTeX.
+    """
+
+    def several(values: Sequence[float]) -> str:
+        return "$[" + ", ".join(latex_number(value).strip("$") for value in values) + "]$"
+
+    rows = [
+        (r"$\rho$", "Spectral radius", several(spectral_radius)),
+        (r"$\sigma_{\mathrm{in}}$", "Input scaling", several(input_scaling)),
+        (r"$\beta$", "Tikhonov parameter", several(tikhonov)),
+        ("$d$", "Connectivity", latex_number(connectivity)),
+        (r"$b_{\mathrm{in}}$", "Input bias", latex_number(input_bias)),
+        (
+            r"$\sigma_n$",
+            "Standard deviation of the noise in the training inputs",
+            latex_number(noise)[:-1] + r"\,\sigma_u$",
+        ),
+    ]
+    return pd.DataFrame(rows, columns=["Parameter", "Explanation", "Value"])
