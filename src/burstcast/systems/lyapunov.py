@@ -289,26 +289,20 @@ def perturbation_growth(
     pair = np.stack([state, state + direction], axis=1)
     log_growth = np.zeros(state.shape[1])
     restarts = np.zeros(state.shape[1], dtype=np.int64)
-    distance = np.empty(0)
+    distance = _distance(pair)
     for index in range(alignment_steps + steps):
         if index == alignment_steps:
-            log_growth = -np.log(_norm(pair[:, 1] - pair[:, 0]) / initial_distance)
+            log_growth = -np.log(distance / initial_distance)
             restarts[:] = 0
         with np.errstate(over="ignore", invalid="ignore"):
             pair = step(system, pair, time_step)
-            difference = pair[:, 1] - pair[:, 0]
-            distance = _norm(difference)
-        if not (distance > 0.0).all():
-            raise FloatingPointError(
-                "two neighbouring trajectories coincide or left the range of floating-point "
-                "numbers: check the time step and the initial distance"
-            )
+            distance = _distance(pair)
         restart = (distance > saturation_distance) | (distance < 0.01 * initial_distance)
         if restart.any():
             log_growth[restart] += np.log(distance[restart] / initial_distance)
             restarts[restart] += 1
-            difference = difference[:, restart] * (initial_distance / distance[restart])
-            pair[:, 1, restart] = pair[:, 0, restart] + difference
+            direction = (pair[:, 1, restart] - pair[:, 0, restart]) / distance[restart]
+            pair[:, 1, restart] = pair[:, 0, restart] + initial_distance * direction
             distance[restart] = initial_distance
     log_growth += np.log(distance / initial_distance)
     duration = steps * time_step
@@ -319,6 +313,17 @@ def attractor_size(states: FloatArray) -> float:
     """Root-mean-square distance of states ``(dimension, count)`` from their mean."""
     deviation = states - states.mean(axis=1, keepdims=True)
     return float(np.sqrt(np.mean(np.sum(np.square(deviation), axis=0))))
+
+
+def _distance(pair: FloatArray) -> FloatArray:
+    """Distance between the neighbours of each pair, ``(dimension, 2, batch)``."""
+    distance = _norm(pair[:, 1] - pair[:, 0])
+    if not ((distance > 0.0) & np.isfinite(distance)).all():
+        raise FloatingPointError(
+            "two neighbouring trajectories coincide or left the range of floating-point "
+            "numbers: check the time step and the initial distance"
+        )
+    return distance
 
 
 def _norm(vectors: FloatArray) -> FloatArray:

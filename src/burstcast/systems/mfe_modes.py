@@ -254,7 +254,7 @@ class MoehlisFaisstEckhardtModes:
             _Term(4, 2.0, sin_x, sin_y, _ONE),
             _Term(5, n6 * alpha, sin_x, cos2_y, cos_z),
             _Term(6, n7 * alpha, cos_x, sin_y, cos_z),
-            _Term(7, -n8 * pi * gamma, sin_x, sin_y, cos_z),
+            _Term(7, -n8 * pi * gamma, cos_x, sin_y, cos_z),
         )
         return u, v, w
 

@@ -1,0 +1,284 @@
+"""Lyapunov exponents against exact and published ones, and the two methods against each other."""
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+import pytest
+import scipy.stats
+
+from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.integration import integrate, integrate_observed, step
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.lyapunov import (
+    attractor_size,
+    lyapunov_spectrum,
+    mean_with_interval,
+    perturbation_growth,
+    tangent_step,
+)
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+
+
+@dataclass(frozen=True)
+class Linear(DynamicalSystem):
+    """dx/dt = A x with A symmetric, of known eigenvalues: the exponents."""
+
+    rates: tuple[float, float, float]
+    matrix: FloatArray = field(init=False, compare=False)
+
+    dimension: ClassVar[int] = 3
+    observable_name: ClassVar[str] = "x"
+    observable_symbol: ClassVar[str] = "x"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "matrix", ROTATION @ np.diag(self.rates) @ ROTATION.T)
+
+    def right_hand_side(self, state: FloatArray) -> FloatArray:
+        return np.asarray(np.tensordot(self.matrix, state, 1))
+
+    def jacobian(self, state: FloatArray) -> FloatArray:
+        trailing = (1,) * (state.ndim - 1)
+        return np.broadcast_to(self.matrix.reshape(3, 3, *trailing), (3, *state.shape))
+
+    def observable(self, state: FloatArray) -> FloatArray:
+        return np.array(state[0])
+
+
+def lorenz_states(count: int) -> FloatArray:
+    start = np.random.default_rng(2).normal(0, 5, (3, count)) + np.array([[0.0], [0.0], [25.0]])
+    return np.asarray(integrate(Lorenz63(), start, 0.01, 2000, 2000)[-1])
+
+
+def turbulent_states(reynolds: float, count: int, steps: int) -> FloatArray:
+    """States after the transient, of series that do not laminarise in the next steps."""
+    state = np.zeros((9, 2 * count))
+    state[0] = 1.0
+    state[2] = 0.07066
+    state[3] = -0.07076 + 0.01 * np.random.default_rng(3).random(2 * count)
+    series = integrate_observed(
+        MoehlisFaisstEckhardt(reynolds), state, 0.25, steps, max(steps, 1), transient_steps=800
+    )
+    return series.states[0][:, series.largest_observable <= 0.48][:, :count]
+
+
+def test_linear_system_has_the_eigenvalues_as_exponents() -> None:
+    rates = (0.3, -0.1, -0.8)
+    state = np.zeros((3, 2))
+    spectrum = lyapunov_spectrum(Linear(rates), state, 0.02, 1000, 25, alignment_steps=1500)
+    assert spectrum.duration == pytest.approx(20.0)
+    np.testing.assert_allclose(spectrum.exponents, [rates, rates], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("leading", [0.3, -0.2])
+def test_perturbations_of_a_linear_system_grow_at_the_leading_rate(leading: float) -> None:
+    growth = perturbation_growth(
+        Linear((leading, -1.1, -1.8)),
+        np.zeros((3, 4)),
+        0.02,
+        5000,
+        1e-6,
+        1e-3,
+        np.random.default_rng(1),
+        alignment_steps=2000,
+    )
+    np.testing.assert_allclose(growth.exponents, leading, rtol=0, atol=1e-7)
+    phase = math.log(1e3) / leading if leading > 0 else math.log(1e-2) / leading
+    assert (np.abs(growth.restarts - 100.0 / phase) <= 1).all()
+    assert growth.duration == pytest.approx(100.0)
+
+
+def test_tangent_step_is_the_derivative_of_the_step() -> None:
+    system = MoehlisFaisstEckhardt(400.0)
+    state = turbulent_states(400.0, 4, 0)
+    tangent = np.random.default_rng(4).normal(size=(4, 9, 2))
+    stepped, propagated = tangent_step(system, state, tangent, 0.25)
+    assert np.array_equal(stepped, step(system, state, 0.25))
+    for column in range(2):
+        perturbed = state + 1e-30j * tangent[:, :, column].T
+        expected = step(system, perturbed, 0.25).imag / 1e-30
+        np.testing.assert_allclose(propagated[:, :, column].T, expected, rtol=0, atol=1e-13)
+
+
+def test_lorenz_has_the_published_exponents() -> None:
+    state = lorenz_states(100)
+    spectrum = lyapunov_spectrum(Lorenz63(), state, 0.01, 4000, 20, alignment_steps=500)
+    estimate = mean_with_interval(spectrum.exponents)
+    np.testing.assert_allclose(estimate.mean, [0.9056, 0.0, -14.572], rtol=0, atol=0.02)
+    # volumes shrink at a constant rate
+    np.testing.assert_allclose(
+        spectrum.exponents.sum(axis=1), -(10.0 + 1.0 + 8.0 / 3.0), rtol=0, atol=2e-3
+    )
+
+
+def test_both_methods_agree_along_each_trajectory() -> None:
+    state = lorenz_states(40)
+    size = attractor_size(state)
+    spectrum = lyapunov_spectrum(Lorenz63(), state, 0.01, 4000, 20, alignment_steps=500)
+    growth = perturbation_growth(
+        Lorenz63(),
+        state,
+        0.01,
+        4000,
+        1e-8 * size,
+        1e-3 * size,
+        np.random.default_rng(1),
+        alignment_steps=500,
+    )
+    assert growth.restarts.min() >= 1
+    # what is left is the angle between perturbations at the two ends of the time
+    np.testing.assert_allclose(growth.exponents, spectrum.exponents[:, 0], rtol=0, atol=0.1)
+    assert abs(growth.exponents.mean() - spectrum.exponents[:, 0].mean()) < 0.01
+
+
+def test_shear_flow_spectrum_sums_to_the_constant_divergence() -> None:
+    system = MoehlisFaisstEckhardt(400.0)
+    state = turbulent_states(400.0, 3, 0)
+    spectrum = lyapunov_spectrum(system, state, 0.25, 400, 20)
+    divergence = np.trace(system.jacobian(state))
+    assert np.ptp(divergence) < 1e-15
+    np.testing.assert_allclose(spectrum.exponents.sum(axis=1), divergence, rtol=1e-5)
+
+
+def test_results_of_a_trajectory_do_not_depend_on_the_batch() -> None:
+    system = MoehlisFaisstEckhardt(600.0)
+    state = turbulent_states(600.0, 5, 0)
+    together = lyapunov_spectrum(system, state, 0.25, 100, 20).exponents
+    for index in range(5):
+        alone = lyapunov_spectrum(system, state[:, [index]], 0.25, 100, 20).exponents
+        assert np.array_equal(together[[index]], alone)
+
+
+def test_incomplete_intervals_are_left_out() -> None:
+    state = lorenz_states(2)
+    whole = lyapunov_spectrum(Lorenz63(), state, 0.01, 60, 20)
+    longer = lyapunov_spectrum(Lorenz63(), state, 0.01, 79, 20)
+    assert longer.duration == whole.duration == pytest.approx(0.6)
+    assert np.array_equal(longer.exponents, whole.exponents)
+
+
+def test_interval_is_students() -> None:
+    values = np.random.default_rng(1).normal(size=(12, 3))
+    estimate = mean_with_interval(values, 0.9)
+    error = scipy.stats.sem(values)
+    low, high = scipy.stats.t.interval(0.9, 11, loc=values.mean(axis=0), scale=error)
+    np.testing.assert_allclose(estimate.mean, values.mean(axis=0))
+    np.testing.assert_allclose(estimate.standard_error, error)
+    np.testing.assert_allclose(estimate.low, low)
+    np.testing.assert_allclose(estimate.high, high)
+
+
+def test_interval_of_one_number_per_series() -> None:
+    estimate = mean_with_interval(np.array([1.0, 3.0]))
+    assert float(estimate.mean) == 2.0
+    assert estimate.low.shape == ()
+
+
+def test_attractor_size() -> None:
+    states = np.array([[3.0, -3.0, 3.0, -3.0], [4.0, -4.0, 4.0, -4.0]]) + 7.0
+    assert attractor_size(states) == pytest.approx(5.0)
+
+
+def test_too_long_an_interval_raises() -> None:
+    with pytest.raises(ValueError, match="lost to rounding"):
+        lyapunov_spectrum(Lorenz63(), lorenz_states(2), 0.01, 1000, 500)
+
+
+def test_blow_up_raises() -> None:
+    state = np.full((3, 1), 1e200)
+    with pytest.raises(FloatingPointError, match="left the range"):
+        lyapunov_spectrum(Lorenz63(), state, 0.01, 20, 10)
+    with pytest.raises(FloatingPointError, match="coincide"):  # 1e-8 beside 1e200
+        perturbation_growth(Lorenz63(), state, 0.01, 20, 1e-8, 1e-3, np.random.default_rng(1))
+    with pytest.raises(FloatingPointError, match="left the range"):
+        perturbation_growth(
+            Lorenz63(), np.full((3, 1), 1e80), 1.0, 20, 1e70, 1e75, np.random.default_rng(1)
+        )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"state": np.zeros((2, 3))}, "shape"),
+        ({"time_step": -1.0}, "time step"),
+        ({"orthonormalisation_steps": 0}, "at least one step"),
+        ({"alignment_steps": -1}, "alignment"),
+        ({"steps": 9}, "no complete interval"),
+    ],
+)
+def test_bad_arguments_of_the_spectrum_raise(arguments: dict[str, object], message: str) -> None:
+    defaults = {
+        "state": np.ones((3, 2)),
+        "time_step": 0.01,
+        "steps": 20,
+        "orthonormalisation_steps": 10,
+    }
+    with pytest.raises(ValueError, match=message):
+        lyapunov_spectrum(Lorenz63(), **(defaults | arguments))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"initial_distance": 0.0}, "0 < initial < saturation"),
+        ({"saturation_distance": 1e-9}, "0 < initial < saturation"),
+        ({"saturation_distance": np.inf}, "0 < initial < saturation"),
+        ({"steps": 0}, "at least one step"),
+        ({"alignment_steps": -1}, "alignment"),
+    ],
+)
+def test_bad_arguments_of_the_growth_raise(arguments: dict[str, object], message: str) -> None:
+    defaults = {
+        "state": np.ones((3, 2)),
+        "time_step": 0.01,
+        "steps": 20,
+        "initial_distance": 1e-8,
+        "saturation_distance": 1e-3,
+        "generator": np.random.default_rng(1),
+    }
+    with pytest.raises(ValueError, match=message):
+        perturbation_growth(Lorenz63(), **(defaults | arguments))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bad", [(np.ones(1), 0.95), (np.ones(4), 0.0), (np.ones(4), 1.0)])
+def test_bad_arguments_of_the_interval_raise(bad: tuple[FloatArray, float]) -> None:
+    with pytest.raises(ValueError, match="confidence"):
+        mean_with_interval(*bad)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("reynolds", "published", "expected"),
+    [
+        (400.0, 0.0163, 0.0155),
+        (600.0, 0.0135, 0.0137),
+        (800.0, 0.0126, 0.0127),
+        (1000.0, 0.0121, 0.0121),
+    ],
+)
+def test_shear_flow_has_the_published_exponents(
+    reynolds: float, published: float, expected: float
+) -> None:
+    system = MoehlisFaisstEckhardt(reynolds)
+    state = turbulent_states(reynolds, 400, 16000)
+    assert state.shape[1] == 400
+    spectrum = lyapunov_spectrum(system, state, 0.25, 15200, 20, alignment_steps=800)
+    size = attractor_size(state)
+    growth = perturbation_growth(
+        system,
+        state,
+        0.25,
+        15200,
+        1e-8 * size,
+        1e-2 * size,
+        np.random.default_rng(1),
+        alignment_steps=800,
+    )
+    leading = spectrum.exponents[:, 0].mean()
+    assert leading == pytest.approx(published, rel=0.07)
+    assert leading == pytest.approx(expected, abs=3e-4)
+    assert growth.exponents.mean() == pytest.approx(leading, abs=5e-5)
+    assert abs(spectrum.exponents[:, 2].mean()) < 5e-4  # the direction of the flow itself

@@ -1,0 +1,194 @@
+"""The modes against their published table, and fields against spectral differentiation."""
+
+import math
+
+import numpy as np
+import pytest
+
+from burstcast.systems.base import FloatArray
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes
+
+BOXES = [(4 * math.pi, 2 * math.pi), (1.75 * math.pi, 1.2 * math.pi)]
+
+
+class Grid:
+    """A grid that integrates products of modes exactly: uniform in x and z, Gauss in y."""
+
+    def __init__(self, box: tuple[float, float]) -> None:
+        self.x = np.arange(16) * box[0] / 16
+        self.z = np.arange(16) * box[1] / 16
+        self.y, self.weight = np.polynomial.legendre.leggauss(40)
+        self.open = np.meshgrid(self.x, self.y, self.z, indexing="ij", sparse=True)
+
+    def mean(self, field: FloatArray) -> FloatArray:
+        """Volume average over the last three axes."""
+        over_planes = field.mean(axis=(-3, -1))
+        return np.asarray(over_planes @ self.weight / 2)
+
+
+def published_modes(
+    box: tuple[float, float], x: FloatArray, y: FloatArray, z: FloatArray
+) -> FloatArray:
+    """The table of Moehlis, Faisst and Eckhardt (2004), transcribed; ``(3, 9, *grid)``."""
+    a, g, pi = 2 * math.pi / box[0], 2 * math.pi / box[1], math.pi
+    x, y, z = np.broadcast_arrays(x, y, z)
+    sx, cx, sz, cz = np.sin(a * x), np.cos(a * x), np.sin(g * z), np.cos(g * z)
+    sy, cy = np.sin(pi * y / 2), np.cos(pi * y / 2)
+    zero = np.zeros_like(sx)
+    r = math.sqrt
+    n3 = 2 / r(4 * g**2 + pi**2)
+    n6 = 4 * r(2) / r(3 * (a**2 + g**2))
+    n7 = 2 * r(2) / r(a**2 + g**2)
+    n8 = 2 * r(2) / r((a**2 + g**2) * (4 * a**2 + 4 * g**2 + pi**2))
+    modes = [
+        [r(2) * sy, zero, zero],
+        [4 / r(3) * cy**2 * cz, zero, zero],
+        [zero, n3 * 2 * g * cy * cz, n3 * pi * sy * sz],
+        [zero, zero, 4 / r(3) * cx * cy**2],
+        [zero, zero, 2 * sx * sy],
+        [-n6 * g * cx * cy**2 * sz, zero, n6 * a * sx * cy**2 * cz],
+        [n7 * g * sx * sy * sz, zero, n7 * a * cx * sy * cz],
+        [
+            n8 * pi * a * sx * sy * sz,
+            n8 * 2 * (a**2 + g**2) * cx * cy * sz,
+            -n8 * pi * g * cx * sy * cz,
+        ],
+        [r(2) * np.sin(3 * pi * y / 2), zero, zero],
+    ]
+    return np.moveaxis(np.array(modes), 1, 0)
+
+
+@pytest.fixture(params=BOXES, ids=["paper", "minimal"])
+def box(request: pytest.FixtureRequest) -> tuple[float, float]:
+    return tuple(request.param)
+
+
+@pytest.fixture
+def grid(box: tuple[float, float]) -> Grid:
+    return Grid(box)
+
+
+@pytest.fixture
+def modes(box: tuple[float, float]) -> MoehlisFaisstEckhardtModes:
+    return MoehlisFaisstEckhardtModes(*box)
+
+
+def amplitudes(*count: int) -> FloatArray:
+    return np.random.default_rng(1).uniform(-1, 1, (9, *count))
+
+
+def test_modes_are_the_published_ones(
+    box: tuple[float, float], grid: Grid, modes: MoehlisFaisstEckhardtModes
+) -> None:
+    actual = modes.velocity(np.eye(9), *grid.open)
+    np.testing.assert_allclose(actual, published_modes(box, *grid.open), rtol=0, atol=1e-14)
+
+
+def test_modes_are_orthonormal(grid: Grid, modes: MoehlisFaisstEckhardtModes) -> None:
+    fields = modes.velocity(np.eye(9), *grid.open)
+    products = np.einsum("cixyz,cjxyz->ijxyz", fields, fields)
+    np.testing.assert_allclose(grid.mean(products), np.eye(9), rtol=0, atol=1e-13)
+
+
+def test_modes_have_no_divergence(grid: Grid, modes: MoehlisFaisstEckhardtModes) -> None:
+    gradient = modes.velocity_gradient(np.eye(9), *grid.open)
+    np.testing.assert_allclose(np.einsum("ccixyz->ixyz", gradient), 0.0, rtol=0, atol=1e-13)
+
+
+def test_no_flow_through_the_walls(modes: MoehlisFaisstEckhardtModes) -> None:
+    walls = np.array([-1.0, 1.0])[:, np.newaxis]
+    velocity = modes.velocity(np.eye(9), np.array(0.7), walls, np.linspace(0, 5, 7))
+    np.testing.assert_allclose(velocity[1], 0.0, rtol=0, atol=1e-15)
+    shear = modes.velocity_gradient(np.eye(9), np.array(0.7), walls, np.linspace(0, 5, 7))
+    np.testing.assert_allclose(shear[[0, 2], 1], 0.0, rtol=0, atol=1e-13)  # free slip
+
+
+def test_energy_is_half_the_sum_of_squares(grid: Grid, modes: MoehlisFaisstEckhardtModes) -> None:
+    a = amplitudes(4)
+    energy = grid.mean(0.5 * np.sum(modes.velocity(a, *grid.open) ** 2, axis=0))
+    expected = MoehlisFaisstEckhardt(400.0).observable(a)
+    np.testing.assert_allclose(energy, expected, rtol=1e-13)
+
+
+def test_gradient_and_vorticity_by_spectral_differentiation(
+    box: tuple[float, float], modes: MoehlisFaisstEckhardtModes
+) -> None:
+    """Fourier differentiation in x and z, Chebyshev in y."""
+    count = 32
+    nodes = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    x, z = np.arange(12) * box[0] / 12, np.arange(16) * box[1] / 16
+    a = amplitudes()
+    mesh = np.meshgrid(x, nodes, z, indexing="ij")
+    velocity = modes.velocity(a, *mesh)
+
+    def fourier(field: FloatArray, axis: int, length: float) -> FloatArray:
+        points = field.shape[axis]
+        wavenumbers = 2j * np.pi * np.fft.fftfreq(points, length / points)
+        shape = [1] * field.ndim
+        shape[axis] = points
+        spectrum = np.fft.fft(field, axis=axis) * wavenumbers.reshape(shape)
+        return np.fft.ifft(spectrum, axis=axis).real
+
+    chebyshev = np.polynomial.chebyshev
+    inverse = np.linalg.inv(chebyshev.chebvander(nodes, count - 1))
+    slopes = chebyshev.chebvander(nodes, count - 2) @ chebyshev.chebder(inverse)
+    by_y = np.einsum("ab,cxbz->cxaz", slopes, velocity)
+    expected = np.stack([fourier(velocity, 1, box[0]), by_y, fourier(velocity, 3, box[1])], axis=1)
+    np.testing.assert_allclose(modes.velocity_gradient(a, *mesh), expected, rtol=0, atol=1e-10)
+    curl = [
+        expected[2, 1] - expected[1, 2],
+        expected[0, 2] - expected[2, 0],
+        expected[1, 0] - expected[0, 1],
+    ]
+    np.testing.assert_allclose(modes.vorticity(a, *mesh), curl, rtol=0, atol=1e-10)
+
+
+def test_fields_are_linear_and_take_any_grid(grid: Grid, modes: MoehlisFaisstEckhardtModes) -> None:
+    a = amplitudes(2, 3)
+    for field in (modes.velocity, modes.vorticity):
+        many = field(a, *grid.open)
+        assert many.shape == (3, 2, 3, 16, 40, 16)
+        basis = field(np.eye(9), *grid.open)
+        np.testing.assert_allclose(
+            many, np.tensordot(basis, a, (1, 0)).transpose(0, 4, 5, 1, 2, 3), atol=1e-13
+        )
+        point = field(a[:, 1, 2], grid.x[3], grid.y[5], grid.z[7])
+        np.testing.assert_allclose(point, many[:, 1, 2, 3, 5, 7], atol=1e-14)
+
+
+def test_midplane(grid: Grid, modes: MoehlisFaisstEckhardtModes) -> None:
+    a = amplitudes(25)
+    plane = modes.midplane_velocity(a, grid.x, grid.z[:9])
+    assert plane.shape == (25, 16, 9)
+    full = modes.velocity(a, grid.x[:, np.newaxis], np.array(0.0), grid.z[:9])
+    np.testing.assert_allclose(plane, full[0], rtol=0, atol=1e-15)
+    square = modes.midplane_mean_square(a @ a.T / 25, grid.x, grid.z[:9])
+    np.testing.assert_allclose(square, np.mean(plane**2, axis=0), rtol=0, atol=1e-14)
+
+
+def test_profiles_from_moments_are_averages_of_the_fields(
+    grid: Grid, modes: MoehlisFaisstEckhardtModes
+) -> None:
+    a = amplitudes(25)
+    velocity = modes.velocity(a, *grid.open)
+    profiles = modes.profile_matrices(grid.y).profiles(a.mean(axis=1), a @ a.T / 25)
+    u, v, _ = velocity
+    for actual, field in zip(profiles, (u, u * u, u * v), strict=True):
+        np.testing.assert_allclose(actual, field.mean(axis=(0, 1, 3)), rtol=0, atol=1e-13)
+
+
+def test_laminar_flow(modes: MoehlisFaisstEckhardtModes) -> None:
+    y = np.linspace(-1, 1, 9)
+    laminar = MoehlisFaisstEckhardt(400.0).laminar_state
+    u, v, w = modes.velocity(laminar, np.array(1.0), y, np.array(2.0))
+    np.testing.assert_allclose(u, math.sqrt(2) * np.sin(math.pi * y / 2), atol=1e-15)
+    assert not v.any()
+    assert not w.any()
+
+
+def test_bad_arguments_raise() -> None:
+    with pytest.raises(ValueError, match="length_z must be positive"):
+        MoehlisFaisstEckhardtModes(length_z=0.0)
+    with pytest.raises(ValueError, match="9 amplitudes, not 3"):
+        MoehlisFaisstEckhardtModes().velocity(np.zeros(3), np.zeros(1), np.zeros(1), np.zeros(1))
