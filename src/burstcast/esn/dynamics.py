@@ -225,7 +225,19 @@ class Dynamics:
         recurrent = self.reservoir.recurrent * self.spectral_radius
         weight = self.reservoir.input_weight * self.input_scaling
         arguments = (recurrent, self.reservoir.input_column, weight, self.reservoir.input_bias)
-        return ScipyKernel(*arguments)
+        if self.kernel == "scipy":
+            return ScipyKernel(*arguments)
+        # Imported here only: numba takes half a second to load, and may be missing.
+        try:
+            from burstcast.esn import kernels_compiled
+        except Exception as error:
+            raise RuntimeError(
+                "the compiled kernel cannot be loaded "
+                f"({type(error).__name__}: {error}); repair the installation of numba, or set "
+                "`kernel: scipy` under `network` in the configuration, which is several times "
+                "slower"
+            ) from error
+        return kernels_compiled.CompiledKernel(*arguments)
 
     def _panels(
         self, inputs: FloatArray, states: FloatArray, edges: Sequence[int], steps_per_panel: int
