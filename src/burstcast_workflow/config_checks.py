@@ -64,9 +64,13 @@ def _campaign(config: Mapping[str, Any]) -> Iterator[str]:
 
 def _search(search: Mapping[str, Any]) -> Iterator[str]:
     for name in ("spectral_radius", "input_scaling"):
-        low, high = search[name]
-        if not low < high:
-            yield f"search.{name} is [{low}, {high}]; the first number must be below the second"
+        yield from _range(f"search.{name}", search[name])
+
+
+def _range(name: str, ends: list[float]) -> Iterator[str]:
+    low, high = ends
+    if not low < high:
+        yield f"{name} is [{low}, {high}]; the first number must be below the second"
 
 
 def _classification(classification: Mapping[str, Any]) -> Iterator[str]:
@@ -146,6 +150,7 @@ def _case(config: Mapping[str, Any], name: str) -> Iterator[str]:
     yield from _thresholds(record)
     yield from _series_counts(record)
     yield from _times(ensemble, lyapunov)
+    yield from _range("density.range", record["density"]["range"])
     if lyapunov["perturbation"] >= lyapunov["saturation"]:
         yield (
             f"lyapunov.perturbation is {lyapunov['perturbation']}; it must be below "

@@ -150,7 +150,7 @@ def _serialise(node: ast.AST, parts: list[str]) -> None:
             parts.append("[")
             for item in value:
                 if isinstance(item, ast.AST):
-                    if not _without_effect(item):
+                    if not (_without_effect(item) or _empty_text(item, kind)):
                         _serialise(item, parts)
                 else:
                     parts.append(repr(item))  # names, and None for what is absent in a row
@@ -164,6 +164,11 @@ def _serialise(node: ast.AST, parts: list[str]) -> None:
 
 def _constant(value: object) -> str:
     return f"{type(value).__name__} {value!r}"
+
+
+def _empty_text(node: ast.AST, parent: type[ast.AST]) -> bool:
+    """Whether it is empty text in an f-string, which only some Python versions put there."""
+    return parent is ast.JoinedStr and isinstance(node, ast.Constant) and node.value == ""
 
 
 def _without_effect(node: ast.AST) -> bool:
