@@ -1,0 +1,391 @@
+import copy
+from pathlib import Path
+
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+from snakemake.utils import update_config
+
+from burstcast_workflow import series_fit
+from burstcast_workflow.canonical import canonical_json
+from burstcast_workflow.cases import block_cases, case_name, case_record
+from burstcast_workflow.config import SCHEMA, ConfigError, case_records, load
+
+ROOT = Path(__file__).parents[2]
+PRESETS = sorted((ROOT / "workflow" / "presets").glob("*.yaml"))
+
+
+def read(path: Path) -> dict:
+    return yaml.safe_load(path.read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def config():
+    """The campaign of the paper, as Snakemake reads it."""
+    return read(ROOT / "config.yaml")
+
+
+def put(config, name, value):
+    """Change one setting, ``campaign.0.seeds``."""
+    *parents, last = [int(part) if part.isdigit() else part for part in name.split(".")]
+    place = config
+    for parent in parents:
+        place = place[parent]
+    place[last] = value
+
+
+def problems(config):
+    with pytest.raises(ConfigError) as caught:
+        load(config)
+    return caught.value.problems
+
+
+def only_problem(config):
+    (problem,) = problems(config)
+    return problem
+
+
+def settings(rule, schema, path=""):
+    """Dotted names and rules of all settings of the schema."""
+    if "$ref" in rule:
+        rule = {**schema["$defs"][rule["$ref"].rsplit("/", 1)[1]], **rule}
+    if "allOf" in rule:
+        yield from settings(rule["allOf"][0], schema, path)
+        return
+    for name, child in rule.get("properties", {}).items():
+        yield from settings(child, schema, f"{path}.{name}" if path else name)
+    for keyword in ("items", "additionalProperties"):
+        if isinstance(rule.get(keyword), dict):
+            yield from settings(rule[keyword], schema, f"{path}[]")
+    if path and not rule.get("properties"):
+        yield path, rule
+
+
+# -- what is shipped -------------------------------------------------------------------------------
+
+
+def test_schema_is_a_schema_that_describes_every_setting():
+    schema = read(SCHEMA)
+    Draft202012Validator.check_schema(schema)
+    found = dict(settings(schema, schema))
+    assert len(found) > 50
+    undescribed = [name for name, rule in found.items() if "description" not in rule]
+    assert undescribed == []
+
+
+def test_schema_allows_nothing_that_it_does_not_name():
+    def mappings(rule):
+        if isinstance(rule, dict):
+            if rule.get("type") == "object":
+                yield rule
+            for child in rule.values():
+                yield from mappings(child)
+        elif isinstance(rule, list):
+            for child in rule:
+                yield from mappings(child)
+
+    assert all("additionalProperties" in rule for rule in mappings(read(SCHEMA)))
+
+
+def test_schema_requires_every_setting_that_has_a_fixed_place():
+    """A setting that the schema names but config.yaml may leave out would have no value."""
+    schema = read(SCHEMA)
+
+    def places(rule, path=()):
+        if "$ref" in rule:
+            rule = schema["$defs"][rule["$ref"].rsplit("/", 1)[1]]
+        for part in rule.get("allOf", [rule]):
+            if part is not rule:
+                yield from places(part, path)
+            for name, child in part.get("properties", {}).items():
+                yield (*path, name)
+                yield from places(child, (*path, name))
+
+    config = read(ROOT / "config.yaml")
+    for place in dict.fromkeys(places(schema)):
+        changed = copy.deepcopy(config)
+        parent = changed
+        for part in place[:-1]:
+            parent = parent[part]
+        assert place[-1] in parent, f"config.yaml lacks {'.'.join(place)}"
+        del parent[place[-1]]
+        assert f"{'.'.join(place)} is missing" in only_problem(changed)
+
+
+def test_campaign_of_the_paper(config):
+    loaded = load(config)
+    records = case_records(loaded)
+    assert list(records) == ["Re400", "Re600", "Re800", "Re1000"]
+    for reynolds, exponent, series in (
+        (400, 0.0163, 150),
+        (600, 0.0135, 300),
+        (800, 0.0126, 300),
+        (1000, 0.0121, 300),
+    ):
+        record = records[f"Re{reynolds}"]
+        assert record["parameters"]["reynolds"] == reynolds
+        assert record["lyapunov"]["published_exponent"] == exponent
+        assert record["lyapunov"]["time_unit"] == "published"
+        assert record["test_series"] == series
+        assert record["training"] == {"series": 10, "noise": 0.01}
+    assert records["Re400"]["recycle_validation"] == {"series": 3, "intervals_per_series": 30}
+    assert records["Re800"]["recycle_validation"] == {"series": 4, "intervals_per_series": 22}
+
+
+@pytest.mark.parametrize("path", PRESETS, ids=lambda path: path.stem)
+def test_presets_are_sound(config, path):
+    update_config(config, read(path))  # as Snakemake does
+    assert load(config)["results"] == f"results/{path.stem}"
+
+
+# -- canonical form --------------------------------------------------------------------------------
+
+
+def test_writing_a_config_differently_changes_nothing(config):
+    other = copy.deepcopy(config)
+    other = dict(reversed(other.items()))
+    put(other, "random_seed", 2022.0)
+    put(other, "horizon.longest_start_lt", 10.0)
+    put(other, "results", "./results//paper/")
+    assert canonical_json(load(other)) == canonical_json(load(config))
+
+
+def test_the_given_config_is_left_alone(config):
+    before = copy.deepcopy(config)
+    case_records(load(config))["Re400"]["ensemble"]["series"] = 1
+    assert config == before
+
+
+# -- cases -----------------------------------------------------------------------------------------
+
+
+def test_reynolds_numbers_name_their_cases():
+    assert [case_name(value) for value in (400, 400.0, 412.5, 1234567)] == [
+        "Re400",
+        "Re400",
+        "Re412.5",
+        "Re1234567",
+    ]
+    block = {"reynolds": [400, 600], "cases": ["mine", "Re400"]}
+    assert block_cases(block) == ["Re400", "Re600", "mine"]
+
+
+def test_a_reynolds_number_needs_no_entry(config):
+    put(config, "campaign.1.reynolds", [412.5, 600])
+    records = case_records(load(config))
+    assert records["Re412.5"]["parameters"]["reynolds"] == 412.5
+    assert records["Re412.5"]["test_series"] == 300
+
+
+def test_records_merge_mappings_and_replace_the_rest(config):
+    config["cases"]["Re400"] = {
+        "ensemble": {"series": 1000, "initial_state": [0, 1, 2]},
+        "parameters": {"length_x": 1},
+    }
+    record = case_record(config, "Re400")
+    assert record["ensemble"]["series"] == 1000
+    assert record["ensemble"]["initial_state"] == [0, 1, 2]
+    assert record["ensemble"]["time_step"] == 0.25
+    assert record["parameters"] == {"length_x": 1, "length_z": 6.283185307179586, "reynolds": 400}
+
+
+def lorenz() -> dict:
+    return {
+        "system": "lorenz63",
+        "parameters": {"rho": 28},
+        "event_threshold": 40,
+        "laminarisation_threshold": None,
+        "ensemble": {
+            "initial_state": [1, 1, 20],
+            "perturbed_component": 1,
+            "time_step": 0.01,
+            "sampling_stride": 2,
+            "transient": 20,
+            "duration": 80,
+        },
+        "lyapunov": {"published_exponent": 0.9, "orthonormalisation_interval": 0.1},
+        "density": {"range": [0, 50]},
+        "recycle_validation": {"intervals_per_series": 10},
+    }
+
+
+def test_another_system_is_one_more_case(config):
+    config["cases"]["lorenz"] = lorenz()
+    config["campaign"].append(
+        {"cases": ["lorenz"], "neurons": [100], "validation": ["RV"], "seeds": 1}
+    )
+    record = case_records(load(config))["lorenz"]
+    assert record["parameters"] == {"rho": 28}  # nothing of the shear flow's
+    assert record["laminarisation_threshold"] is None
+
+
+def test_a_case_without_published_exponent_is_checked_later(config):
+    config["cases"]["lorenz"] = lorenz()
+    put(config, "cases.lorenz.lyapunov.published_exponent", None)
+    put(config, "cases.lorenz.recycle_validation.intervals_per_series", 10**6)
+    config["campaign"].append(
+        {"cases": ["lorenz"], "neurons": [100], "validation": ["RV"], "seeds": 1}
+    )
+    load(config)
+
+
+def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
+    put(config, "cases.Re1000.recycle_validation", {"intervals_per_series": 10**6})
+    assert "case Re1000: recycle_validation.intervals_per_series" in only_problem(config)
+    put(config, "campaign.1.reynolds", [600])
+    load(config)
+
+
+# -- mistakes that the schema finds ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "parts"),
+    [
+        ("horizon.evnts", 3, ["unknown setting horizon.evnts", "did you mean events?"]),
+        ("washout_lt", 1, ["unknown setting washout_lt", "did you mean network.washout_lt?"]),
+        ("cases.Re400.lyapunov.xyz", 1, ["cases.Re400.lyapunov.xyz", "known are time_unit"]),
+        ("horizon.events", 0, ["horizon.events is 0", "whole number not below 1", "(number of"]),
+        ("horizon.events", 1.5, ["horizon.events is 1.5", "a whole number"]),
+        ("horizon.events", True, ["horizon.events is true", "a whole number"]),
+        ("horizon.events", None, ["horizon.events is empty", "a whole number"]),
+        ("search.grid", "4", ["search.grid is the text '4'", "write 4 without quotes"]),
+        ("search.tikhonov", ["1e-6"], ["search.tikhonov[0]", "write 1.0e-6"]),
+        ("horizon.tolerance", "2.5e3", ["horizon.tolerance", "write 2.5e+3"]),
+        ("horizon.tolerance", "none", ["horizon.tolerance is the text 'none'", "above 0"]),
+        ("network.kernel", "fortran", ["network.kernel", "compiled or scipy"]),
+        ("network.washout_lt", -1, ["network.washout_lt is -1", "[Lyapunov times]"]),
+        ("search.input_scaling", [1], ["search.input_scaling is [1]", "[low, high]"]),
+        ("campaign.0.neurons", [500, 500], ["campaign[0].neurons has 500 twice"]),
+        ("campaign.0.neurons", [], ["campaign[0].neurons is []", "at least 1"]),
+        ("campaign.0.validation", ["XV"], ["campaign[0].validation[0]", "SSV or RV"]),
+        ("campaign.0.seeds", 0, ["campaign[0].seeds is 0"]),
+        ("case_defaults.parameters", {"reynolds": "x"}, ["case_defaults.parameters.reynolds"]),
+        ("case_defaults.ensemble", [], ["case_defaults.ensemble is []", "a mapping"]),
+        ("network", None, ["network is empty", "a mapping of settings"]),
+        ("results", "", ["results is the text ''", "path of a directory"]),
+        ("results", "a{b}", ["results is the text 'a{b}'", "without braces"]),
+        ("cases.tables", {}, ["cases.tables: the name must be"]),
+        ("cases.nan", {}, ["cases.nan: the name must be"]),
+        ("cases.1a", {}, ["cases.1a: the name must be"]),
+        ("random_seed", float("nan"), ["random_seed is nan", "finite"]),
+        ("search.tikhonov", [float("inf")], ["search.tikhonov[0] is inf", "finite"]),
+        ("figures.published_overlay", "no", ["figures.published_overlay", "true or false"]),
+    ],
+)
+def test_mistake_in_one_setting(config, name, value, parts):
+    put(config, name, value)
+    message = only_problem(config)
+    assert [part for part in parts if part not in message] == []
+
+
+def test_yaml_keys_that_are_not_text(config):
+    config["cases"][400] = {}
+    assert "the key 400 must be text" in only_problem(config)
+
+
+def test_all_mistakes_are_told_at_once(config):
+    del config["horizon"]["events"]
+    put(config, "searsh", {})
+    put(config, "random_seed", -1)
+    assert len(problems(config)) == 3
+    with pytest.raises(ConfigError, match=r"has 3 mistakes:\n  1\. .*\n  2\. .*\n  3\. "):
+        load(config)
+
+
+# -- mistakes between settings ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "parts"),
+    [
+        ("search.spectral_radius", [1, 0.1], ["search.spectral_radius is [1, 0.1]", "below"]),
+        ("search.input_scaling", [1, 1], ["search.input_scaling", "below"]),
+        ("case_defaults.density.range", [1, 0], ["density.range is [1, 0]", "below"]),
+        ("classification.window_lt", 0.7, ["classification.window_lt is 0.7", "multiple"]),
+        ("classification.longest_prediction_time_lt", 5.2, ["is 5.2", "multiple"]),
+        (
+            "classification.prediction_times_lt",
+            [2, 2.2, 3],
+            ["prediction_times_lt has 2.2", "multiple"],
+        ),
+        (
+            "classification.prediction_times_lt",
+            [2, 3, 6],
+            ["prediction_times_lt has 6", "beyond", "longest_prediction_time_lt, 5"],
+        ),
+        ("horizon.start_step_lt", 11, ["horizon.start_step_lt is 11", "at most"]),
+        ("horizon.longest_start_lt", 66, ["case Re400:", "4026 steps", "ensemble.duration"]),
+        ("search.interval_lt", 0.001, ["case Re400:", "search.interval_lt is 0.001"]),
+        ("figures.example_neurons", 100, ["figures.example_case", "not part of the campaign"]),
+        ("figures.example_case", "Re401", ["figures.example_case", "not part of the campaign"]),
+        ("figures.example_seed", 10, ["seed 10", "not part of the campaign"]),
+        ("figures.fixed_neurons", 700, ["figures.fixed_neurons is 700", "500, 1000, 1500"]),
+        ("figures.fixed_prediction_time_lt", 7, ["figures.fixed_prediction_time_lt is 7", "0.5"]),
+        ("figures.reynolds_prediction_times_lt", [2, 7], ["reynolds_prediction_times_lt has 7"]),
+        ("campaign.1.cases", ["Re40O"], ["campaign[1].cases", "did you mean Re400?"]),
+        ("network.connectivity", 600, ["network.connectivity is 600", "at most 499"]),
+        ("case_defaults.system", "mfee", ["unknown system 'mfee'", "did you mean 'mfe'"]),
+        ("case_defaults.parameters.length", 1, ["no parameter 'length'", "length_x"]),
+        ("case_defaults.ensemble.initial_state", [1, 2], ["initial_state has 2", "needs 9"]),
+        ("case_defaults.ensemble.perturbed_component", 10, ["perturbed_component is 10", "1 to 9"]),
+        ("case_defaults.ensemble.duration", 4000.5, ["ensemble.duration is 4000.5", "multiple"]),
+        ("case_defaults.ensemble.transient", 200.1, ["ensemble.transient is 200.1", "multiple"]),
+        ("case_defaults.ensemble.series", 200, ["ensemble.series, 200", "together"]),
+        ("case_defaults.training.series", 3, ["recycle_validation.series is 4", "training.series"]),
+        ("case_defaults.lyapunov.saturation", 1e-8, ["lyapunov.perturbation", "below"]),
+        ("case_defaults.lyapunov.orthonormalisation_interval", 0.3, ["is 0.3", "multiple"]),
+        ("case_defaults.laminarisation_threshold", 0.1, ["event_threshold is 0.1", "below"]),
+        ("cases.Re400.parameters", {"reynolds": 300}, ["Re400", "contradicts the name"]),
+        ("cases.Re400.lyapunov.published_exponent", 2, ["Re400", "published_exponent", "step"]),
+        ("cases.Re400.recycle_validation.intervals_per_series", 33, ["is 33", "only 32"]),
+    ],
+)
+def test_mistake_between_settings(config, name, value, parts):
+    put(config, name, value)
+    messages = [message for message in problems(config) if all(part in message for part in parts)]
+    assert len(messages) == 1
+
+
+def test_block_without_case(config):
+    del config["campaign"][1]["reynolds"]
+    assert any("campaign[1] names no case" in problem for problem in problems(config))
+
+
+def test_blocks_may_overlap(config):
+    config["campaign"].append(config["campaign"][0])
+    assert list(case_records(load(config))) == ["Re400", "Re600", "Re800", "Re1000"]
+
+
+# -- what fits into a series -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("check", "arguments", "least"),
+    [
+        # a Lyapunov time of 10 steps, a washout of 5
+        (series_fit.check_single_shot_validation, (0.5, 2), 26),
+        (series_fit.check_recycle_validation, (0.5, 2, 3), 65),
+        (series_fit.check_classification, (0.5, 1, 0.5, 6), 65),
+        (series_fit.check_horizon, (0.5, 4, 0.5), 45),
+    ],
+)
+def test_least_length_of_a_series(check, arguments, least):
+    check(least, 10, *arguments)
+    with pytest.raises(ValueError, match=r"ensemble\.duration"):
+        check(least - 1, 10, *arguments)
+
+
+@pytest.mark.parametrize(
+    ("check", "arguments", "name"),
+    [
+        (series_fit.check_single_shot_validation, (0.05, 2), "network.washout_lt"),
+        (series_fit.check_single_shot_validation, (0.5, 0.05), "search.interval_lt"),
+        (series_fit.check_classification, (0.5, 0.05, 0.5, 6), "start_spacing_lt"),
+        (series_fit.check_classification, (0.5, 1, 0.05, 6), "resolution_lt"),
+        (series_fit.check_horizon, (0.5, 4, 0.05), "start_step_lt"),
+    ],
+)
+def test_durations_below_one_step(check, arguments, name):
+    with pytest.raises(ValueError, match=f"{name} is 0.05 Lyapunov times"):
+        check(1000, 10, *arguments)
