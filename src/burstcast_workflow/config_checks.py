@@ -22,6 +22,7 @@ def problems_between_settings(config: Mapping[str, Any]) -> list[str]:
         *_search(config["search"]),
         *_classification(config["classification"]),
         *_horizon(config["horizon"]),
+        *_control(config),
         *_figures(config),
     ]
     known = _known_cases(config)
@@ -103,6 +104,25 @@ def _horizon(horizon: Mapping[str, Any]) -> Iterator[str]:
         )
 
 
+def _control(config: Mapping[str, Any]) -> Iterator[str]:
+    control, sizes = config["control"], _sizes(config)
+    if control["validation"]:
+        for neurons in control["neurons"]:
+            if neurons not in sizes:
+                yield (
+                    f"control.neurons has {neurons}, which is no size of the campaign: "
+                    f"{', '.join(map(str, sizes))}; control.validation: [] switches control off"
+                )
+    used = list(dict.fromkeys(name for block in config["campaign"] for name in block_cases(block)))
+    for name in control["sweep"]["cases"]:
+        if name not in used:
+            yield f"control.sweep.cases: the campaign has no case {name}; {suggestion(name, used)}"
+
+
+def _sizes(config: Mapping[str, Any]) -> list[int]:
+    return sorted({neurons for block in config["campaign"] for neurons in block["neurons"]})
+
+
 def _figures(config: Mapping[str, Any]) -> Iterator[str]:
     figures, campaign = config["figures"], config["campaign"]
     wanted = {
@@ -121,11 +141,10 @@ def _figures(config: Mapping[str, Any]) -> Iterator[str]:
             f"{figures['example_seed']}) is not part of the campaign: change figures.example_case, "
             "example_neurons, example_validation or example_seed"
         )
-    sizes = sorted({neurons for block in campaign for neurons in block["neurons"]})
-    if figures["fixed_neurons"] not in sizes:
+    if figures["fixed_neurons"] not in _sizes(config):
         yield (
             f"figures.fixed_neurons is {figures['fixed_neurons']}; it must be a size of the "
-            f"campaign: {', '.join(map(str, sizes))}"
+            f"campaign: {', '.join(map(str, _sizes(config)))}"
         )
     times = config["classification"]["prediction_times_lt"]
     for name in ("example_prediction_time_lt", "fixed_prediction_time_lt"):
@@ -146,11 +165,12 @@ def _not_a_prediction_time(setting: str, time: float, times: list[float]) -> str
 def _case(config: Mapping[str, Any], name: str) -> Iterator[str]:
     record = case_record(config, name)
     ensemble, lyapunov = record["ensemble"], record["lyapunov"]
-    yield from _system(name, record)
+    yield from _system(config["control"], name, record)
     yield from _thresholds(record)
     yield from _series_counts(record)
     yield from _times(ensemble, lyapunov)
-    yield from _range("density.range", record["density"]["range"])
+    for density in ("density", "controlled_density"):
+        yield from _range(f"{density}.range", record[density]["range"])
     if lyapunov["perturbation"] >= lyapunov["saturation"]:
         yield (
             f"lyapunov.perturbation is {lyapunov['perturbation']}; it must be below "
@@ -167,7 +187,7 @@ def _case(config: Mapping[str, Any], name: str) -> Iterator[str]:
             yield from misfits(config, record, samples, steps)
 
 
-def _system(name: str, record: Mapping[str, Any]) -> Iterator[str]:
+def _system(control: Mapping[str, Any], name: str, record: Mapping[str, Any]) -> Iterator[str]:
     reynolds = record["parameters"].get("reynolds")
     if name.startswith("Re") and reynolds is not None and _is_reynolds_of_another(name, reynolds):
         yield f"parameters.reynolds is {reynolds}, which contradicts the name {name}: leave it out"
@@ -186,6 +206,27 @@ def _system(name: str, record: Mapping[str, Any]) -> Iterator[str]:
         yield (
             f"ensemble.perturbed_component is {ensemble['perturbed_component']}; the system "
             f"{record['system']} has the components 1 to {system.dimension}"
+        )
+    if record["actuation"] is not None:
+        yield from _actuation(control, record, system.dimension)
+
+
+def _actuation(
+    control: Mapping[str, Any], record: Mapping[str, Any], dimension: int
+) -> Iterator[str]:
+    actuation = record["actuation"]
+    try:
+        make_system(record["system"], {**record["parameters"], **actuation["parameters"]})
+    except ValueError as error:
+        yield f"actuation.parameters: {error}"
+    if actuation["force"] is not None and len(actuation["force"]) != dimension:
+        yield f"actuation.force has {len(actuation['force'])} numbers; it needs {dimension}"
+    times = control["prediction_times_lt"] if control["validation"] else []
+    too_short = [time for time in times if time + actuation["start_lt"] < 0]
+    if too_short:
+        yield (
+            f"control.prediction_times_lt has {too_short[0]}, but an actuation that starts at "
+            f"actuation.start_lt, {actuation['start_lt']}, would then begin before its alarm"
         )
 
 

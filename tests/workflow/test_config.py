@@ -205,6 +205,7 @@ def lorenz() -> dict:
         },
         "lyapunov": {"published_exponent": 0.9, "orthonormalisation_interval": 0.1},
         "density": {"range": [0, 50]},
+        "actuation": None,
         "recycle_validation": {"intervals_per_series": 10},
     }
 
@@ -336,6 +337,12 @@ def test_all_mistakes_are_told_at_once(config):
         ("case_defaults.lyapunov.saturation", 1e-8, ["lyapunov.perturbation", "below"]),
         ("case_defaults.lyapunov.orthonormalisation_interval", 0.3, ["is 0.3", "multiple"]),
         ("case_defaults.laminarisation_threshold", 0.1, ["event_threshold is 0.1", "below"]),
+        ("case_defaults.controlled_density.range", [1, 1], ["controlled_density.range", "below"]),
+        ("case_defaults.actuation.force", [0, 1], ["actuation.force has 2", "needs 9"]),
+        ("case_defaults.actuation.parameters", {"rho": 1}, ["actuation.parameters", "'rho'"]),
+        ("case_defaults.actuation.start_lt", -1.5, ["control.prediction_times_lt has 1", "alarm"]),
+        ("control.neurons", [2000, 7], ["control.neurons has 7", "500, 1000"]),
+        ("control.sweep.cases", ["Re40"], ["control.sweep.cases", "did you mean Re400"]),
         ("cases.Re400.parameters", {"reynolds": 300}, ["Re400", "contradicts the name"]),
         ("cases.Re400.lyapunov.published_exponent", 2, ["Re400", "published_exponent", "step"]),
         ("cases.Re400.recycle_validation.intervals_per_series", 33, ["is 33", "only 32"]),
