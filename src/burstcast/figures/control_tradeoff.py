@@ -83,7 +83,10 @@ def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
                 )
     left.set_xticks(sorted(percentiles["prediction_time_lt"].dropna().unique()))
     left.margins(x=0.06)
-    left.set_ylim(bottom=min(0.0, left.dataLim.y0, right.dataLim.y0))
+    # Room for the labels above the highest points.
+    lowest = min(0.0, left.dataLim.y0, right.dataLim.y0)
+    highest = max(left.dataLim.y1, right.dataLim.y1)
+    left.set_ylim(lowest, highest + 0.12 * (highest - lowest or 1.0))
     left.set_xlabel(PREDICTION_TIME_LABEL)
     left.set_ylabel(rf"Reduction of $P({symbol} \geq {symbol}_e)$")
     right.set_xlabel("Fraction of time under control")

@@ -37,6 +37,9 @@ def draw_plane(
     axes.set_xticks(*_multiples_of_pi(x))
     axes.set_yticks(*_multiples_of_pi(z))
     axes.tick_params(direction="out", top=False, right=False)
+    # The labels at the ends of neighbouring panels would run into each other.
+    axes.get_xticklabels()[0].set_horizontalalignment("left")
+    axes.get_xticklabels()[-1].set_horizontalalignment("right")
     return mesh
 
 
@@ -66,9 +69,6 @@ def label_outer_planes(planes: np.ndarray[tuple[int, int], np.dtype[np.object_]]
             axes.tick_params(labelleft=column == 0, labelbottom=row == rows - 1)
             if row == rows - 1:
                 axes.set_xlabel("$x$")
-                # The labels at the ends of neighbouring panels would run into each other.
-                axes.get_xticklabels()[0].set_horizontalalignment("left")
-                axes.get_xticklabels()[-1].set_horizontalalignment("right")
 
 
 def mark_times(axes: Axes, times: FloatArray) -> None:

@@ -21,8 +21,20 @@ from burstcast.figures.style import (
 )
 
 
-def draw_span(axes: Axes, start: float, end: float, height: float, label: str, colour: str) -> None:
-    """Draw a double arrow between two times, with its label above it."""
+def draw_span(
+    axes: Axes,
+    start: float,
+    end: float,
+    height: float,
+    label: str,
+    colour: str,
+    *,
+    to_the_left: bool = False,
+) -> None:
+    """Draw a double arrow between two times, with its label above it.
+
+    A label wider than its span may begin to the left of it.
+    """
     axes.annotate(
         "",
         (end, height),
@@ -38,11 +50,11 @@ def draw_span(axes: Axes, start: float, end: float, height: float, label: str, c
     )
     axes.annotate(
         label,
-        (0.5 * (start + end), height),
-        (0, 2.5),
+        (end if to_the_left else 0.5 * (start + end), height),
+        (-2 if to_the_left else 0, 2.5),
         "data",
         "offset points",
-        ha="center",
+        ha="right" if to_the_left else "center",
         va="bottom",
         color=colour,
         # Lines of other parts may pass behind the label.
@@ -98,7 +110,7 @@ def prediction_schematic(
     axes.plot(time_lt, forecast, label=rf"${symbol}_{{\mathrm{{ESN}}}}$", **NETWORK)
     axes.plot(0, true[abs(time_lt).argmin()], "o", color=VERMILLION, ms=4.5, zorder=4)
     height = 1.18 * top
-    draw_span(axes, -washout_lt, 0, height, "washout\n(open loop)", GREY)
+    draw_span(axes, -washout_lt, 0, height, "washout\n(open loop)", GREY, to_the_left=True)
     draw_span(axes, 0, prediction_time_lt, height, "prediction time (closed loop)", VERMILLION)
     draw_span(axes, *window, height, f"event here?\nwindow, {window_lt:g} LT", BLUE)
     axes.set_ylim(0, 1.5 * top)

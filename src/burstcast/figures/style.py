@@ -103,6 +103,9 @@ _STYLE: Any = {
     "ytick.major.size": 2.8,
     "xtick.minor.size": 1.6,
     "ytick.minor.size": 1.6,
+    # Labels at the corner of a panel stay clear of each other.
+    "xtick.major.pad": 5.0,
+    "ytick.major.pad": 4.0,
     "legend.frameon": False,
     "legend.handlelength": 2.2,
     "legend.handletextpad": 0.5,

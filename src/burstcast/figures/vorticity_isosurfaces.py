@@ -113,7 +113,7 @@ def _draw_box(axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray) -> None
     axes.set_xlim(x[0], x[-1])
     axes.set_ylim(z[0], z[-1])
     axes.set_zlim(y[0], y[-1])
-    axes.set_box_aspect((float(np.ptp(x)), float(np.ptp(z)), float(np.ptp(y))), zoom=0.98)
+    axes.set_box_aspect((float(np.ptp(x)), float(np.ptp(z)), float(np.ptp(y))), zoom=0.84)
     axes.set_axis_off()
     corners = np.array([[i, j, k] for i in (0, -1) for j in (0, -1) for k in (0, -1)])
     for first in corners:
@@ -145,7 +145,7 @@ def _draw_vectors(
     arrows: int,
 ) -> None:
     """Draw the in-plane velocity on the far side of the box and on its left end."""
-    scale = 1.6 * float(np.ptp(x)) / (arrows * largest)
+    scale = 1.1 * float(np.ptp(x)) / (arrows * largest)
 
     def inner(axis: FloatArray, count: int) -> npt.NDArray[np.int64]:
         """Give indices of evenly spaced points, away from the ends."""

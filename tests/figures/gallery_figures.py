@@ -1,0 +1,240 @@
+"""Every figure, drawn from small inputs."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+from helpers_figures import THRESHOLD, burst, percentile_rows
+from matplotlib.figure import Figure
+
+from burstcast.figures.by_reynolds import by_reynolds
+from burstcast.figures.classification_scores import classification_scores
+from burstcast.figures.control_density import ControlledDensity, control_density
+from burstcast.figures.control_schematic import control_schematic
+from burstcast.figures.control_tradeoff import control_tradeoff
+from burstcast.figures.energy_density import energy_density
+from burstcast.figures.horizon_by_size import horizon_by_size
+from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
+from burstcast.figures.horizon_schematic import horizon_schematic
+from burstcast.figures.midplane_mean_square import midplane_mean_square
+from burstcast.figures.midplane_planes import midplane_planes
+from burstcast.figures.network_schematic import network_schematic
+from burstcast.figures.observable_and_density import observable_and_density
+from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
+from burstcast.figures.prediction_schematic import prediction_schematic
+from burstcast.figures.profile_errors import profile_errors
+from burstcast.figures.search_landscape import search_landscape
+from burstcast.figures.suppressed_event import suppressed_event
+from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
+from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
+
+TIME = np.linspace(0.0, 8.0, 401)
+EDGES = np.linspace(0.015, 0.47, 41)
+DENSITY = 40 * np.exp(-25 * EDGES[:-1])
+X, Y, Z = np.linspace(0, 4 * np.pi, 17), np.linspace(-1, 1, 9), np.linspace(0, 2 * np.pi, 13)
+PLANES = np.array([np.outer(np.cos(0.5 * X + phase), np.sin(Z)) for phase in range(4)])
+TIMES = np.array([1.0, 2.5, 4.0, 5.5])
+SCORES = {"precision": 0.97, "recall": 1.0, "f_score": 0.98}
+PREDICTION_TIMES = (1.0, 2.0, 3.0)
+
+
+def _evaluations() -> Figure:
+    time = np.linspace(-9, 2, 221)
+    evaluations = []
+    for start in (7.5, 7.0, 6.5, 6.0):
+        own = time[time >= -start]
+        error = 0.02 * np.exp(0.8 * own) * (start - 6.0)
+        horizon = start if start == 6.0 else start - 1.0
+        evaluations.append(HorizonEvaluation(start, own, burst(own, 0.6) + error, horizon))
+    return horizon_evaluations(time, burst(time, 0.6), evaluations, THRESHOLD, 0.008)
+
+
+def _examples() -> Figure:
+    return prediction_examples(
+        [
+            PredictionExample(name, TIME, burst(TIME, peak), burst(TIME, other))
+            for name, peak, other in (
+                ("true positive", 3.5, 3.5),
+                ("false positive", 6.0, 3.5),
+                ("false negative", 3.5, 6.0),
+            )
+        ],
+        THRESHOLD,
+        2.0,
+    )
+
+
+def search_trace() -> pd.DataFrame:
+    rows = []
+    for validation in ("SSV", "RV"):
+        for radius in np.geomspace(0.1, 1, 4):
+            for scaling in np.geomspace(0.1, 10, 4):
+                rows.append((validation, "grid", radius, scaling))
+        for index in range(3):
+            rows.append((validation, "bayesian", 0.2 + 0.2 * index, 0.2 + 0.4 * index))
+    trace = pd.DataFrame(rows, columns=["validation", "source", "spectral_radius", "input_scaling"])
+    trace["objective"] = (
+        np.square(np.log10(trace["spectral_radius"]) + 0.5)
+        + np.square(np.log10(trace["input_scaling"]) + 0.5)
+        - 6
+    )
+    return trace
+
+
+def statistics_rows() -> pd.DataFrame:
+    metrics = {
+        "nrmse_u": 0.02,
+        "nrmse_uu": 0.06,
+        "nrmse_uv": 0.005,
+        "kantorovich": 0.006,
+        "mean_log_error": 0.15,
+    }
+    table = percentile_rows(metrics, validations=("RV",))
+    references = [
+        percentile_rows(
+            {metric: factor * scale for metric, scale in metrics.items()},
+            sizes=(np.inf,),
+            validations=("RV",),
+            forecaster=name,
+            neurons=np.nan,
+            validation=np.nan,
+        )
+        for name, factor in (("training", 2.0), ("floor", 0.2))
+    ]
+    return pd.concat([table, *references], ignore_index=True)
+
+
+def control_rows() -> pd.DataFrame:
+    return pd.concat(
+        [
+            percentile_rows(
+                {"reduction": value, "control_fraction": 0.2 + 0.05 * index},
+                sizes=(2000.0,),
+                validations=("RV",),
+                prediction_times=PREDICTION_TIMES,
+                forecaster=name,
+            )
+            for index, (name, value) in enumerate(
+                (("esn", 0.9), ("equations", 0.8), ("random", 0.3))
+            )
+        ]
+    )
+
+
+def reynolds_rows(metric: str, times: tuple[float, ...] | None) -> pd.DataFrame:
+    return pd.concat(
+        [
+            percentile_rows(
+                {metric: 0.9 - re / 5000},
+                sizes=(2000.0,),
+                prediction_times=times,
+                case=f"Re{re}",
+                reynolds=float(re),
+            )
+            for re in (400, 600, 800, 1000)
+        ]
+    )
+
+
+def _vorticity() -> Figure:
+    grid = np.meshgrid(X, Y, Z, indexing="ij")
+    wave = np.cos(grid[0] / 2) * np.sin(grid[2]) * (1 - grid[1] ** 2)
+    velocity = np.stack([grid[1], 0.2 * wave, 0.1 * wave])
+    snapshots = [FlowSnapshot("before", velocity, wave), FlowSnapshot("after", velocity, -wave)]
+    return vorticity_isosurfaces(X, Y, Z, snapshots, 0.4)
+
+
+def _profiles() -> Figure:
+    true = np.stack([np.sin(Y), Y**2, -1 + Y**2])
+    return profile_errors(Y, true, 0.9 * true, 1.02 * true, statistics_rows())
+
+
+GALLERY: dict[str, Callable[[], Figure]] = {
+    "observable_and_density": lambda: observable_and_density(
+        TIME, burst(TIME, 4.0), EDGES, DENSITY, THRESHOLD
+    ),
+    "validation_strategies": lambda: validation_strategies(
+        TIME,
+        burst(TIME, 4.0),
+        [
+            ValidationLayout("SSV", (0, 0.5), (0.5, 6.0), np.array([[6.0, 8.0]])),
+            ValidationLayout("RV", (0, 0.5), (0.5, 8.0), np.array([[0.5, 2.5], [2.5, 4.5]])),
+        ],
+        THRESHOLD,
+    ),
+    "prediction_examples": _examples,
+    "classification_scores": lambda: classification_scores(
+        percentile_rows(SCORES, prediction_times=PREDICTION_TIMES), 1000, 3
+    ),
+    "horizon_evaluations": _evaluations,
+    "horizon_by_size": lambda: horizon_by_size(percentile_rows({"mean_horizon_lt": 4.5})),
+    "by_reynolds": lambda: by_reynolds(
+        reynolds_rows("mean_horizon_lt", None),
+        reynolds_rows("f_score", PREDICTION_TIMES),
+        2000,
+        [2.0, 3.0],
+    ),
+    "search_landscape": lambda: search_landscape(search_trace()),
+    "network_schematic": lambda: network_schematic(
+        inputs=9,
+        neurons=2000,
+        connectivity=20,
+        spectral_radius=0.29,
+        input_scaling=0.33,
+        input_bias=0.1,
+    ),
+    "prediction_schematic": lambda: prediction_schematic(
+        TIME - 1.5,
+        burst(TIME - 1.5, 3.0),
+        np.where(TIME >= 1.5, burst(TIME - 1.5, 3.1), np.nan),
+        THRESHOLD,
+        2.0,
+        washout_lt=0.5,
+    ),
+    "horizon_schematic": lambda: horizon_schematic(
+        longest_start_lt=10, start_step_lt=0.5, tolerance=0.2
+    ),
+    "midplane_planes": lambda: midplane_planes(
+        TIME,
+        burst(TIME, 4.0),
+        burst(TIME, 4.1),
+        TIMES,
+        X,
+        Z,
+        PLANES,
+        1.02 * PLANES,
+        THRESHOLD,
+    ),
+    "midplane_mean_square": lambda: midplane_mean_square(
+        X, Z, PLANES[0] ** 2, 1.1 * PLANES[0] ** 2, 1.4 * PLANES[0] ** 2
+    ),
+    "profile_errors": _profiles,
+    "energy_density": lambda: energy_density(
+        EDGES, DENSITY, 0.8 * DENSITY, 1.1 * DENSITY, statistics_rows(), THRESHOLD
+    ),
+    "vorticity_isosurfaces": _vorticity,
+    "control_schematic": lambda: control_schematic(
+        TIME - 1.0, burst(TIME, 5.0), 0.3 * burst(TIME, 5.0), THRESHOLD, 2.0, (1.0, 2.5)
+    ),
+    "suppressed_event": lambda: suppressed_event(
+        TIME,
+        burst(TIME, 4.0),
+        0.3 * burst(TIME, 4.0),
+        (1.0, 2.5),
+        TIMES,
+        X,
+        Z,
+        PLANES,
+        0.3 * PLANES,
+        THRESHOLD,
+    ),
+    "control_density": lambda: control_density(
+        EDGES,
+        [
+            ControlledDensity(f"Re = {re}", DENSITY, {1.0: 0.5 * DENSITY, 2.0: 0.7 * DENSITY})
+            for re in (400, 600, 800, 1000)
+        ],
+        THRESHOLD,
+    ),
+    "control_tradeoff": lambda: control_tradeoff(control_rows()),
+}

@@ -1,0 +1,208 @@
+"""What the figures show is what they were given."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from gallery_figures import (
+    DENSITY,
+    EDGES,
+    GALLERY,
+    PREDICTION_TIMES,
+    SCORES,
+    TIME,
+    X,
+    Y,
+    Z,
+    reynolds_rows,
+    search_trace,
+)
+from helpers_figures import THRESHOLD, burst, drawn_texts, overlapping_texts, percentile_rows
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from burstcast.figures.by_reynolds import by_reynolds
+from burstcast.figures.classification_scores import classification_scores
+from burstcast.figures.control_density import control_density
+from burstcast.figures.horizon_by_size import horizon_by_size
+from burstcast.figures.horizon_evaluations import horizon_evaluations
+from burstcast.figures.midplane_planes import representative_times
+from burstcast.figures.observable_and_density import observable_and_density
+from burstcast.figures.percentile_curves import nearest_value, select
+from burstcast.figures.prediction_examples import prediction_examples
+from burstcast.figures.search_landscape import search_landscape
+from burstcast.figures.style import ordered_validations, true_runs
+from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
+
+
+def lines_with(axes: Axes, y: list[float]) -> int:
+    """How many lines of a panel have these heights."""
+    return sum(
+        len(line.get_ydata()) == len(y) and np.allclose(line.get_ydata(), y)
+        for line in axes.get_lines()
+    )
+
+
+def texts(figure: Figure) -> list[str]:
+    return [text.words for text in drawn_texts(figure)]
+
+
+@pytest.mark.parametrize(
+    ("sizes", "validations"),
+    [
+        ((500.0,), ("SSV", "RV")),
+        ((500.0, 700.0), ("SSV",)),
+        (tuple(500.0 * n for n in range(1, 7)), ("SSV", "RV")),
+    ],
+)
+def test_scores_adapt_to_the_campaign(
+    sizes: tuple[float, ...], validations: tuple[str, ...]
+) -> None:
+    table = percentile_rows(
+        SCORES, sizes=sizes, validations=validations, prediction_times=PREDICTION_TIMES
+    )
+    figure = classification_scores(table, 500, 3)
+    assert len(figure.axes) == (9 if len(sizes) > 1 else 3)
+    by_time = figure.axes[0]
+    for validation in validations:
+        chosen = select(table, metric="precision", validation=validation, neurons=500.0)
+        assert lines_with(by_time, list(chosen["p50"])) == 1
+    assert overlapping_texts(drawn_texts(figure)) == []
+
+
+def test_scores_say_which_size_they_show_in_place_of_a_missing_one() -> None:
+    table = percentile_rows(SCORES, prediction_times=PREDICTION_TIMES)
+    assert "1500 neurons" in texts(classification_scores(table, 2000, 3))
+
+
+def test_undefined_medians_leave_a_gap_and_no_zero() -> None:
+    table = percentile_rows(
+        SCORES, sizes=(500.0,), validations=("RV",), prediction_times=PREDICTION_TIMES
+    )
+    late = table["prediction_time_lt"] == 3.0
+    table.loc[late, ["p25", "p50", "p75"]] = np.nan
+    figure = classification_scores(table, 500, 3)
+    assert all(len(line.get_xdata()) == 2 for line in figure.axes[0].get_lines())
+
+
+def test_reference_forecasters_are_drawn_in_grey() -> None:
+    table = percentile_rows(SCORES, sizes=(500.0,), prediction_times=PREDICTION_TIMES)
+    equations = table[table["validation"] == "RV"].assign(
+        forecaster="equations", neurons=np.nan, validation=np.nan, p50=0.5
+    )
+    figure = classification_scores(pd.concat([table, equations]), 500, 3)
+    assert lines_with(figure.axes[0], [0.5, 0.5, 0.5]) == 1
+    assert "equations" in texts(figure)
+
+
+def test_published_values_are_shown_only_at_our_sizes() -> None:
+    table = percentile_rows({"mean_horizon_lt": 4.5}, sizes=(500.0, 1000.0))
+    published = percentile_rows({"mean_horizon_lt": 4.0}, sizes=(500.0, 3000.0))
+    figure = horizon_by_size(table, published=published)
+    shown = select(published, validation="RV", neurons=500.0)["p50"]
+    assert lines_with(figure.axes[0], list(shown)) == 1
+    assert figure.axes[0].get_xlim()[1] < 3000
+    assert "published" in texts(figure)
+
+
+def test_figures_of_one_case_refuse_several() -> None:
+    table = percentile_rows({"mean_horizon_lt": 4.5})
+    both = pd.concat([table, table.assign(case="Re600")])
+    with pytest.raises(ValueError, match="Re400, Re600"):
+        horizon_by_size(both)
+
+
+def test_by_reynolds_shows_medians_and_needs_the_size() -> None:
+    horizon = reynolds_rows("mean_horizon_lt", None)
+    scores = reynolds_rows("f_score", PREDICTION_TIMES)
+    figure = by_reynolds(horizon, scores, 2000, [2.0])
+    chosen = select(scores, validation="RV", prediction_time_lt=2.0)
+    assert lines_with(figure.axes[1], list(chosen["p50"])) == 1
+    with pytest.raises(ValueError, match="no network of 500 neurons"):
+        by_reynolds(horizon, scores, 500, [2.0])
+
+
+def test_by_reynolds_draws_a_single_reynolds_number() -> None:
+    horizon = reynolds_rows("mean_horizon_lt", None).query("reynolds == 400")
+    scores = reynolds_rows("f_score", PREDICTION_TIMES).query("reynolds == 400")
+    figure = by_reynolds(horizon, scores, 2000, [2.0])
+    assert overlapping_texts(drawn_texts(figure)) == []
+
+
+def test_events_are_shaded_where_the_signal_exceeds_the_threshold() -> None:
+    signal = burst(TIME, 4.0)
+    figure = observable_and_density(TIME, signal, EDGES, DENSITY, THRESHOLD)
+    spans = [patch.get_extents() for patch in figure.axes[0].patches]
+    assert len(spans) == 1
+    inside = figure.axes[0].transData.inverted().transform(spans[0])
+    above = TIME[signal >= THRESHOLD]
+    assert inside[:, 0] == pytest.approx([above[0], above[-1]], abs=1e-6)
+
+
+def test_true_runs() -> None:
+    assert true_runs(np.array([True, True, False, True])) == [(0, 1), (3, 3)]
+    assert true_runs(np.array([False, False])) == []
+
+
+def test_search_marks_the_best_point_and_refuses_what_is_not_finite() -> None:
+    trace = search_trace()
+    figure = search_landscape(trace)
+    best = np.minimum.accumulate(trace[trace["validation"] == "RV"]["objective"])
+    assert lines_with(figure.axes[2], list(best)) == 2  # the same trace for both strategies
+    trace.loc[3, "objective"] = np.nan
+    with pytest.raises(ValueError, match="not finite"):
+        search_landscape(trace)
+
+
+def test_search_of_one_strategy_has_two_panels_and_a_bar() -> None:
+    trace = search_trace().query("validation == 'RV'")
+    assert len(search_landscape(trace).axes) == 3
+
+
+def test_representative_times_follow_the_event() -> None:
+    signal = burst(TIME, 4.0)
+    build_up, crossing, peak, collapsed = representative_times(signal, THRESHOLD)
+    assert build_up < crossing < peak < collapsed
+    assert signal[crossing - 1] < THRESHOLD <= signal[crossing]
+    assert signal[peak] == signal.max()
+    assert signal[collapsed] < 0.5 * signal[peak] <= signal[collapsed - 1]
+    with pytest.raises(ValueError, match="no event"):
+        representative_times(np.full(10, 0.05), THRESHOLD)
+
+
+def test_isosurfaces_follow_the_field() -> None:
+    grid = np.meshgrid(X, Y, Z, indexing="ij")
+    velocity = np.stack([grid[1], 0 * grid[1], 0 * grid[1]])
+    # The surface scalar = 0.5 of this field is the plane y = 0.5.
+    figure = vorticity_isosurfaces(X, Y, Z, [FlowSnapshot("t", velocity, grid[1])], 0.5)
+    surface = next(c for c in figure.axes[0].collections if hasattr(c, "_faces"))
+    heights = np.asarray(surface._faces)[..., 2]
+    assert set(np.round(np.unique(heights), 6)) == {-0.5, 0.5}
+    with pytest.raises(ValueError, match="must be positive"):
+        vorticity_isosurfaces(X, Y, Z, [], 0.0)
+
+
+def test_a_field_without_surface_leaves_an_empty_box() -> None:
+    velocity = np.ones((3, len(X), len(Y), len(Z)))
+    snapshot = FlowSnapshot("laminar", velocity, np.zeros((len(X), len(Y), len(Z))))
+    assert vorticity_isosurfaces(X, Y, Z, [snapshot], 0.4).axes
+
+
+def test_nothing_to_draw_is_an_error() -> None:
+    with pytest.raises(ValueError, match="no example"):
+        prediction_examples([], THRESHOLD, 2.0)
+    with pytest.raises(ValueError, match="no evaluation"):
+        horizon_evaluations(TIME, TIME, [], THRESHOLD, 0.01)
+    with pytest.raises(ValueError, match="no case"):
+        control_density(EDGES, [], THRESHOLD)
+    with pytest.raises(ValueError, match="no value in column neurons"):
+        nearest_value(pd.DataFrame({"neurons": [np.nan]}), "neurons", 1)
+
+
+def test_strategies_come_in_the_papers_order() -> None:
+    assert ordered_validations(["RV", "other", "SSV"]) == ["SSV", "RV", "other"]
+
+
+def test_the_network_schematic_prints_the_numbers_in_use() -> None:
+    shown = " ".join(texts(GALLERY["network_schematic"]()))
+    for number in ("N_r = 2000", "N_u = 9", "0.29", "0.33", "0.1"):
+        assert number in shown

@@ -1,0 +1,66 @@
+"""What holds for every figure."""
+
+import pkgutil
+import subprocess
+import sys
+
+import matplotlib
+import pytest
+from gallery_figures import GALLERY
+from helpers_figures import drawn_texts, overlapping_texts, texts_outside
+
+import burstcast.figures
+from burstcast.figures.style import DOUBLE_COLUMN, render
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_figure_is_legible_at_print_size(name: str) -> None:
+    figure = GALLERY[name]()
+    assert figure.get_figwidth() <= DOUBLE_COLUMN
+    texts = drawn_texts(figure)
+    assert min(text.size for text in texts) >= 6.0
+    assert overlapping_texts(texts) == []
+    assert texts_outside(figure, texts) == []
+
+
+@pytest.mark.parametrize("name", ["by_reynolds", "midplane_mean_square"])
+def test_files_are_the_same_whenever_they_are_made(name: str) -> None:
+    first, second = (render(GALLERY[name](), "pdf") for _ in range(2))
+    assert first == second
+    assert b"Date" not in first
+    assert b"matplotlib" not in first.lower()
+
+
+def test_png_and_svg_are_the_same_whenever_they_are_made() -> None:
+    for file_format in ("png", "svg"):
+        first, second = (render(GALLERY["horizon_by_size"](), file_format) for _ in range(2))
+        assert first == second
+
+
+def test_a_users_own_settings_change_nothing() -> None:
+    plain = render(GALLERY["horizon_by_size"](), "pdf")
+    with matplotlib.rc_context({"font.size": 20, "axes.grid": True, "lines.linewidth": 5}):
+        assert render(GALLERY["horizon_by_size"](), "pdf") == plain
+
+
+def test_drawing_leaves_the_users_settings_alone() -> None:
+    before = dict(matplotlib.rcParams)
+    render(GALLERY["horizon_schematic"](), "png")
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_unknown_format_is_refused() -> None:
+    with pytest.raises(ValueError, match="bmp"):
+        render(GALLERY["horizon_schematic"](), "bmp")  # type: ignore[arg-type]
+
+
+def test_every_figure_is_in_the_gallery() -> None:
+    shared = {"style", "planes", "percentile_curves"}
+    modules = {module.name for module in pkgutil.iter_modules(burstcast.figures.__path__)}
+    assert modules - shared == set(GALLERY)
+
+
+def test_no_figure_imports_pyplot() -> None:
+    modules = [f"burstcast.figures.{name}" for name in GALLERY]
+    program = f"import sys, {', '.join(modules)}; sys.exit('matplotlib.pyplot' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
