@@ -1,0 +1,59 @@
+# burstcast: make demo | test | paper | why | bench | slurm | check
+# All that is needed is Python >= 3.11 and make; everything else goes into .venv.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+SNAKEMAKE := $(BIN)/snakemake
+# One thread of linear algebra per job: jobs run side by side, and results do not depend on --cores.
+export OMP_NUM_THREADS := 1
+export OPENBLAS_NUM_THREADS := 1
+export NUMBA_NUM_THREADS := 1
+
+.PHONY: demo test test-long test-slurm paper why bench slurm check clean
+
+demo: $(VENV)/installed
+	$(SNAKEMAKE) --configfile workflow/presets/quick.yaml $(ARGS)
+	@echo
+	@echo "The results are in results/quick: tables/*.csv, figures/*.pdf and *.png, report.html."
+
+paper: $(VENV)/installed
+	$(SNAKEMAKE) $(ARGS)
+	@echo
+	@echo "The results are in results/paper."
+
+test: $(VENV)/installed check
+	$(BIN)/pytest $(ARGS)
+
+test-long: $(VENV)/installed
+	$(BIN)/pytest -m long $(ARGS)
+
+test-slurm: $(VENV)/installed
+	$(BIN)/pytest -m slurm $(ARGS)
+
+# What would run again, and why: make why ARGS="--configfile workflow/presets/quick.yaml"
+why: $(VENV)/installed
+	@$(BIN)/python -m burstcast_workflow.why $(ARGS)
+
+bench: $(VENV)/installed
+	$(BIN)/python benchmarks/bench.py $(ARGS)
+
+slurm: $(VENV)/installed
+	$(SNAKEMAKE) --workflow-profile profiles/slurm $(ARGS)
+
+check: $(VENV)/installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check src tests workflow/scripts benchmarks
+	$(BIN)/mypy
+	$(BIN)/snakefmt --check Snakefile workflow/rules
+
+# The lock file holds every version; the package itself comes from this directory.
+$(VENV)/installed: requirements.lock pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit("burstcast needs Python 3.11 or newer: make PYTHON=...") if sys.version_info < (3, 11) else None'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -e .
+	touch $@
+
+clean:
+	rm -rf $(VENV) .snakemake .pytest_cache .mypy_cache .ruff_cache
