@@ -31,6 +31,26 @@ class Network:
 
 
 @dataclass(frozen=True)
+class ControlRun:
+    """One run of control: who forecasts, what, how far ahead; the network unless it is `equations`.
+
+    Random actuation belongs to a network, too: it acts as often as that network did.
+    """
+
+    forecaster: str
+    case: str
+    prediction_time_lt: float
+    network: Network | None
+
+    @property
+    def stem(self) -> str:
+        """Its files below the results directory, without their suffixes."""
+        name = "control" if self.forecaster == "esn" else f"control_{self.forecaster}"
+        directory = self.case if self.network is None else self.network.directory
+        return f"{directory}/{name}_PT{self.prediction_time_lt:g}"
+
+
+@dataclass(frozen=True)
 class Campaign:
     """A validated configuration, expanded.
 
@@ -100,6 +120,40 @@ class Campaign:
             figures["example_validation"],
             figures["example_seed"],
         )
+
+    @property
+    def climate_networks(self) -> tuple[Network, ...]:
+        """Networks whose long-term statistics are computed."""
+        strategies = self.config["statistics"]["validation"]
+        return tuple(network for network in self.networks if network.validation in strategies)
+
+    @cached_property
+    def control_runs(self) -> tuple[ControlRun, ...]:
+        """Who controls which case at which prediction time: networks first, then the references."""
+        control = self.config["control"]
+        runs = [
+            ControlRun("esn", network.case, prediction_time, network)
+            for network in self.networks
+            if network.neurons in control["neurons"]
+            and network.validation in control["validation"]
+            and self.cases[network.case]["actuation"] is not None
+            for prediction_time in self._control_times(network)
+        ]
+        if "random" in control["references"]:
+            runs += [ControlRun("random", run.case, run.prediction_time_lt, run.network) for run in runs]
+        if "equations" in control["references"]:
+            runs += dict.fromkeys(
+                ControlRun("equations", run.case, run.prediction_time_lt, None) for run in runs
+            )
+        return tuple(runs)
+
+    def _control_times(self, network: Network) -> list[float]:
+        control = self.config["control"]
+        times = list(control["prediction_times_lt"])
+        sweep = control["sweep"]
+        if network.case in sweep["cases"] and network.seed < sweep["seeds"]:
+            times += sweep["prediction_times_lt"]
+        return sorted({float(time) for time in times})
 
     # -- settings, one function for each rule ------------------------------------------------------
 
@@ -245,6 +299,60 @@ class Campaign:
             "horizon": _pick(
                 self.config["horizon"], "longest_start_lt", "start_step_lt", "tolerance"
             ),
+        }
+
+    # -- control -----------------------------------------------------------------------------------
+
+    def _control_equations(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        record = self.cases[case]
+        return {
+            **self._system(case),
+            **self._time(case),
+            **self._observation(case),
+            **_pick(
+                record,
+                "event_threshold",
+                "laminarisation_threshold",
+                "controlled_density",
+                "actuation",
+            ),
+            **_pick(record["ensemble"], "time_step", "sampling_stride"),
+            **_pick(self.config["control"], "window_lt", "flows", "span_lt"),
+            "washout_lt": self.config["network"]["washout_lt"],
+            "prediction_time_lt": float(wildcards["prediction_time"]),
+        }
+
+    def _control(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            **self._control_equations(wildcards),
+            "kernel": self.config["network"]["kernel"],
+        }
+
+    def _control_random(self, wildcards: Mapping[str, str]) -> Settings:
+        return {**self._control_equations(wildcards), "seed": int(wildcards["seed"])}
+
+    def _control_table(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            "rows": [
+                {
+                    **self._control_keys(run),
+                    "prediction_time_lt": run.prediction_time_lt,
+                }
+                for run in self.control_runs
+            ]
+        }
+
+    def _control_keys(self, run: ControlRun) -> Settings:
+        if run.network is not None:
+            return {**self.keys([run.network])[0], "forecaster": run.forecaster}
+        return {
+            "case": run.case,
+            "reynolds": self.reynolds(run.case),
+            "forecaster": run.forecaster,
+            "neurons": None,
+            "validation": None,
+            "seed": None,
         }
 
     # -- tables ------------------------------------------------------------------------------------

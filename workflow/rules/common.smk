@@ -24,6 +24,7 @@ wildcard_constraints:
     neurons=r"\d+",
     validation="SSV|RV",
     seed=r"\d+",
+    prediction_time=r"\d+(\.\d+)?",
     table="[a-z_]+",
 
 
@@ -64,6 +65,11 @@ def of_networks(name):
 def of_cases(name):
     """The file called ``name`` of every case of the campaign."""
     return [f"{RESULTS}/{case}/{name}" for case in campaign.case_names]
+
+
+def control_counts():
+    """What every run of control achieved."""
+    return [f"{RESULTS}/{run.stem}.json" for run in campaign.control_runs]
 
 
 def time_unit(wildcards):

@@ -1,0 +1,17 @@
+"""Control the flow of a case by the alarms of one network."""
+
+from burstcast_workflow.controls import ControlSetting, write_accounting
+from burstcast_workflow.job import run_job
+from burstcast_workflow.network_files import read_forecaster
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write what control achieved."""
+    setting = ControlSetting.read(settings, inputs)
+    forecaster = read_forecaster(inputs.network, settings["kernel"])
+    followed = setting.follow(setting.forecast_monitor(forecaster), noisy=True)
+    write_accounting(outputs, setting.account(followed), provenance)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

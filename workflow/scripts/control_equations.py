@@ -1,0 +1,15 @@
+"""Control the flow of a case by a perfect forecaster: the equations, from the true state."""
+
+from burstcast_workflow.controls import ControlSetting, write_accounting
+from burstcast_workflow.job import run_job
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write what control achieved."""
+    setting = ControlSetting.read(settings, inputs)
+    followed = setting.follow(setting.equations_monitor(), noisy=False)
+    write_accounting(outputs, setting.account(followed), provenance)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,17 @@
+"""Actuate the flow of a case at random, as often as a network did."""
+
+from burstcast_workflow.controls import ControlSetting, write_accounting
+from burstcast_workflow.job import run_job
+from burstcast_workflow.storage import read_json
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write what control achieved."""
+    setting = ControlSetting.read(settings, inputs)
+    alarm_rate = read_json(inputs.counts)["alarm_rate"] or 0.0
+    followed = setting.follow(setting.random_monitor(alarm_rate), noisy=False)
+    write_accounting(outputs, setting.account(followed), provenance)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,36 @@
+"""Gather what control achieved, by networks and by the forecasters to compare with."""
+
+import pandas as pd
+
+from burstcast_workflow.controls import SCORES
+from burstcast_workflow.job import run_job
+from burstcast_workflow.storage import read_json
+from burstcast_workflow.table_files import write_table
+
+COLUMNS = (
+    "exceedance_uncontrolled",
+    "exceedance_controlled",
+    "reduction",
+    "alarms",
+    "false_alarms",
+    "missed_events",
+    "unsuppressed_events",
+    "control_fraction",
+)
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write one row for each forecaster, network and prediction time."""
+    rows = []
+    for keys, path in zip(settings["rows"], inputs.counts, strict=True):
+        record = read_json(path)
+        del record["provenance"]
+        # the rest of the accounting follows the columns that everybody looks at
+        others = sorted(set(record) - set(COLUMNS) - set(SCORES))
+        names = [*COLUMNS, "exceedance_free", "alarm_rate", *others]
+        rows.append({**keys, **{name: record[name] for name in names}})
+    write_table(outputs.table, pd.DataFrame(rows))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there
