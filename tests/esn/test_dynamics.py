@@ -1,0 +1,244 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import scipy.sparse
+
+import burstcast.esn
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.reservoir import Reservoir, make_reservoir
+
+KERNELS = ["compiled", "scipy"]
+RANGE = np.array([2.0, 0.5, 1.0, 3.0])
+
+
+def textbook_step(dynamics, current, state):
+    """One step of one trajectory with dense matrices."""
+    reservoir = dynamics.reservoir
+    input_matrix = np.zeros((reservoir.neurons, reservoir.dimension + 1))
+    input_matrix[np.arange(reservoir.neurons), reservoir.input_column] = reservoir.input_weight
+    fed = np.append(current, reservoir.input_bias)
+    return np.tanh(
+        dynamics.input_scaling * input_matrix @ fed
+        + dynamics.spectral_radius * reservoir.recurrent.toarray() @ state
+    )
+
+
+def random_readout(reservoir, generator):
+    # Small enough for the closed loop to be a contraction: differences of rounding stay small.
+    shape = (reservoir.neurons + 1, reservoir.dimension)
+    return generator.normal(size=shape) / reservoir.neurons
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_open_loop_is_the_textbook_equation(reservoir, kernel):
+    generator = np.random.default_rng(0)
+    dynamics = Dynamics(reservoir, 0.7, 1.3, kernel)
+    inputs = generator.normal(size=(12, reservoir.dimension, 3))
+    states = generator.uniform(-1, 1, size=(reservoir.neurons, 3))
+    final = dynamics.open_loop(inputs, states)
+    from_zero = dynamics.open_loop(inputs)
+    for series in range(3):
+        state, zero = states[:, series], np.zeros(reservoir.neurons)
+        for current in inputs[:, :, series]:
+            state = textbook_step(dynamics, current, state)
+            zero = textbook_step(dynamics, current, zero)
+        np.testing.assert_allclose(final[:, series], state, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(from_zero[:, series], zero, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("dimension", [1, 2, 3])
+def test_closed_loop_is_the_textbook_equation(kernel, dimension):
+    generator = np.random.default_rng(1)
+    reservoir = make_reservoir(61, dimension, 5, 0.1, generator)
+    dynamics = Dynamics(reservoir, 0.9, 0.8, kernel)
+    weights = random_readout(reservoir, generator)
+    input_range = RANGE[:dimension]
+    states = generator.uniform(-1, 1, size=(reservoir.neurons, 2))
+    outputs, final = dynamics.closed_loop(weights, input_range, states, 15)
+    for trajectory in range(2):
+        state = states[:, trajectory]
+        for step in range(15):
+            predicted = np.append(state, 1) @ weights
+            np.testing.assert_allclose(outputs[step, :, trajectory], predicted, atol=1e-13)
+            state = textbook_step(dynamics, predicted / input_range, state)
+        np.testing.assert_allclose(final[:, trajectory], state, rtol=0, atol=1e-13)
+
+
+def test_compiled_and_scipy_agree_to_rounding(reservoir):
+    generator = np.random.default_rng(2)
+    weights = 5 * random_readout(reservoir, generator)
+    states = generator.uniform(-1, 1, size=(reservoir.neurons, 19))
+    results = [
+        Dynamics(reservoir, 0.9, 1.0, kernel).closed_loop(weights, RANGE, states, 30)
+        for kernel in KERNELS
+    ]
+    for compiled, plain in zip(*results, strict=True):
+        np.testing.assert_allclose(compiled, plain, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_trajectory_has_the_same_bits_in_any_batch(reservoir, kernel):
+    generator = np.random.default_rng(3)
+    dynamics = Dynamics(reservoir, 0.95, 0.6, kernel)
+    weights = 30 * random_readout(reservoir, generator)  # chaotic: a changed bit would grow
+    states = generator.uniform(-1, 1, size=(reservoir.neurons, 100))
+    inputs = generator.normal(size=(20, reservoir.dimension, 100))
+    outputs, final = dynamics.closed_loop(weights, RANGE, states, 60)
+    driven = dynamics.open_loop(inputs, states)
+    batches = [
+        np.array([0]),
+        np.array([57]),
+        np.arange(40, 47),
+        np.arange(11, 44),
+        generator.permutation(100),
+    ]
+    for batch in batches:
+        part, last = dynamics.closed_loop(weights, RANGE, states[:, batch], 60)
+        np.testing.assert_array_equal(part, outputs[:, :, batch])
+        np.testing.assert_array_equal(last, final[:, batch])
+        np.testing.assert_array_equal(
+            dynamics.open_loop(inputs[:, :, batch], states[:, batch]), driven[:, batch]
+        )
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_forecast_continues_from_its_states(reservoir, kernel):
+    generator = np.random.default_rng(4)
+    dynamics = Dynamics(reservoir, 0.9, 1.0, kernel)
+    weights = 10 * random_readout(reservoir, generator)
+    states = generator.uniform(-1, 1, size=(reservoir.neurons, 18))
+    kept = states.copy()
+    whole, final = dynamics.closed_loop(weights, RANGE, states, 25)
+    first, between = dynamics.closed_loop(weights, RANGE, states, 8)
+    second, last = dynamics.closed_loop(weights, RANGE, between, 17)
+    np.testing.assert_array_equal(np.concatenate([first, second]), whole)
+    np.testing.assert_array_equal(last, final)
+    np.testing.assert_array_equal(states, kept)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_no_steps_and_no_trajectories(reservoir, kernel):
+    dynamics = Dynamics(reservoir, 0.9, 1.0, kernel)
+    weights = random_readout(reservoir, np.random.default_rng(0))
+    states = np.full((reservoir.neurons, 3), 0.25)
+    outputs, final = dynamics.closed_loop(weights, RANGE, states, 0)
+    assert outputs.shape == (0, 4, 3)
+    np.testing.assert_array_equal(final, states)
+    np.testing.assert_array_equal(dynamics.open_loop(np.empty((0, 4, 3)), states), states)
+    outputs, final = dynamics.closed_loop(weights, RANGE, states[:, :0], 5)
+    assert outputs.shape == (5, 4, 0)
+    assert final.shape == (reservoir.neurons, 0)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_panels_hold_the_states_and_end_at_breakpoints(reservoir, signal, kernel):
+    dynamics = Dynamics(reservoir, 0.5, 1.0, kernel)
+    inputs = signal[:101]
+    start = np.full((reservoir.neurons, 5), 0.1)
+    panels = list(
+        dynamics.state_panels(inputs, start, breakpoints=[70, 33, 33, 0], columns_per_panel=102)
+    )
+    assert [(panel.start, panel.stop) for panel in panels] == [
+        (0, 20),
+        (20, 33),
+        (33, 53),
+        (53, 70),
+        (70, 90),
+        (90, 101),
+    ]
+    for panel in panels:
+        np.testing.assert_array_equal(panel.last, dynamics.open_loop(inputs[: panel.stop], start))
+        assert panel.columns.flags.c_contiguous
+        assert np.shares_memory(panel.columns, panel.states)
+        np.testing.assert_array_equal(panel.columns[:, 7], panel.states[:, 1, 2])
+    states = start
+    for step, current in enumerate(inputs):
+        states = dynamics.open_loop(current[None], states)
+        panel = next(panel for panel in panels if panel.start <= step < panel.stop)
+        np.testing.assert_array_equal(panel.states[:, step - panel.start], states)
+
+
+def test_tanh_is_accurate_to_a_few_units_in_the_last_place():
+    # One neuron per sign and no recurrent weights: the state is tanh(input).
+    reservoir = Reservoir(
+        input_column=np.zeros(2, dtype=np.int32),
+        input_weight=np.array([1.0, -1.0]),
+        recurrent=scipy.sparse.csr_array((2, 2)),
+        dimension=1,
+        input_bias=0.0,
+    )
+    inputs = np.concatenate(
+        [np.geomspace(1e-300, 1e3, 30001), np.linspace(0, 25, 50001), [0.0, 20.0, 1e300]]
+    )
+    states = Dynamics(reservoir, 1.0, 1.0, "compiled").open_loop(inputs[None, None, :])
+    exact = np.tanh(inputs.astype(np.longdouble))
+    error = np.abs(states[0] - exact) / np.spacing(exact.astype(float))
+    assert error.max() < 8
+    assert error.mean() < 1
+    assert np.abs(states).max() <= 1 + np.finfo(float).eps
+    np.testing.assert_array_equal(states[1], -states[0])
+
+
+def test_scipy_kernel_never_loads_numba():
+    script = (
+        "import sys, numpy as np\n"
+        "from burstcast.esn.reservoir import make_reservoir\n"
+        "from burstcast.esn.dynamics import Dynamics\n"
+        "reservoir = make_reservoir(30, 2, 5, 0.1, np.random.default_rng(0))\n"
+        "Dynamics(reservoir, 0.5, 1.0, 'scipy').open_loop(np.zeros((2, 2, 1)))\n"
+        "sys.exit('numba' in sys.modules)\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_missing_numba_says_what_to_do(reservoir, monkeypatch):
+    monkeypatch.setitem(sys.modules, "numba", None)
+    monkeypatch.delitem(sys.modules, "burstcast.esn.kernels_compiled", raising=False)
+    monkeypatch.delattr(burstcast.esn, "kernels_compiled", raising=False)
+    with pytest.raises(RuntimeError, match="kernel: scipy"):
+        Dynamics(reservoir, 0.5, 1.0, "compiled").open_loop(np.zeros((1, 4, 1)))
+
+
+@pytest.mark.parametrize(
+    ("changed", "reason"),
+    [
+        ({"spectral_radius": -0.1}, "spectral_radius"),
+        ({"input_scaling": np.nan}, "input_scaling"),
+        ({"kernel": "fortran"}, "kernel"),
+    ],
+)
+def test_impossible_hyperparameters_raise(reservoir, changed, reason):
+    arguments = {"spectral_radius": 0.5, "input_scaling": 1.0, "kernel": "scipy", **changed}
+    with pytest.raises(ValueError, match=reason):
+        Dynamics(reservoir, **arguments)
+
+
+def test_bad_arguments_raise(reservoir):
+    dynamics = Dynamics(reservoir, 0.5, 1.0, "scipy")
+    neurons = reservoir.neurons
+    inputs, states = np.zeros((3, 4, 2)), np.zeros((neurons, 2))
+    weights = np.zeros((neurons + 1, 4))
+    bad_input, bad_state, bad_weight = inputs.copy(), states.copy(), weights.copy()
+    bad_input[1, 2, 0] = np.inf
+    bad_state[3, 1] = np.nan
+    bad_weight[0, 0] = np.nan
+    calls = [
+        (lambda: dynamics.open_loop(inputs[:, :3]), "inputs must have shape"),
+        (lambda: dynamics.open_loop(bad_input), "inputs of the network are not finite"),
+        (lambda: dynamics.open_loop(inputs, bad_state), "states are not finite"),
+        (lambda: dynamics.open_loop(inputs, states[:-1]), "states must have shape"),
+        (lambda: dynamics.open_loop(inputs, states[:, :1]), "do not fit"),
+        (lambda: dynamics.state_panels(inputs, breakpoints=[4]), "breakpoints"),
+        (lambda: dynamics.closed_loop(weights[:-1], RANGE, states, 3), "readout weights"),
+        (lambda: dynamics.closed_loop(bad_weight, RANGE, states, 3), "weights are not finite"),
+        (lambda: dynamics.closed_loop(weights, RANGE[:3], states, 3), "input range"),
+        (lambda: dynamics.closed_loop(weights, 0 * RANGE, states, 3), "positive"),
+        (lambda: dynamics.closed_loop(weights, RANGE, bad_state, 3), "states are not finite"),
+        (lambda: dynamics.closed_loop(weights, RANGE, states, -1), "-1 steps"),
+    ]
+    for call, reason in calls:
+        with pytest.raises(ValueError, match=reason):
+            call()
