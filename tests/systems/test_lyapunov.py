@@ -62,7 +62,8 @@ def turbulent_states(reynolds: float, count: int, steps: int) -> FloatArray:
     series = integrate_observed(
         MoehlisFaisstEckhardt(reynolds), state, 0.25, steps, max(steps, 1), transient_steps=800
     )
-    return series.states[0][:, series.largest_observable <= 0.48][:, :count]
+    kept = series.largest_observable <= 0.48
+    return np.asarray(series.states[0][:, kept][:, :count])
 
 
 def test_linear_system_has_the_eigenvalues_as_exponents() -> None:
@@ -263,22 +264,24 @@ def test_shear_flow_has_the_published_exponents(
     reynolds: float, published: float, expected: float
 ) -> None:
     system = MoehlisFaisstEckhardt(reynolds)
-    state = turbulent_states(reynolds, 400, 16000)
-    assert state.shape[1] == 400
-    spectrum = lyapunov_spectrum(system, state, 0.25, 15200, 20, alignment_steps=800)
+    # The exponents of single series scatter by 0.003: a thousand give a standard error of 1e-4.
+    state = turbulent_states(reynolds, 1000, 16000)
+    assert state.shape[1] == 1000
     size = attractor_size(state)
     growth = perturbation_growth(
         system,
         state,
         0.25,
-        15200,
+        12000,
         1e-8 * size,
         1e-2 * size,
         np.random.default_rng(1),
-        alignment_steps=800,
+        alignment_steps=4000,
     )
-    leading = spectrum.exponents[:, 0].mean()
+    leading = growth.exponents.mean()
     assert leading == pytest.approx(published, rel=0.07)
     assert leading == pytest.approx(expected, abs=3e-4)
-    assert growth.exponents.mean() == pytest.approx(leading, abs=5e-5)
-    assert abs(spectrum.exponents[:, 2].mean()) < 5e-4  # the direction of the flow itself
+    spectrum = lyapunov_spectrum(system, state[:, :100], 0.25, 12000, 20, alignment_steps=4000)
+    by_qr = spectrum.exponents.mean(axis=0)
+    assert by_qr[0] == pytest.approx(growth.exponents[:100].mean(), abs=5e-5)
+    assert abs(by_qr[2]) < 5e-4  # the direction of the flow itself
