@@ -161,6 +161,25 @@ def test_panels_hold_the_states_and_end_at_breakpoints(reservoir, signal, kernel
         np.testing.assert_array_equal(panel.states[:, step - panel.start], states)
 
 
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_read_only_and_strided_arrays_are_welcome(reservoir, kernel):
+    generator = np.random.default_rng(5)
+    dynamics = Dynamics(reservoir, 0.9, 1.0, kernel)
+    inputs = generator.normal(size=(3, 4, 17))
+    states = generator.uniform(-1, 1, size=(reservoir.neurons, 17))
+    weights = random_readout(reservoir, generator)
+    arrays = [inputs, states, weights, RANGE.copy()]
+    for array in arrays:
+        array.flags.writeable = False
+    np.testing.assert_array_equal(
+        dynamics.open_loop(inputs[:, :, ::2], states[:, ::2]),
+        dynamics.open_loop(inputs, states)[:, ::2],
+    )
+    read_only, _ = dynamics.closed_loop(weights, arrays[3], states, 3)
+    plain, _ = dynamics.closed_loop(weights.copy(), RANGE, np.asfortranarray(states), 3)
+    np.testing.assert_array_equal(read_only, plain)
+
+
 def test_tanh_is_accurate_to_a_few_units_in_the_last_place():
     # One neuron per sign and no recurrent weights: the state is tanh(input).
     reservoir = Reservoir(

@@ -233,9 +233,9 @@ class Dynamics:
         except Exception as error:
             raise RuntimeError(
                 "the compiled kernel cannot be loaded "
-                f"({type(error).__name__}: {error}); repair the installation of numba, or set "
-                "`kernel: scipy` under `network` in the configuration, which is several times "
-                "slower"
+                f"({type(error).__name__}: {error}); repair the installation of numba (it also "
+                "needs a directory to write to, NUMBA_CACHE_DIR), or set `kernel: scipy` under "
+                "`network` in the configuration, which is several times slower"
             ) from error
         return kernels_compiled.CompiledKernel(*arguments)
 

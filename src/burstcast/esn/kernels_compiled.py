@@ -245,14 +245,17 @@ def _read_out(weights, rows, states, first, last, outputs):
 
 # --- The loops -----------------------------------------------------------------------------------
 
-_FLOATS = types.float64[::1]
-_INTEGERS = types.int32[::1]
-_FLOATS_3D = types.float64[:, :, ::1]
+# What is only read may be a read-only array.
+_INTEGERS = types.Array(types.int32, 1, "C", readonly=True)
+_FLOATS = types.Array(types.float64, 1, "C", readonly=True)
+_FLOATS_3D = types.Array(types.float64, 3, "C", readonly=True)
+_ROOM = types.float64[::1]
+_ROOM_3D = types.float64[:, :, ::1]
 _MATRICES = (_INTEGERS, _INTEGERS, _FLOATS, _INTEGERS, _FLOATS)
 
 
 @njit(
-    types.boolean(*_MATRICES, _FLOATS_3D, types.int64, _FLOATS, _FLOATS, _FLOATS, _FLOATS_3D),
+    types.boolean(*_MATRICES, _FLOATS_3D, types.int64, _ROOM, _ROOM, _ROOM, _ROOM_3D),
     cache=True,
 )
 def _drive_tile(
@@ -298,11 +301,11 @@ def _drive_tile(
         _FLOATS,
         _FLOATS,
         types.int64,
-        _FLOATS,
-        _FLOATS,
-        _FLOATS,
-        _FLOATS,
-        _FLOATS_3D,
+        _ROOM,
+        _ROOM,
+        _ROOM,
+        _ROOM,
+        _ROOM_3D,
     ),
     cache=True,
 )
