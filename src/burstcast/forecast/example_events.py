@@ -1,0 +1,206 @@
+"""Events that show well what the flow does, for the figures of the flow field.
+
+Source: the paper's figures of the midplane and of the vorticity during an event. There the flow
+slowly laminarises (t_1 to t_3) until the laminar structure suddenly breaks down into vortices
+(t_4). Which event of the test set to show is our choice, and is made by rule.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.forecast.forecasters import Forecaster
+from burstcast.forecast.horizon import accurate_steps
+from burstcast.forecast.test_set import SeriesPoints, segments
+from burstcast.systems.base import FloatArray
+
+CANDIDATES_PER_BATCH = 64
+"""Events that are forecast side by side: bounds the time and memory, changes no result."""
+
+
+@dataclass(frozen=True)
+class EventCriterion:
+    """Which events are fit to be shown.
+
+    The excursion of an event reaches from the last step at or below the calm level before it to the
+    first one after it. An event is isolated if its excursion crosses the threshold upwards just
+    once, and the observable is below the threshold for a while on both sides of the excursion.
+
+    Attributes
+    ----------
+    threshold
+        The event threshold, k_e.
+    calm
+        The calm level, below the threshold: the mean of the observable, say.
+    quiet
+        Steps below the threshold that there must be before the excursion, and after it.
+    longest
+        Steps that may pass from t_1 to t_4.
+    wanted_peak
+        The nearer the largest observable of an event is to this, the better it is.
+    """
+
+    threshold: float
+    calm: float
+    quiet: int
+    longest: int
+    wanted_peak: float
+
+    def __post_init__(self) -> None:
+        """Check that calm is below the threshold.
+
+        Raises
+        ------
+        ValueError
+            If it is not.
+        """
+        if not self.calm < self.threshold:
+            raise ValueError(
+                f"the calm level {self.calm} must lie below the event threshold {self.threshold}"
+            )
+
+
+@dataclass(frozen=True)
+class ExampleEvent:
+    """An event to show.
+
+    Attributes
+    ----------
+    series
+        Row of its series.
+    times
+        Steps t_1 < t_2 < t_3 < t_4 in the series: the last calm step before the event; on the rise,
+        the first step at or above the middle between the calm level and the peak; the peak, where
+        the flow is closest to laminar; and the first step after it below the threshold, when the
+        laminar structure has broken down.
+    peak
+        Largest observable.
+    """
+
+    series: int
+    times: tuple[int, int, int, int]
+    peak: float
+
+
+def isolated_events(
+    observable: FloatArray, criterion: EventCriterion, before: int = 0
+) -> list[ExampleEvent]:
+    """All events that are fit to be shown, the best first.
+
+    Parameters
+    ----------
+    observable
+        True observable of the test series, ``(series, time)``.
+    criterion
+        What is fit, and what is good. Of equally good events the first one comes first.
+    before
+        Steps that there must be in the series before t_1.
+
+    Returns
+    -------
+    Events; the list may be empty.
+    """
+    events = []
+    for row, values in enumerate(observable):
+        calm = values <= criterion.calm
+        above = values >= criterion.threshold
+        crossings = np.flatnonzero(above[1:] & ~above[:-1]) + 1
+        for crossing in crossings.tolist():
+            calm_before = np.flatnonzero(calm[:crossing])
+            calm_after = np.flatnonzero(calm[crossing:])
+            if calm_before.size == 0 or calm_after.size == 0:
+                continue
+            begin, end = int(calm_before[-1]), crossing + int(calm_after[0])
+            quiet_begin, quiet_end = begin - criterion.quiet, end + criterion.quiet
+            if begin < before or quiet_begin < 0 or quiet_end >= len(values):
+                continue
+            # the only crossing between the two quiet stretches, and no event is under way at first
+            inside = (crossings > quiet_begin) & (crossings <= quiet_end)
+            if above[quiet_begin] or inside.sum() != 1:
+                continue
+            event = _timed(row, values, begin, end, criterion)
+            if event.times[3] - event.times[0] <= criterion.longest:
+                events.append(event)
+    return sorted(events, key=lambda event: abs(event.peak - criterion.wanted_peak))
+
+
+def _timed(
+    row: int, values: FloatArray, begin: int, end: int, criterion: EventCriterion
+) -> ExampleEvent:
+    """Event with its four times, from the excursion that it is part of."""
+    peak = begin + int(values[begin:end].argmax())
+    height = float(values[peak])
+    middle = begin + int((values[begin:end] >= 0.5 * (criterion.calm + height)).argmax())
+    broken_down = peak + int((values[peak : end + 1] < criterion.threshold).argmax())
+    return ExampleEvent(row, (begin, middle, peak, broken_down), height)
+
+
+def predicted_event(
+    events: list[ExampleEvent],
+    forecaster: Forecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    observed: FloatArray,
+    truth: FloatArray,
+    *,
+    lead: int,
+    washout: int,
+    tolerance: float,
+) -> ExampleEvent | None:
+    """Best event that a forecaster predicts from its build-up to its breakdown.
+
+    The forecast starts ``lead`` steps before t_1 and must stay within the tolerance up to t_4. Of
+    the events that it does so for, the first one is taken. If there is none, it is the one whose
+    forecast stays within the tolerance for the largest share of the way.
+
+    Parameters
+    ----------
+    events
+        Events of these series, the best first, with at least ``lead + washout - 1`` steps before
+        t_1 (`isolated_events`).
+    forecaster
+        Who forecasts.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
+    observed
+        Observed series, ``(series, time, component)``.
+    truth
+        True observable, ``(series, time)``.
+    lead
+        Steps from the start of the forecast to t_1.
+    washout
+        Inputs of the washout; the last one is the starting point itself.
+    tolerance
+        Error of the observable from which on a forecast is lost.
+
+    Returns
+    -------
+    None if there are no events.
+    """
+    best: tuple[float, ExampleEvent] | None = None
+    for first in range(0, len(events), CANDIDATES_PER_BATCH):
+        batch = events[first : first + CANDIDATES_PER_BATCH]
+        points = SeriesPoints(
+            series=np.array([event.series for event in batch]),
+            step=np.array([event.times[0] - lead for event in batch]),
+        )
+        needed = np.array([event.times[3] for event in batch]) - points.step
+        ahead = int(needed.max())
+        # not a number beyond the breakdown: no forecast counts as accurate there
+        true = np.full((ahead, len(batch)), np.nan)
+        for column, event in enumerate(batch):
+            start = int(points.step[column])
+            true[: needed[column], column] = truth[event.series, start + 1 : event.times[3] + 1]
+        accurate = accurate_steps(
+            forecaster,
+            observable,
+            np.ascontiguousarray(segments(observed, points, washout - 1, 0).transpose(1, 2, 0)),
+            true,
+            tolerance,
+        )
+        for event, share in zip(batch, accurate / needed, strict=True):
+            if share >= 1:
+                return event
+            if best is None or share > best[0]:
+                best = (float(share), event)
+    return None if best is None else best[1]

@@ -1,0 +1,211 @@
+"""Probability density of the observable, and the distances between two of them.
+
+Source: section "Statistical prediction of extreme events" of the paper.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.systems.base import FloatArray
+
+IntArray = npt.NDArray[np.int64]
+
+SATURATED_ERROR = 1.0
+"""Logarithmic error of a bin that is empty in either density (paper, below the MLE)."""
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """Counts of values in bins.
+
+    A bin holds its lower edge and not its upper one; the last bin holds both, as in
+    `numpy.histogram`.
+
+    Attributes
+    ----------
+    edges
+        Edges of the bins, increasing, ``(bins + 1,)``.
+    counts
+        Values in each bin, ``(bins,)``.
+    below, above
+        Values outside the range of the edges.
+
+    Raises
+    ------
+    ValueError
+        If the edges do not increase or the counts do not fit them.
+    """
+
+    edges: FloatArray
+    counts: IntArray
+    below: int = 0
+    above: int = 0
+
+    def __post_init__(self) -> None:
+        check_edges(self.edges)
+        if self.counts.shape != (len(self.edges) - 1,):
+            raise ValueError(f"{len(self.edges)} edges do not bound {self.counts.shape} bins")
+        if self.below < 0 or self.above < 0 or (self.counts < 0).any():
+            raise ValueError("a histogram cannot hold negative counts")
+
+    @property
+    def inside(self) -> int:
+        """Number of values in the bins."""
+        return int(self.counts.sum())
+
+    @property
+    def density(self) -> FloatArray:
+        """Probability density, normalised over the values inside the range, ``(bins,)``.
+
+        Not a number where no value lies inside.
+        """
+        return self.counts / (self.inside or np.nan) / np.diff(self.edges)
+
+    @property
+    def cumulative(self) -> FloatArray:
+        """Cumulative distribution at the edges, from 0 to 1, ``(bins + 1,)``.
+
+        Not a number where no value lies inside.
+        """
+        return np.concatenate([[0], np.cumsum(self.counts)]) / (self.inside or np.nan)
+
+    def merge(self, other: "Histogram") -> "Histogram":
+        """Histogram of the values of both.
+
+        Raises
+        ------
+        ValueError
+            If the bins differ.
+        """
+        _check_common_bins(self, other)
+        return Histogram(
+            self.edges,
+            self.counts + other.counts,
+            self.below + other.below,
+            self.above + other.above,
+        )
+
+
+def check_edges(edges: FloatArray) -> None:
+    """Raise ValueError unless these are the edges of at least one bin, increasing and finite."""
+    if edges.ndim != 1 or len(edges) < 2 or not np.isfinite(edges).all():
+        raise ValueError("a histogram needs at least two finite edges")
+    if not (np.diff(edges) > 0).all():
+        raise ValueError("the edges of a histogram must increase")
+
+
+def slots(values: FloatArray, edges: FloatArray) -> IntArray:
+    """Where each value is counted: 0 below the range, 1, 2, ... in the bins, bins + 1 above it.
+
+    Parameters
+    ----------
+    values
+        Of any shape.
+    edges
+        ``(bins + 1,)``.
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite.
+    """
+    if not np.isfinite(values).all():
+        raise ValueError("a value that is not finite cannot be counted in a histogram")
+    found = np.searchsorted(edges, values, side="right")
+    # the last bin holds its upper edge, too
+    found[values == edges[-1]] = len(edges) - 1
+    return found
+
+
+def from_slots(edges: FloatArray, counts: IntArray) -> Histogram:
+    """Histogram of the counts ``(bins + 2,)`` in the slots that `slots` tells."""
+    return Histogram(edges, counts[1:-1], below=int(counts[0]), above=int(counts[-1]))
+
+
+def histogram(values: FloatArray, edges: FloatArray) -> Histogram:
+    """Count values, of any shape, in bins.
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite or the edges do not increase.
+    """
+    check_edges(edges)
+    found = slots(values, edges)
+    return from_slots(edges, np.bincount(found.ravel(), minlength=len(edges) + 1).astype(np.int64))
+
+
+def kantorovich_metric(first: Histogram, second: Histogram) -> float:
+    """Integral of the absolute difference of two cumulative distributions (paper, section 6).
+
+    The densities are constant in each bin, so that the cumulative distributions are straight
+    there: the integral is exact, also where they cross within a bin.
+
+    Returns
+    -------
+    In units of the observable; not a number where a histogram has no values inside its range.
+
+    Raises
+    ------
+    ValueError
+        If the bins differ.
+    """
+    _check_common_bins(first, second)
+    difference = first.cumulative - second.cumulative
+    left, right = difference[:-1], difference[1:]
+    bases = np.abs(left) + np.abs(right)
+    # a trapezium, or two triangles where the sign changes
+    triangles = (np.square(left) + np.square(right)) / np.where(bases > 0, bases, 1)
+    areas = 0.5 * np.where(left * right < 0, triangles, bases) * np.diff(first.edges)
+    return float(areas.sum())
+
+
+def kantorovich_metric_of_samples(first: FloatArray, second: FloatArray) -> float:
+    """Kantorovich metric of the empirical distributions of two samples, without any bins.
+
+    Raises
+    ------
+    ValueError
+        If a sample is empty or not finite.
+    """
+    first, second = np.sort(first, axis=None), np.sort(second, axis=None)
+    if first.size == 0 or second.size == 0:
+        raise ValueError("the Kantorovich metric of an empty sample is not defined")
+    values = np.sort(np.concatenate([first, second]))
+    if not np.isfinite(values).all():
+        raise ValueError("the Kantorovich metric needs finite values")
+    # the distributions are constant between two neighbouring values
+    below_first = np.searchsorted(first, values[:-1], side="right") / first.size
+    below_second = np.searchsorted(second, values[:-1], side="right") / second.size
+    return float((np.abs(below_first - below_second) * np.diff(values)).sum())
+
+
+def mean_logarithmic_error(first: Histogram, second: Histogram) -> float:
+    """Mean over the bins of the difference of the densities' decimal logarithms (paper, MLE).
+
+    A bin that is empty in either density, or in both, counts an error of one. Other errors are not
+    bounded.
+
+    Returns
+    -------
+    Not a number where a histogram has no values inside its range.
+
+    Raises
+    ------
+    ValueError
+        If the bins differ.
+    """
+    _check_common_bins(first, second)
+    if first.inside == 0 or second.inside == 0:
+        return float("nan")
+    errors = np.full(len(first.counts), SATURATED_ERROR)
+    filled = (first.counts > 0) & (second.counts > 0)
+    errors[filled] = np.abs(np.log10(first.density[filled]) - np.log10(second.density[filled]))
+    return float(errors.mean())
+
+
+def _check_common_bins(first: Histogram, second: Histogram) -> None:
+    if not np.array_equal(first.edges, second.edges):
+        raise ValueError("histograms can only be compared or merged on common bins")

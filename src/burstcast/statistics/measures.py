@@ -1,0 +1,126 @@
+"""How far long-term statistics are from a reference, and how far they cannot help being.
+
+Source: section "Statistical prediction of extreme events" of the paper; the sampling floor is ours.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.statistics.densities import kantorovich_metric, mean_logarithmic_error
+from burstcast.statistics.profiles import normalised_root_mean_square_error, velocity_profiles
+from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
+from burstcast.systems.mfe_modes import ProfileMatrices
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Distances between two long-term statistics; not a number where one is not defined.
+
+    Attributes
+    ----------
+    kantorovich
+        Kantorovich metric of the observable's densities, in units of the observable.
+    mean_log_error
+        Mean logarithmic error of the densities.
+    nrmse_u, nrmse_uu, nrmse_uv
+        Normalised root mean square errors of the profiles of u, u^2 and uv.
+    """
+
+    kantorovich: float
+    mean_log_error: float
+    nrmse_u: float
+    nrmse_uu: float
+    nrmse_uv: float
+
+
+def compare(
+    reference: LongTermStatistics,
+    candidate: LongTermStatistics,
+    matrices: ProfileMatrices | None,
+) -> Measures:
+    """Distances of a candidate (a network, the training set) from the reference.
+
+    Parameters
+    ----------
+    reference
+        Of all the true data.
+    candidate
+        What is measured, on the same bins. Without any states no measure is defined.
+    matrices
+        Of the flow's modes at equally spaced heights from wall to wall; None for a system without
+        velocity modes, whose profiles are not defined.
+
+    Raises
+    ------
+    ValueError
+        If the bins differ or a reference profile is constant.
+    """
+    errors = [float("nan")] * 3
+    if matrices is not None and candidate.moments.count > 0:
+        true = velocity_profiles(matrices, reference.moments)
+        found = velocity_profiles(matrices, candidate.moments)
+        errors = [
+            normalised_root_mean_square_error(getattr(true, name), getattr(found, name))
+            for name in ("u", "uu", "uv")
+        ]
+    return Measures(
+        kantorovich=kantorovich_metric(reference.histogram, candidate.histogram),
+        mean_log_error=mean_logarithmic_error(reference.histogram, candidate.histogram),
+        nrmse_u=errors[0],
+        nrmse_uu=errors[1],
+        nrmse_uv=errors[2],
+    )
+
+
+def sampling_floor(
+    series: SeriesReductions,
+    matrices: ProfileMatrices | None,
+    splits: int,
+    generator: np.random.Generator,
+    sample: int | None = None,
+) -> list[Measures]:
+    """Measures between two independent parts of the true data: no forecaster can do better.
+
+    Whole series are drawn at random, without replacement, into a sample; it is compared with the
+    series that are left as the reference. The two share no series, hence are independent. By
+    default they are two halves; with ``sample`` as large as what a network's statistics rest on,
+    the floor is that of a perfect network against the data.
+
+    Each split is one draw of the sampling error; the splits share their data, so that their spread
+    tells how far a single split may be off, not how well the mean is known.
+
+    Parameters
+    ----------
+    series
+        Reductions of the true series.
+    matrices
+        As in `compare`.
+    splits
+        Number of random splits.
+    generator
+        Source of the random numbers.
+    sample
+        Series in the sample; None: half of them.
+
+    Returns
+    -------
+    The measures of each split.
+
+    Raises
+    ------
+    ValueError
+        If the sample or what is left of the data is empty.
+    """
+    size = len(series) // 2 if sample is None else sample
+    if not 0 < size < len(series):
+        raise ValueError(f"{len(series)} series cannot be split into {size} and the rest")
+    measures = []
+    for _ in range(splits):
+        order = generator.permutation(len(series))
+        measures.append(
+            compare(
+                series.merged(np.sort(order[size:])), series.merged(np.sort(order[:size])), matrices
+            )
+        )
+    return measures

@@ -1,0 +1,122 @@
+"""Velocity statistics of the flow, from the moments of its modes' amplitudes.
+
+Moments and errors are those of any system. Velocities belong to systems whose state is the
+amplitudes of velocity modes: `flow_modes` tells which ones these are. Averages over time of
+velocities and of products of two of them follow from the mean of a_i and of a_i a_j alone, so that
+no velocity field is ever averaged step by step.
+
+Source: section "Statistical prediction of extreme events" of the paper.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes, ProfileMatrices
+
+
+@dataclass(frozen=True)
+class StateMoments:
+    """First and second moments of a state over time.
+
+    Attributes
+    ----------
+    count
+        Number of states.
+    mean
+        Mean of a_i, ``(dimension,)``; not a number without states.
+    mean_product
+        Mean of a_i a_j (not of the deviations from the mean), ``(dimension, dimension)``; likewise.
+    """
+
+    count: int
+    mean: FloatArray
+    mean_product: FloatArray
+
+    def merge(self, other: "StateMoments") -> "StateMoments":
+        """Moments of the states of both."""
+        if self.count == 0 or other.count == 0:
+            return other if self.count == 0 else self
+        count = self.count + other.count
+        weight = other.count / count
+        return StateMoments(
+            count,
+            (1 - weight) * self.mean + weight * other.mean,
+            (1 - weight) * self.mean_product + weight * other.mean_product,
+        )
+
+
+@dataclass(frozen=True)
+class Profiles:
+    """Averages over x, z and time against the height y, ``(heights,)`` each.
+
+    Attributes
+    ----------
+    u, uu, uv
+        Of the streamwise velocity, its square, and the Reynolds stress.
+    """
+
+    u: FloatArray
+    uu: FloatArray
+    uv: FloatArray
+
+
+def flow_modes(system: DynamicalSystem) -> MoehlisFaisstEckhardtModes | None:
+    """Velocity modes that a system's state is the amplitudes of; None for other systems."""
+    if isinstance(system, MoehlisFaisstEckhardt):
+        return MoehlisFaisstEckhardtModes(system.length_x, system.length_z)
+    return None
+
+
+def velocity_profiles(matrices: ProfileMatrices, moments: StateMoments) -> Profiles:
+    """Velocity profiles of a flow with these moments.
+
+    Parameters
+    ----------
+    matrices
+        Of the modes at the wanted heights (``flow_modes(system).profile_matrices(y)``).
+    moments
+        Of the amplitudes.
+    """
+    u, uu, uv = matrices.profiles(moments.mean, moments.mean_product)
+    return Profiles(u, uu, uv)
+
+
+def midplane_mean_square(
+    modes: MoehlisFaisstEckhardtModes, moments: StateMoments, x: FloatArray, z: FloatArray
+) -> FloatArray:
+    """Time average of u^2 in the midplane y = 0, ``(points in x, points in z)``.
+
+    Parameters
+    ----------
+    modes
+        Of the system (`flow_modes`).
+    moments
+        Of the amplitudes.
+    x, z
+        Coordinates of the grid's lines.
+    """
+    return modes.midplane_mean_square(moments.mean_product, x, z)
+
+
+def normalised_root_mean_square_error(reference: FloatArray, candidate: FloatArray) -> float:
+    """Root mean square error in units of the range of the reference (paper, NRMSE).
+
+    Parameters
+    ----------
+    reference, candidate
+        Values at the same points, of any one shape.
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ or the reference is constant.
+    """
+    if reference.shape != candidate.shape:
+        raise ValueError(f"{reference.shape} and {candidate.shape} values cannot be compared")
+    reference_range = reference.max() - reference.min()
+    if not reference_range > 0:
+        raise ValueError("an error cannot be normalised by the range of a constant reference")
+    return float(np.sqrt(np.mean(np.square(candidate - reference))) / reference_range)

@@ -1,0 +1,184 @@
+"""Series reduced to what their long-term statistics need: a histogram and moments of each.
+
+The reductions of every series are kept apart until it is known which series count. They are summed
+step by step in the order of time, so that they do not depend on how the series are cut up.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.statistics.densities import Histogram, check_edges, from_slots, slots
+from burstcast.statistics.profiles import StateMoments
+from burstcast.systems.base import FloatArray
+
+IntArray = npt.NDArray[np.int64]
+
+STEPS_PER_BLOCK = 64
+"""Steps whose products are held at a time: bounds the memory, changes no result."""
+
+
+@dataclass(frozen=True)
+class LongTermStatistics:
+    """What the long-term statistics are computed from.
+
+    Attributes
+    ----------
+    histogram
+        Of the observable.
+    moments
+        Of the state.
+    """
+
+    histogram: Histogram
+    moments: StateMoments
+
+
+@dataclass(frozen=True)
+class SeriesReductions:
+    """Reductions of many series, each on its own.
+
+    Attributes
+    ----------
+    edges
+        Edges of the histograms' bins, ``(bins + 1,)``.
+    counts
+        Values of the observable below the range, in each bin and above it, ``(series, bins + 2)``.
+    sums
+        Sums of the state over time, ``(series, dimension)``.
+    product_sums
+        Sums of the products a_i a_j with i <= j, row by row of the upper triangle,
+        ``(series, dimension (dimension + 1) / 2)``.
+    """
+
+    edges: FloatArray
+    counts: IntArray
+    sums: FloatArray
+    product_sums: FloatArray
+
+    def __len__(self) -> int:
+        """Return the number of series."""
+        return len(self.counts)
+
+    def merged(self, rows: npt.NDArray[np.bool_] | IntArray | slice) -> LongTermStatistics:
+        """Statistics of the chosen series together.
+
+        Parameters
+        ----------
+        rows
+            The series: positions, or a mask. There may be none.
+        """
+        counts = self.counts[rows].sum(axis=0)
+        number = int(counts.sum())
+        divisor = number or np.nan
+        dimension = self.sums.shape[1]
+        products = np.empty((dimension, dimension))
+        upper = np.triu_indices(dimension)
+        products[upper] = self.product_sums[rows].sum(axis=0) / divisor
+        products.T[upper] = products[upper]
+        return LongTermStatistics(
+            from_slots(self.edges, counts),
+            StateMoments(number, self.sums[rows].sum(axis=0) / divisor, products),
+        )
+
+
+class SeriesAccumulator:
+    """Reduces series while they are being made.
+
+    Parameters
+    ----------
+    series, dimension
+        Number of series, and of components of the state.
+    edges
+        Edges of the histograms' bins, ``(bins + 1,)``.
+    """
+
+    def __init__(self, series: int, dimension: int, edges: FloatArray) -> None:
+        check_edges(edges)
+        self._edges = edges
+        self._counts = np.zeros((series, len(edges) + 1), dtype=np.int64)
+        self._sums = np.zeros((dimension, series))
+        self._first, self._second = np.triu_indices(dimension)
+        self._product_sums = np.zeros((len(self._first), series))
+
+    def add(self, rows: IntArray, states: FloatArray, observable: FloatArray) -> None:
+        """Add the next steps of some series.
+
+        Parameters
+        ----------
+        rows
+            The series, each at most once, ``(batch,)``.
+        states
+            ``(steps, dimension, batch)``.
+        observable
+            Of these states, ``(steps, batch)``.
+
+        Raises
+        ------
+        ValueError
+            If a value is not finite.
+        """
+        if not np.isfinite(states).all():
+            raise ValueError("a state that is not finite has no moments")
+        width = self._counts.shape[1]
+        found = slots(observable, self._edges) + width * np.arange(len(rows))
+        counts = np.bincount(found.ravel(), minlength=width * len(rows))
+        self._counts[rows] += counts.reshape(len(rows), width)
+        sums = self._sums[:, rows]
+        product_sums = self._product_sums[:, rows]
+        for start in range(0, len(states), STEPS_PER_BLOCK):
+            block = states[start : start + STEPS_PER_BLOCK]
+            products = block[:, self._first] * block[:, self._second]
+            # One step after the other: the order of the additions, and with it the rounding, is
+            # the same however the series are cut up.
+            for state, product in zip(block, products, strict=True):
+                sums += state
+                product_sums += product
+        self._sums[:, rows] = sums
+        self._product_sums[:, rows] = product_sums
+
+    def reductions(self) -> SeriesReductions:
+        """Reductions of all that was added."""
+        return SeriesReductions(
+            self._edges, self._counts.copy(), self._sums.T.copy(), self._product_sums.T.copy()
+        )
+
+
+def reduce_series(
+    blocks: Iterable[FloatArray],
+    observable: Callable[[FloatArray], FloatArray],
+    edges: FloatArray,
+) -> SeriesReductions:
+    """Reduce stored series.
+
+    Parameters
+    ----------
+    blocks
+        The series, ``(series, time, component)`` each: read a few at a time, all series need never
+        be in the memory together. How they are grouped changes no result.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
+    edges
+        Edges of the histogram's bins, ``(bins + 1,)``.
+
+    Raises
+    ------
+    ValueError
+        If there is no series or a value is not finite.
+    """
+    parts = []
+    for block in blocks:
+        accumulator = SeriesAccumulator(len(block), block.shape[2], edges)
+        states = np.ascontiguousarray(block.transpose(1, 2, 0))
+        accumulator.add(np.arange(len(block)), states, observable(states.transpose(1, 0, 2)))
+        parts.append(accumulator.reductions())
+    if not parts:
+        raise ValueError("there are no series to reduce")
+    return SeriesReductions(
+        edges,
+        np.concatenate([part.counts for part in parts]),
+        np.concatenate([part.sums for part in parts]),
+        np.concatenate([part.product_sums for part in parts]),
+    )
