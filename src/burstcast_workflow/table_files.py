@@ -4,6 +4,7 @@ Apart from `burstcast_workflow.storage` because few scripts need pandas, which i
 """
 
 import io
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,18 @@ import numpy as np
 import pandas as pd
 
 from burstcast_workflow.storage import write_text
+
+
+KEYS = ("case", "reynolds", "forecaster", "neurons", "validation", "seed")
+"""Columns that say what a row is about; a key that does not apply is empty."""
+
+
+def keyed_table(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Table with the keys first and, where a whole number may be missing, still whole numbers."""
+    table = pd.DataFrame(rows)
+    keys = [key for key in KEYS if key in table.columns]
+    table = table[[*keys, *(column for column in table.columns if column not in keys)]]
+    return table.astype({key: "Int64" for key in ("neurons", "seed") if key in keys})
 
 
 def write_table(path: str | Path, table: pd.DataFrame) -> None:

@@ -1,13 +1,11 @@
 """Score the forecasts of all networks at every prediction time."""
 
-import pandas as pd
-
 from burstcast import random_streams
 from burstcast.forecast.classification import bootstrap_interval, score_forecasts, total
 from burstcast.forecast.windows import WindowSummaries
 from burstcast_workflow.job import run_job
 from burstcast_workflow.storage import read_netcdf
-from burstcast_workflow.table_files import write_table
+from burstcast_workflow.table_files import keyed_table, write_table
 
 
 def main(inputs, outputs, settings, provenance):
@@ -54,8 +52,8 @@ def main(inputs, outputs, settings, provenance):
                 counts, bootstrap["resamples"], bootstrap["confidence"], generator
             ).items():
                 intervals.append({**row, "metric": metric, "low": low, "high": high})
-    write_table(outputs.table, pd.DataFrame(rows))
-    write_table(outputs.intervals, pd.DataFrame(intervals))
+    write_table(outputs.table, keyed_table(rows))
+    write_table(outputs.intervals, keyed_table(intervals))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,9 @@
 """Gather what control achieved, by networks and by the forecasters to compare with."""
 
-import pandas as pd
-
 from burstcast_workflow.controls import SCORES
 from burstcast_workflow.job import run_job
 from burstcast_workflow.storage import read_json
-from burstcast_workflow.table_files import write_table
+from burstcast_workflow.table_files import keyed_table, write_table
 
 COLUMNS = (
     "exceedance_uncontrolled",
@@ -29,7 +27,7 @@ def main(inputs, outputs, settings, provenance):
         others = sorted(set(record) - set(COLUMNS) - set(SCORES))
         names = [*COLUMNS, "exceedance_free", "alarm_rate", *others]
         rows.append({**keys, **{name: record[name] for name in names}})
-    write_table(outputs.table, pd.DataFrame(rows))
+    write_table(outputs.table, keyed_table(rows))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,9 @@
 """Gather the summaries of all cases into the table of the dataset."""
 
-import pandas as pd
-
 from burstcast import durations
 from burstcast_workflow.job import run_job
 from burstcast_workflow.storage import read_json
-from burstcast_workflow.table_files import write_table
+from burstcast_workflow.table_files import keyed_table, write_table
 
 
 def main(inputs, outputs, settings, provenance):
@@ -35,7 +33,7 @@ def main(inputs, outputs, settings, provenance):
                 "steps_per_lyapunov_time": steps,
             }
         )
-    write_table(outputs.table, pd.DataFrame(rows))
+    write_table(outputs.table, keyed_table(rows))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,7 @@
 """Average the prediction horizons of each network over the events."""
 
-import pandas as pd
-
 from burstcast_workflow.job import run_job
-from burstcast_workflow.table_files import read_table, write_table
+from burstcast_workflow.table_files import keyed_table, read_table, write_table
 
 
 def main(inputs, outputs, settings, provenance):
@@ -19,7 +17,7 @@ def main(inputs, outputs, settings, provenance):
                 "median_horizon_lt": horizons.median(),
             }
         )
-    write_table(outputs.table, pd.DataFrame(rows))
+    write_table(outputs.table, keyed_table(rows))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,8 @@
 """Gather the hyperparameters of all networks."""
 
-import pandas as pd
-
 from burstcast_workflow.job import run_job
 from burstcast_workflow.storage import read_json
-from burstcast_workflow.table_files import write_table
+from burstcast_workflow.table_files import keyed_table, write_table
 
 
 def main(inputs, outputs, settings, provenance):
@@ -14,7 +12,7 @@ def main(inputs, outputs, settings, provenance):
     for keys, path in zip(settings["networks"], inputs.hyperparameters, strict=True):
         record = read_json(path)
         rows.append({**keys, **{name: record[name] for name in names}})
-    write_table(outputs.table, pd.DataFrame(rows))
+    write_table(outputs.table, keyed_table(rows))
 
 
 if __name__ == "__main__":
