@@ -246,3 +246,65 @@ def test_wrong_shapes_are_refused() -> None:
         follow(FLOW, washouts, monitor, Actuation(Rotor(1.0), -1.0, 1.0), SHORT, 0.1)
     with pytest.raises(ValueError, match="before the alarm"):
         follow(FLOW, washouts, monitor, Actuation(FLOW, -2.0, 1.0), SHORT, 0.1)
+
+
+def test_an_event_that_lasts_into_the_window_counts_as_reached() -> None:
+    timing = Timing(
+        prediction_time_lt=1.0,
+        window_lt=1.0,
+        span_lt=8.0,
+        washout=1,
+        steps_per_lyapunov_time=5,
+        sampling_stride=1,
+        time_step=0.3,
+    )
+    system = Rotor(0.3)
+    crest_at_step_22 = np.array([[[np.cos(0.09 * 22), -np.sin(0.09 * 22)]]])
+    monitor = never(1, timing)
+    monitor.table[0, 5] = True  # at step 25, after the crest: the window is from 30 to 35
+    actuation = Actuation(system, -1.0, 1.0)
+
+    def alarm(threshold: float) -> tuple[bool, bool, bool]:
+        followed = follow(system, crest_at_step_22, monitor, actuation, timing, threshold)
+        forecasts = followed.forecasts
+        raised = forecasts.step == 25
+        assert forecasts.alarm.tolist() == raised.tolist()
+        return (
+            bool(forecasts.would_cross[raised][0]),
+            bool(forecasts.would_be_under_way[raised][0]),
+            bool(forecasts.reached[raised][0]),
+        )
+
+    heights = follow(system, crest_at_step_22, monitor, actuation, timing, 2.0).controlled[0]
+    assert heights.argmax() == 22
+    assert alarm(heights[30]) == (False, True, True)
+    assert alarm(np.nextafter(heights[30], 2.0)) == (False, False, False)
+
+
+@pytest.mark.parametrize(
+    ("crest", "reached"),
+    [
+        (19, False),  # crosses at step 17, which actuation from step 17 on could not prevent
+        (20, True),  # crosses at step 18
+        (22, True),  # is over at step 25, where the window begins
+        (23, True),  # lasts into the window
+    ],
+)
+def test_an_event_between_actuation_and_window_counts_as_reached(crest: int, reached: bool) -> None:
+    timing = Timing(
+        prediction_time_lt=2.0,
+        window_lt=1.0,
+        span_lt=8.0,
+        washout=1,
+        steps_per_lyapunov_time=5,
+        sampling_stride=1,
+        time_step=0.3,
+    )
+    system = Rotor(0.3)
+    start = np.array([[[np.cos(0.09 * crest), -np.sin(0.09 * crest)]]])
+    monitor = never(1, timing)
+    monitor.table[0, 3] = True  # at step 15
+    followed = follow(system, start, monitor, Actuation(system, -1.5, 1.0), timing, 0.98)
+    above = np.flatnonzero(followed.controlled[0, :30] >= 0.98)
+    assert (above[0], above[-1]) == (crest - 2, crest + 2)
+    assert followed.forecasts.reached[followed.forecasts.step == 15].tolist() == [reached]

@@ -25,7 +25,7 @@ class Accounting:
     * forecasts = alarms + forecasts without an alarm
     * alarms = true_alarms + false_alarms
     * true_alarms = suppressed_events + unsuppressed_events
-    * false_alarms >= early_alarms
+    * early_alarms <= false_alarms, delayed_events <= suppressed_events
     * events_controlled = missed_events + events_under_way + events_after_true_alarms
       + events_after_false_alarms + events_between_windows
     * steps_controlled = steps_uncontrolled
@@ -53,6 +53,10 @@ class Accounting:
     suppressed_events
         True alarms after which the controlled flow stays below the threshold in the window, and
         does not cross it between the start of the actuation and the window.
+    delayed_events
+        Suppressed events after which the controlled flow crosses the threshold after all, between
+        the alarm's window and the first one after it, in which no forecast could have warned of it.
+        The paper calls an event unsuppressed up to there: unsuppressed_events + delayed_events.
     unsuppressed_events
         The other true alarms: events that were predicted, and came before the next forecast.
     missed_events
@@ -95,6 +99,7 @@ class Accounting:
     false_alarms: int
     early_alarms: int
     suppressed_events: int
+    delayed_events: int
     unsuppressed_events: int
     missed_events: int
     events_under_way: int
@@ -180,6 +185,7 @@ def account(
     false_alarm = forecasts.alarm & ~forecasts.would_cross & scored
     upward = upward_crossings(followed.controlled, followed.threshold) & counts[:, np.newaxis]
     upward[:, : timing.first_forecast + 1] = False
+    suppressed = true_alarm & ~forecasts.reached
     upward_uncontrolled = upward_crossings(followed.uncontrolled, followed.threshold)[counts]
     window = _windows(followed)
 
@@ -197,7 +203,8 @@ def account(
         true_alarms=int(true_alarm.sum()),
         false_alarms=int(false_alarm.sum()),
         early_alarms=int((false_alarm & forecasts.would_be_under_way).sum()),
-        suppressed_events=int((true_alarm & ~forecasts.reached).sum()),
+        suppressed_events=int(suppressed.sum()),
+        delayed_events=int((suppressed & _crosses_between_windows(followed, upward)).sum()),
         unsuppressed_events=int((true_alarm & forecasts.reached).sum()),
         missed_events=events(_MISSED),
         events_under_way=events(_UNDER_WAY),
@@ -266,6 +273,19 @@ def _windows(followed: ControlledFlows) -> npt.NDArray[np.int8]:
         :, np.newaxis
     ]
     return kinds[:, : timing.length]
+
+
+def _crosses_between_windows(followed: ControlledFlows, upward: BoolArray) -> BoolArray:
+    """Whether there is an event between the window of each forecast, if an alarm, and the next."""
+    timing = followed.timing
+    forecasts = followed.forecasts
+    # one entry for each step beyond the end, where nothing counts
+    padded = np.pad(upward, ((0, 0), (0, timing.window_end + timing.window_start)))
+    ahead = np.arange(timing.window_end + 1, timing.window_end + timing.window_start + 1)
+    crossed: BoolArray = padded[
+        forecasts.flow[:, np.newaxis], forecasts.step[:, np.newaxis] + ahead
+    ].any(axis=1)
+    return crossed
 
 
 def _histogram(values: FloatArray, edges: FloatArray) -> IntArray:

@@ -8,12 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.control.actuation import Actuation
-from burstcast.control.monitor import BoolArray, IntArray, Monitor, crosses_in_window
+from burstcast.control.monitor import (
+    BoolArray,
+    IntArray,
+    Monitor,
+    crosses_in_window,
+    most_forecasts,
+)
 from burstcast.control.timing import Timing
 from burstcast.systems.base import DynamicalSystem, FloatArray
 from burstcast.systems.integration import integrate
 
-FLOWS_PER_BATCH = 512
+FLOWS_PER_BATCH = 1024
 """Flows that advance side by side: bounds the memory, changes no result."""
 
 
@@ -106,10 +112,10 @@ def follow(
 ) -> ControlledFlows:
     """Follow flows under control, and the same flows without it.
 
-    Each flow has its own clock. At each of its forecasts the monitor sees the last observed states.
-    On an alarm the flow is integrated on under the actuation's equations over the actuation's
-    interval and under its own equations before and after it; that is the new truth. Where an
-    actuation is still on at the next alarm, it stays on until the later of the two ends.
+    Each flow has its own clock; all move together. At each of its forecasts the monitor sees the
+    last observed states. On an alarm the flow is integrated on under the actuation's equations over
+    the actuation's interval and under its own equations before and after it; that is the new truth.
+    Where an actuation is still on at the next alarm, it stays on until the later of the two ends.
 
     A flow with an event (observable at or above the threshold) up to the end of its first window,
     while nothing could be done about it, is left out.
@@ -198,19 +204,21 @@ def _follow_batch(
     kept_uncontrolled_states = uncontrolled_states[quiet] if keep_states else None
     del uncontrolled_states
 
-    running = _RunningFlows(system, washouts[rows], actuation, timing)
-    forecasts = [_no_forecasts()]
-    occasions = np.zeros(len(rows), dtype=np.int64)
-    while (due := running.due()).size:
-        observed = running.last_states(due)
-        if noise is not None:
-            observed = observed + _windows_ending_at(noise, rows[due], running.clock[due], timing)
-        alarm = monitor.alarms(
-            rows[due], occasions[due], np.ascontiguousarray(observed.transpose(1, 2, 0))
-        )
-        occasions[due] += 1
-        forecasts.append(_act(running, due, alarm, threshold))
-    running.finish()
+    running = _RunningFlows(system, washouts[rows], actuation, timing, threshold)
+    while running.moving().size:
+        due = running.due()
+        if due.size:
+            observed = running.last_states(due)
+            if noise is not None:
+                ends = running.clock[due]
+                observed = observed + _stretches_ending_at(noise, rows[due], ends, timing.washout)
+            alarm = monitor.alarms(
+                rows[due],
+                running.occasions[due],
+                np.ascontiguousarray(observed.transpose(1, 2, 0)),
+            )
+            running.take_note(due, alarm)
+        running.advance()
 
     return ControlledFlows(
         timing=timing,
@@ -221,7 +229,7 @@ def _follow_batch(
         controlled=_observable(system, running.states[:, : timing.length]),
         actuated=running.actuated_samples(),
         actuated_integration_steps=running.actuated_integration_steps(),
-        forecasts=_in_order(_concatenate_forecasts(forecasts)),
+        forecasts=running.forecasts(),
         uncontrolled_states=kept_uncontrolled_states,
         controlled_states=running.states[:, : timing.length].copy() if keep_states else None,
     )
@@ -239,45 +247,14 @@ def _uncontrolled(system: DynamicalSystem, washouts: FloatArray, timing: Timing)
     return np.concatenate([washouts[:, :-1], samples.transpose(2, 0, 1)], axis=1)
 
 
-def _act(running: "_RunningFlows", due: IntArray, alarm: BoolArray, threshold: float) -> Forecasts:
-    """Move the due flows on to their next forecasts, acting on the alarms."""
-    timing = running.timing
-    step = running.clock[due]
-    alarmed = due[alarm]
-    outcome = {
-        name: np.zeros(len(due), dtype=bool)
-        for name in ("would_cross", "would_be_under_way", "reached")
-    }
-    if alarmed.size:
-        # had the alarm not been acted on; an earlier actuation that is still on stays on
-        otherwise = running.observable(running.continuation(alarmed, timing.window_end))
-        outcome["would_cross"][alarm] = crosses_in_window(otherwise, timing, threshold)
-        outcome["would_be_under_way"][alarm] = otherwise[timing.window_start - 1] >= threshold
-        running.schedule_actuation(alarmed)
-    running.advance(due, timing.window_steps)
-    if alarmed.size:
-        running.advance(alarmed, timing.window_end - timing.window_steps)
-        outcome["reached"][alarm] = _reached(running, alarmed, threshold)
-    return Forecasts(flow=due, step=step, alarm=alarm, **outcome)
-
-
-def _reached(running: "_RunningFlows", alarmed: IntArray, threshold: float) -> BoolArray:
-    """Whether flows at the end of an alarm's window have had an event despite the actuation."""
-    timing = running.timing
-    steps = running.clock[alarmed, np.newaxis] + np.arange(-timing.window_end, 1)
-    since_alarm = running.states[alarmed[:, np.newaxis], steps].transpose(1, 2, 0)
-    above = running.observable(since_alarm) >= threshold
-    upward = above[1:] & ~above[:-1]  # entry i: between i and i + 1 steps after the alarm
-    # a step under actuation in part is one that actuation could have changed
-    first = running.actuation_start // timing.sampling_stride
-    before_window = np.any(upward[first : timing.window_start], axis=0)
-    in_window = np.any(above[timing.window_start :], axis=0)
-    reached: BoolArray = np.logical_or(before_window, in_window)
-    return reached
-
-
 class _RunningFlows:
-    """Controlled flows of one batch: their states so far, their clocks, their actuation.
+    """Controlled flows of one batch on their way.
+
+    All flows move together, one window at a time. A flow that stops earlier, since its next
+    forecast is due, moves on from there. What it costs is one integration for all, whatever their
+    clocks say. A flow whose alarm is being acted on is accompanied by a shadow: what would have
+    become of it without that. It has one at most, since the next forecast is made when the alarm's
+    window is over.
 
     Attributes
     ----------
@@ -285,84 +262,172 @@ class _RunningFlows:
         ``(flows, steps, dimension)``; known up to each flow's clock.
     clock
         Step that each flow has reached, ``(flows,)``.
+    occasions
+        How many forecasts have been made in each flow, ``(flows,)``.
     """
 
     def __init__(
-        self, system: DynamicalSystem, washouts: FloatArray, actuation: Actuation, timing: Timing
+        self,
+        system: DynamicalSystem,
+        washouts: FloatArray,
+        actuation: Actuation,
+        timing: Timing,
+        threshold: float,
     ) -> None:
         flows = len(washouts)
-        self.timing = timing
+        stride = timing.sampling_stride
         self._system = system
         self._actuated_system = actuation.system
-        self.actuation_start, self._actuation_stop = actuation.interval(timing)
-        # the last step at which an actuation of these flows could still begin among the steps that
-        # count
-        self._last_forecast = (
-            timing.counted_until * timing.sampling_stride - self.actuation_start - 1
-        ) // timing.sampling_stride
-        steps = max(timing.counted_until, self._last_forecast + timing.window_end) + 1
+        self._timing = timing
+        self._threshold = threshold
+        self._actuation_start, self._actuation_stop = actuation.interval(timing)
+        # the last step at which an alarm could still change a step that counts
+        self._last_forecast = (timing.counted_until * stride - self._actuation_start - 1) // stride
+        # a flow may move on for a window before it is set back to where it should have stopped
+        steps = (
+            max(timing.counted_until, self._last_forecast + timing.window_end)
+            + timing.window_steps
+            + 1
+        )
         self.states = np.empty((flows, steps, system.dimension))
         self.states[:, : timing.washout] = washouts
-        self.clock = np.full(flows, timing.first_forecast, dtype=np.int64)
         # entry i: whether the integration step from i to i + 1 time steps after step 0 is actuated
-        self._acting = np.zeros((flows, steps * timing.sampling_stride), dtype=bool)
+        self._acting = np.zeros((flows, steps * stride), dtype=bool)
+        self.clock = np.full(flows, timing.first_forecast, dtype=np.int64)
+        self._stop = self.clock.copy()
+
+        since_alarm = timing.window_end + timing.window_steps
+        self._has_shadow = np.zeros(flows, dtype=bool)
+        self._shadow_states = np.empty((flows, since_alarm + 1, system.dimension))
+        self._shadow_acting = np.zeros((flows, since_alarm * stride), dtype=bool)
+
+        self.occasions = np.zeros(flows, dtype=np.int64)
+        entries = (flows, most_forecasts(timing))
+        self._forecast_step = np.zeros(entries, dtype=np.int64)
+        self._alarm = np.zeros(entries, dtype=bool)
+        self._would_cross = np.zeros(entries, dtype=bool)
+        self._would_be_under_way = np.zeros(entries, dtype=bool)
+        self._reached = np.zeros(entries, dtype=bool)
 
     def due(self) -> IntArray:
-        """Flows that are to be monitored, each at its own clock."""
-        return np.flatnonzero(self.clock <= self._last_forecast)
+        """Flows that are to be monitored now, each at its own clock."""
+        return np.flatnonzero((self.clock == self._stop) & (self.clock <= self._last_forecast))
 
-    def observable(self, states: FloatArray) -> FloatArray:
-        """Observable of states with the components second, ``(steps, dimension, flows)``."""
-        return self._system.observable(np.ascontiguousarray(states.transpose(1, 0, 2)))
+    def moving(self) -> IntArray:
+        """Flows that have not come to their end."""
+        return np.flatnonzero((self.clock < self._stop) | (self.clock <= self._last_forecast))
 
     def last_states(self, flows: IntArray) -> FloatArray:
         """Return the true washouts that end now, ``(flows, washout, dimension)``."""
-        return _windows_ending_at(self.states, flows, self.clock[flows], self.timing)
+        return _stretches_ending_at(self.states, flows, self.clock[flows], self._timing.washout)
 
-    def schedule_actuation(self, flows: IntArray) -> None:
-        """Act on alarms that are raised now."""
-        now = self.clock[flows] * self.timing.sampling_stride
-        for flow, step in zip(flows, now, strict=True):
-            self._acting[flow, step + self.actuation_start : step + self._actuation_stop] = True
+    def take_note(self, due: IntArray, alarm: BoolArray) -> None:
+        """Note what the monitor said of the flows that were due, and act on the alarms."""
+        timing = self._timing
+        stride = timing.sampling_stride
+        now = self.clock[due]
+        self._forecast_step[due, self.occasions[due]] = now
+        self._alarm[due, self.occasions[due]] = alarm
+        self.occasions[due] += 1
+        self._stop[due] = now + np.where(alarm, timing.window_end, timing.window_steps)
+        for flow, step in zip(due[alarm], now[alarm], strict=True):
+            self._has_shadow[flow] = True
+            self._shadow_states[flow, 0] = self.states[flow, step]
+            # an earlier actuation that is still on stays on for the shadow, too
+            ahead = self._acting[flow, step * stride :][: self._shadow_acting.shape[1]]
+            self._shadow_acting[flow] = False
+            self._shadow_acting[flow, : len(ahead)] = ahead
+            start, stop = step * stride + np.array([self._actuation_start, self._actuation_stop])
+            self._acting[flow, start:stop] = True
 
-    def continuation(self, flows: IntArray, steps: int) -> FloatArray:
-        """Next samples under the actuation scheduled so far, ``(steps, dimension, flows)``."""
-        stride = self.timing.sampling_stride
+    def advance(self) -> None:
+        """Move all flows and their shadows on, each up to its next stop at most."""
+        stride, steps = self._timing.sampling_stride, self._timing.window_steps
+        flows = self.moving()
+        shadows = np.flatnonzero(self._has_shadow)
         now = self.clock[flows]
-        columns = now[:, np.newaxis] * stride + np.arange(steps * stride)
-        return _integrate_with_actuation(
+        since_alarm = self.clock[shadows] - self._alarm_step(shadows)
+        ahead = np.arange(steps * stride)
+        samples = _integrate_with_actuation(
             self._system,
             self._actuated_system,
-            self.states[flows, now].T,
-            self._acting[flows[:, np.newaxis], columns],
-            self.timing.time_step,
+            np.concatenate([self.states[flows, now], self._shadow_states[shadows, since_alarm]]).T,
+            np.concatenate(
+                [
+                    self._acting[flows[:, np.newaxis], now[:, np.newaxis] * stride + ahead],
+                    self._shadow_acting[
+                        shadows[:, np.newaxis], since_alarm[:, np.newaxis] * stride + ahead
+                    ],
+                ]
+            ),
+            self._timing.time_step,
             stride,
+        ).transpose(2, 0, 1)
+        next_steps = np.arange(1, steps + 1)
+        self.states[flows[:, np.newaxis], now[:, np.newaxis] + next_steps] = samples[: len(flows)]
+        self._shadow_states[shadows[:, np.newaxis], since_alarm[:, np.newaxis] + next_steps] = (
+            samples[len(flows) :]
         )
+        self.clock[flows] = np.minimum(now + steps, self._stop[flows])
 
-    def advance(self, flows: IntArray, steps: int) -> None:
-        """Move flows and their clocks on."""
-        columns = self.clock[flows, np.newaxis] + np.arange(1, steps + 1)
-        samples = self.continuation(flows, steps)
-        self.states[flows[:, np.newaxis], columns] = samples.transpose(2, 0, 1)
-        self.clock[flows] += steps
+        self._judge_alarms(shadows[self.clock[shadows] == self._stop[shadows]])
+        # flows that are monitored no longer move on to the last step that counts
+        over = (self.clock == self._stop) & (self.clock > self._last_forecast)
+        self._stop[over] = np.maximum(self.clock[over], self._timing.counted_until)
 
-    def finish(self) -> None:
-        """Move every flow on to the last step that counts."""
-        missing = self.timing.counted_until - self.clock
-        for steps in np.unique(missing[missing > 0]):
-            self.advance(np.flatnonzero(missing == steps), int(steps))
+    def _alarm_step(self, flows: IntArray) -> IntArray:
+        steps: IntArray = self._forecast_step[flows, self.occasions[flows] - 1]
+        return steps
+
+    def _judge_alarms(self, flows: IntArray) -> None:
+        """Note what came of alarms whose windows are over, and what would have come otherwise."""
+        timing = self._timing
+        entry = flows, self.occasions[flows] - 1
+        otherwise = self._observable(self._shadow_states[flows, : timing.window_end + 1])
+        self._would_cross[entry] = crosses_in_window(otherwise[1:], timing, self._threshold)
+        self._would_be_under_way[entry] = otherwise[timing.window_start] >= self._threshold
+
+        ends = self.clock[flows]
+        since_alarm = _stretches_ending_at(self.states, flows, ends, timing.window_end + 1)
+        above = self._observable(since_alarm) >= self._threshold
+        upward = above[1:] & ~above[:-1]  # entry i: between i and i + 1 steps after the alarm
+        # a step under actuation in part is one that actuation could have changed
+        first = self._actuation_start // timing.sampling_stride
+        before_window = np.any(upward[first : timing.window_start], axis=0)
+        in_window = np.any(above[timing.window_start :], axis=0)
+        self._reached[entry] = before_window | in_window
+        self._has_shadow[flows] = False
+
+    def _observable(self, states: FloatArray) -> FloatArray:
+        """Observable of states with the components last, time first: ``(steps, flows)``."""
+        return _observable(self._system, states).T
+
+    def forecasts(self) -> Forecasts:
+        """All forecasts, flow by flow in the order of time."""
+        made = np.arange(self._alarm.shape[1]) < self.occasions[:, np.newaxis]
+        return Forecasts(
+            flow=np.nonzero(made)[0],
+            step=self._forecast_step[made],
+            alarm=self._alarm[made],
+            would_cross=self._would_cross[made],
+            would_be_under_way=self._would_be_under_way[made],
+            reached=self._reached[made],
+        )
 
     def actuated_samples(self) -> BoolArray:
         """Whether the flow came to each step under actuation, ``(flows, timing.length)``."""
-        stride = self.timing.sampling_stride
-        actuated = np.zeros((len(self.clock), self.timing.length), dtype=bool)
-        actuated[:, 1:] = self._acting[:, stride - 1 :: stride][:, : self.timing.length - 1]
+        stride = self._timing.sampling_stride
+        actuated = np.zeros((len(self.clock), self._timing.length), dtype=bool)
+        actuated[:, 1:] = self._acting[:, stride - 1 :: stride][:, : self._timing.length - 1]
         return actuated
 
     def actuated_integration_steps(self) -> IntArray:
         """Integration steps under actuation among those that count, ``(flows,)``."""
-        stride = self.timing.sampling_stride
-        counted = slice(self.timing.counted_from * stride, self.timing.counted_until * stride)
+        timing = self._timing
+        counted = slice(
+            timing.counted_from * timing.sampling_stride,
+            timing.counted_until * timing.sampling_stride,
+        )
         steps: IntArray = np.sum(self._acting[:, counted], axis=1, dtype=np.int64)
         return steps
 
@@ -405,23 +470,17 @@ def _integrate_with_actuation(
     return samples
 
 
-def _windows_ending_at(
-    series: FloatArray, rows: IntArray, ends: IntArray, timing: Timing
+def _stretches_ending_at(
+    series: FloatArray, rows: IntArray, ends: IntArray, length: int
 ) -> FloatArray:
-    """Washouts that end at each row's own step, ``(rows, washout, dimension)``."""
-    steps = ends[:, np.newaxis] + np.arange(1 - timing.washout, 1)
+    """Stretches of series that end at each row's own step, ``(rows, length, dimension)``."""
+    steps = ends[:, np.newaxis] + np.arange(1 - length, 1)
     return np.asarray(series[rows[:, np.newaxis], steps])
 
 
 def _observable(system: DynamicalSystem, states: FloatArray) -> FloatArray:
     """Observable of states with the components last, ``(flows, steps)``."""
     return system.observable(np.ascontiguousarray(states.transpose(2, 0, 1)))
-
-
-def _no_forecasts() -> Forecasts:
-    none = np.zeros(0, dtype=np.int64)
-    never = np.zeros(0, dtype=bool)
-    return Forecasts(none, none, never, never, never, never)
 
 
 def _concatenate_forecasts(parts: list[Forecasts]) -> Forecasts:
@@ -432,18 +491,6 @@ def _concatenate_forecasts(parts: list[Forecasts]) -> Forecasts:
         would_cross=np.concatenate([part.would_cross for part in parts]),
         would_be_under_way=np.concatenate([part.would_be_under_way for part in parts]),
         reached=np.concatenate([part.reached for part in parts]),
-    )
-
-
-def _in_order(forecasts: Forecasts) -> Forecasts:
-    order = np.lexsort((forecasts.step, forecasts.flow))
-    return Forecasts(
-        flow=forecasts.flow[order],
-        step=forecasts.step[order],
-        alarm=forecasts.alarm[order],
-        would_cross=forecasts.would_cross[order],
-        would_be_under_way=forecasts.would_be_under_way[order],
-        reached=forecasts.reached[order],
     )
 
 
