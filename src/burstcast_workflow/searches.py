@@ -9,7 +9,8 @@ from burstcast.esn.reservoir import Reservoir
 from burstcast.esn.training import TrainingSeries
 from burstcast.systems.registry import make_system
 from burstcast.tuning.hyperparameters import HyperparameterPoint
-from burstcast.tuning.validation import Validation, ValidationPlan, validate
+from burstcast.tuning.plan import ValidationPlan
+from burstcast.tuning.validation import Validation, validate
 from burstcast_workflow.network_files import reservoir, training_series
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 

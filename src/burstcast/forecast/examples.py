@@ -1,9 +1,13 @@
 """Single forecasts worth looking at: one of each outcome, and the last ones before a success."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from burstcast import durations
+from burstcast.forecast.forecasters import Forecaster
+from burstcast.forecast.horizon import HorizonSearch, accurate_steps
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.systems.base import FloatArray
 
@@ -99,3 +103,106 @@ def horizon_example(
     event = int(usable[np.argmin(np.abs(horizons[usable] - wanted_lt))])
     last = int(success[event])
     return HorizonExample(event, tuple(starts_lt[max(0, last - evaluations + 1) : last + 1]))
+
+
+@dataclass(frozen=True)
+class Evaluations:
+    """Forecasts of one event from several starts.
+
+    Attributes
+    ----------
+    start_lt
+        tau_e in Lyapunov times, ``(evaluations,)``.
+    forecast
+        Forecast observable, ``(evaluations, steps)``; not a number up to the start.
+    horizon_lt
+        Prediction horizon of each forecast in Lyapunov times; tau_e where it reaches the event.
+    """
+
+    start_lt: FloatArray
+    forecast: FloatArray
+    horizon_lt: FloatArray
+
+
+def evaluate_starts(
+    forecaster: Forecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    observed: FloatArray,
+    truth: FloatArray,
+    starts_lt: Sequence[float],
+    search: HorizonSearch,
+) -> Evaluations:
+    """Forecast one event from several starts, and beyond it.
+
+    Parameters
+    ----------
+    forecaster
+        Who forecasts.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
+    observed
+        Observed states up to the event, ``(search.steps_before_event + 1, dimension)``.
+    truth
+        True observable of the same steps and of any number of steps after the event.
+    starts_lt
+        Each tau_e.
+    search
+        What counts as a success.
+    """
+    event = search.steps_before_event
+    forecast = np.full((len(starts_lt), len(truth)), np.nan)
+    horizon = np.full(len(starts_lt), np.nan)
+    for number, start_lt in enumerate(starts_lt):
+        start = event - durations.steps(start_lt, search.steps_per_lyapunov_time)
+        washout = observed[np.newaxis, start - search.washout + 1 : start + 1]
+        forecast[number, start + 1 :] = forecast_observable(
+            forecaster, observable, washout, len(truth) - 1 - start
+        )
+        accurate = accurate_steps(
+            forecaster,
+            observable,
+            np.ascontiguousarray(washout.transpose(1, 2, 0)),
+            np.ascontiguousarray(truth[start + 1 : event + 1, np.newaxis]),
+            search.tolerance,
+        )[0]
+        # a Lyapunov time is cut to whole steps: a success is worth all of tau_e
+        reached = accurate == event - start
+        horizon[number] = start_lt if reached else accurate / search.steps_per_lyapunov_time
+    return Evaluations(np.array(starts_lt, dtype=np.float64), forecast, horizon)
+
+
+def forecast_observable(
+    forecaster: Forecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    washouts: FloatArray,
+    steps: int,
+) -> FloatArray:
+    """Observable of whole forecasts.
+
+    Parameters
+    ----------
+    forecaster
+        Who forecasts.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
+    washouts
+        Observed states up to each starting point, ``(points, steps, dimension)``.
+    steps
+        How far to forecast.
+
+    Returns
+    -------
+    ``(points, steps)``; the first step is the one after the starting point.
+    """
+    memory = forecaster.start(np.ascontiguousarray(washouts.transpose(1, 2, 0)))
+    states, _ = forecaster.advance(memory, steps)
+    return observable(states.transpose(1, 0, 2)).T
+
+
+def stretch(series: FloatArray, first: int, count: int) -> FloatArray:
+    """Cut ``count`` samples out of a series from ``first`` on; not a number beyond its ends."""
+    result = np.full(count, np.nan)
+    start, stop = max(first, 0), min(first + count, len(series))
+    if start < stop:
+        result[start - first : stop - first] = series[start:stop]
+    return result

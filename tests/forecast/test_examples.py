@@ -1,0 +1,157 @@
+"""Examples that figures show."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from burstcast.forecast.examples import (
+    evaluate_starts,
+    forecast_observable,
+    horizon_example,
+    outcome_examples,
+    stretch,
+)
+from burstcast.forecast.forecasters import Forecaster
+from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
+from burstcast.forecast.windows import WindowSummaries
+
+
+@dataclass(frozen=True)
+class Drift(Forecaster):
+    """Counts on from the last value and drifts off by a constant in each step."""
+
+    drift: float
+
+    def start(self, washout):
+        return washout[-1].copy()
+
+    def advance(self, memory, steps):
+        rise = (1 + self.drift) * np.arange(1, steps + 1)
+        outputs = memory[np.newaxis] + rise[:, np.newaxis, np.newaxis]
+        return outputs, outputs[-1]
+
+
+def first_component(state):
+    return state[0]
+
+
+SEARCH = HorizonSearch(
+    longest_start_lt=3.0,
+    start_step_lt=0.5,
+    tolerance=1.0,
+    washout=3,
+    # odd: half a Lyapunov time is no whole number of steps
+    steps_per_lyapunov_time=5,
+)
+
+
+def ramp(after):
+    """An event at the end of a ramp of slope one, and what follows it."""
+    before = SEARCH.steps_before_event
+    truth = np.arange(before + 1 + after, dtype=np.float64)
+    return truth[: before + 1, np.newaxis], truth
+
+
+def summaries(first, largest):
+    return WindowSummaries(np.array(first, dtype=float), np.array(largest, dtype=float))
+
+
+def test_one_example_for_each_outcome():
+    # truth: bursts at points 0 to 2 (heights 5, 3, 4) and 4; forecast: bursts at 0 to 3
+    truth = summaries([[0.0]] * 6, [[5.0], [3.0], [4.0], [0.5], [2.0], [0.0]])
+    forecast = summaries([[0.0]] * 6, [[9.0], [9.0], [9.0], [8.0], [0.0], [0.0]])
+    chosen = outcome_examples(
+        forecast, truth, np.zeros(6), first_window=0, windows=1, threshold=1.0
+    )
+    assert chosen == {"true positive": 2, "false positive": 3, "false negative": 4}
+
+
+def test_points_that_are_not_scored_are_no_examples():
+    truth = summaries([[0.0], [0.0]], [[5.0], [5.0]])
+    chosen = outcome_examples(
+        truth, truth, np.array([2.0, 0.0]), first_window=0, windows=1, threshold=1.0
+    )
+    assert chosen == {"true positive": 1}
+
+
+def test_outcomes_that_never_happen_are_left_out():
+    quiet = summaries([[0.0]], [[0.5]])
+    assert (
+        outcome_examples(quiet, quiet, np.zeros(1), first_window=0, windows=1, threshold=1.0) == {}
+    )
+
+
+STARTS = [3.0, 2.5, 2.0, 1.5, 1.0, 0.5]
+
+
+def test_example_event_has_the_horizon_nearest_to_the_wanted_one():
+    example = horizon_example(np.array([3.0, 1.5, 0.5, 0.4]), STARTS, 1.2)
+    assert example.event == 1
+    assert example.starts_lt == (3.0, 2.5, 2.0, 1.5)
+
+
+def test_example_has_failures_to_show_if_any_event_has():
+    # the first event was predicted at once: nothing led up to it
+    assert horizon_example(np.array([3.0, 0.5]), STARTS, 3.0).event == 1
+    assert horizon_example(np.array([3.0, 2.5]), STARTS, 3.0).starts_lt == (3.0,)
+
+
+def test_no_example_where_nothing_was_predicted():
+    assert horizon_example(np.array([0.4, 0.2]), STARTS, 1.0) is None
+    assert horizon_example(np.array([]), STARTS, 1.0) is None
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.12, 0.3, 5.0])
+def test_evaluations_agree_with_the_prediction_horizon(drift):
+    observed, truth = ramp(after=4)
+    event = SEARCH.steps_before_event
+    horizon = prediction_horizons(
+        Drift(drift), first_component, observed[np.newaxis], truth[np.newaxis, : event + 1], SEARCH
+    )[0]
+    found = evaluate_starts(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
+    success = found.horizon_lt == found.start_lt
+    assert (found.start_lt[success][0] if success.any() else found.horizon_lt[-1]) == horizon
+    # by hand: the error grows by the drift in each step and is lost at 1
+    steps = np.array([15, 12, 10, 7, 5, 2])
+    accurate = np.array([sum(drift * (n + 1) < 1 for n in range(count)) for count in steps])
+    expected = np.where(accurate == steps, STARTS, accurate / 5)
+    np.testing.assert_allclose(found.horizon_lt, expected)
+
+
+def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
+    observed, truth = ramp(after=4)
+    found = evaluate_starts(Drift(0.5), first_component, observed, truth, [2.0], SEARCH)
+    start = SEARCH.steps_before_event - 10
+    assert np.isnan(found.forecast[0, : start + 1]).all()
+    np.testing.assert_allclose(found.forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15))
+
+
+def test_a_truth_that_ends_early_does_not_matter_after_the_event():
+    observed, truth = ramp(after=4)
+    whole = evaluate_starts(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
+    truth[-3:] = np.nan
+    cut = evaluate_starts(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
+    np.testing.assert_array_equal(whole.forecast, cut.forecast)
+    np.testing.assert_array_equal(whole.horizon_lt, cut.horizon_lt)
+
+
+def test_forecast_observable_keeps_points_apart():
+    washouts = np.array([[[1.0], [2.0]], [[5.0], [7.0]], [[0.0], [0.0]]])
+    np.testing.assert_array_equal(
+        forecast_observable(Drift(0.0), first_component, washouts, 2), [[3, 4], [8, 9], [1, 2]]
+    )
+
+
+@pytest.mark.parametrize(
+    ("first", "count", "expected"),
+    [
+        (1, 2, [1, 2]),
+        (-2, 4, [np.nan, np.nan, 0, 1]),
+        (3, 3, [3, np.nan, np.nan]),
+        (9, 2, [np.nan, np.nan]),
+        (-5, 2, [np.nan, np.nan]),
+    ],
+)
+def test_stretch(first, count, expected):
+    np.testing.assert_array_equal(stretch(np.arange(4.0), first, count), expected)
