@@ -1,0 +1,200 @@
+"""Events for the flow figures, in made-up series whose events are known."""
+
+import numpy as np
+import pytest
+
+from burstcast.forecast.example_events import (
+    EventCriterion,
+    ExampleEvent,
+    isolated_events,
+    predicted_event,
+)
+from burstcast.forecast.forecasters import Forecaster
+
+CRITERION = EventCriterion(threshold=1.0, calm=0.5, quiet=10, longest=60, wanted_peak=2.0)
+
+
+def bump(length, *pulses):
+    """Observable that rests at 0.4 but for triangles (start, rise, fall, peak)."""
+    values = np.full(length, 0.4)
+    for start, rise, fall, peak in pulses:
+        up = 0.4 + (peak - 0.4) * np.arange(rise) / rise
+        down = peak - (peak - 0.4) * np.arange(fall + 1) / fall
+        values[start : start + rise + fall + 1] = np.concatenate([up, down])
+    return values
+
+
+def test_times_of_one_event_by_hand():
+    # rise by 0.08 a step from step 20, fall by 0.16 from step 40
+    values = bump(100, (20, 20, 10, 2.0))
+    (event,) = isolated_events(values[np.newaxis], CRITERION)
+    assert event.series == 0
+    assert event.peak == 2.0
+    # 0.4 + 0.08 * 1 is the last value not above 0.5; 0.4 + 0.08 * 11 the first not below 1.25;
+    # 2 - 0.16 * 7 the first below 1
+    assert event.times == (21, 31, 40, 47)
+
+
+def test_the_event_with_the_wanted_peak_comes_first():
+    series = np.stack(
+        [bump(200, (20, 20, 10, peak)) for peak in (1.2, 2.5, 1.9, 2.11, 0.9)]
+        + [bump(200, (20, 20, 10, 1.6), (100, 20, 10, 2.05))]
+    )
+    found = isolated_events(series, CRITERION)
+    assert [(event.series, event.peak) for event in found] == [
+        (5, 2.05),
+        (2, 1.9),
+        (3, 2.11),
+        (5, 1.6),
+        (1, 2.5),
+        (0, 1.2),
+    ]
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        bump(100, (5, 20, 10, 2.0)),  # no quiet stretch before
+        bump(62, (20, 20, 20, 2.0)),  # none after
+        bump(100, (20, 20, 6, 2.0), (48, 6, 6, 1.5)),  # another event too soon
+        bump(200, (20, 70, 10, 2.0)),  # takes too long
+        np.where(np.arange(100) == 44, 0.9, bump(100, (20, 20, 16, 2.0))),  # crosses twice
+        bump(100)[:] + 2.0,  # above all the time
+        np.full(100, 0.4),
+    ],
+)
+def test_events_unfit_to_be_shown_are_left_out(values):
+    assert isolated_events(values[np.newaxis], CRITERION) == []
+
+
+def test_room_before_the_event_is_asked_for():
+    values = bump(100, (20, 20, 10, 2.0))[np.newaxis]
+    assert len(isolated_events(values, CRITERION, before=21)) == 1
+    assert isolated_events(values, CRITERION, before=22) == []
+
+
+def test_all_events_satisfy_their_definition():
+    # smooth noise, skewed as the kinetic energy is, has excursions of every kind
+    generator = np.random.default_rng(7)
+    kernel = np.exp(-0.5 * np.square(np.arange(-30, 31) / 8))
+    noise = [np.convolve(row, kernel, "same") for row in generator.normal(size=(40, 3000))]
+    values = 0.5 * np.exp(0.15 * np.array(noise))
+    found = isolated_events(values, CRITERION)
+    assert len(found) > 20
+    for event in found:
+        course, (first, second, third, fourth) = values[event.series], event.times
+        assert first < second <= third < fourth <= first + CRITERION.longest
+        assert course[first] <= 0.5
+        assert (course[first + 1 : fourth] > 0.5).all()
+        assert course[third] == event.peak == course[first:fourth].max() >= 1.0
+        assert course[fourth] < 1.0 <= course[third:fourth].min()
+        assert (course[first - 10 : first] < 1.0).all()
+        assert course[second] >= 0.5 * (0.5 + event.peak) > course[first:second].max()
+    distances = [abs(event.peak - 2.0) for event in found]
+    assert distances == sorted(distances)
+
+
+def test_calm_must_lie_below_the_threshold():
+    with pytest.raises(ValueError, match="below"):
+        EventCriterion(threshold=1.0, calm=1.0, quiet=1, longest=5, wanted_peak=2.0)
+
+
+class Wrong(Forecaster):
+    """Knows the truth of every series, and fails in each by a given error from a given step on.
+
+    The second component of the state is the row of the series, the third the step.
+    """
+
+    def __init__(self, truth, error, failing_from):
+        self.truth, self.error, self.failing_from = truth, error, failing_from
+
+    def start(self, washout):
+        return washout[-1]
+
+    def advance(self, memory, steps):
+        series = memory[1].astype(int)
+        step = memory[2].astype(int) + 1 + np.arange(steps)[:, np.newaxis]
+        # beyond the end of a series the last value
+        value = self.truth[series, np.minimum(step, self.truth.shape[1] - 1)]
+        value = value + self.error * (step >= self.failing_from[series])
+        states = np.stack([value, np.broadcast_to(series, step.shape), step], axis=1)
+        return states, states[-1]
+
+
+PEAKS = (2.0, 1.9, 2.2)
+TRUTH = np.stack([bump(100, (30, 20, 10, peak)) for peak in PEAKS])
+OBSERVED = np.stack(
+    [TRUTH, np.broadcast_to(np.arange(3)[:, None], (3, 100)), np.tile(np.arange(100), (3, 1))],
+    axis=2,
+).astype(float)
+
+
+def choose(failing_from, lead=8, error=0.3):
+    events = isolated_events(TRUTH, CRITERION, before=lead + 2)
+    assert [event.series for event in events] == [0, 1, 2]
+    chosen = predicted_event(
+        events,
+        Wrong(TRUTH, error, np.array(failing_from)),
+        lambda state: state[0],
+        OBSERVED,
+        TRUTH,
+        lead=lead,
+        washout=3,
+        tolerance=0.2,
+    )
+    breakdowns = [event.times[3] for event in events]
+    return chosen.series, breakdowns
+
+
+def test_the_best_predicted_event_is_chosen():
+    never = 1000
+    assert choose([never] * 3)[0] == 0
+    _, breakdowns = choose([never] * 3)
+    # lost at the very last step that counts, and one step later
+    assert choose([breakdowns[0], never, never])[0] == 1
+    assert choose([breakdowns[0] + 1, never, never])[0] == 0
+    assert choose([0, 0, never])[0] == 2
+
+
+def test_an_error_within_the_tolerance_is_no_failure():
+    assert choose([0, 1000, 1000], error=0.1)[0] == 0
+
+
+def test_without_a_predicted_event_the_longest_prediction_is_chosen():
+    assert choose([40, 50, 45])[0] == 1
+    assert choose([0, 0, 0])[0] == 0
+
+
+def test_batches_change_no_choice(monkeypatch):
+    monkeypatch.setattr("burstcast.forecast.example_events.CANDIDATES_PER_BATCH", 1)
+    assert choose([40, 50, 45])[0] == 1
+    assert choose([0, 1000, 1000])[0] == 1
+
+
+def test_no_events_no_choice():
+    chosen = predicted_event(
+        [],
+        Wrong(TRUTH, 0.0, np.zeros(3)),
+        lambda state: state[0],
+        OBSERVED,
+        TRUTH,
+        lead=3,
+        washout=3,
+        tolerance=0.2,
+    )
+    assert chosen is None
+
+
+def test_a_forecast_from_the_start_of_a_series_is_refused():
+    event = ExampleEvent(0, (5, 10, 20, 30), 2.0)
+    with pytest.raises(IndexError, match="beyond its series"):
+        predicted_event(
+            [event],
+            Wrong(TRUTH, 0.0, np.zeros(3)),
+            lambda state: state[0],
+            OBSERVED,
+            TRUTH,
+            lead=4,
+            washout=3,
+            tolerance=0.2,
+        )

@@ -1,0 +1,312 @@
+"""Climate runs of made-up forecasters whose fate is known, against brute force over all steps."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.network import EchoStateNetwork
+from burstcast.esn.readout import Readout
+from burstcast.esn.reservoir import make_reservoir
+from burstcast.forecast.forecasters import EquationsForecaster, Forecaster, NetworkForecaster
+from burstcast.statistics import climate
+from burstcast.statistics.climate import (
+    ClimateSettings,
+    Fate,
+    StuckCriterion,
+    climate_starting_points,
+    run_climate,
+)
+from burstcast.statistics.reductions import reduce_series
+from burstcast.systems.lorenz63 import Lorenz63
+
+EDGES = np.linspace(0.0, 1.0, 11)
+STUCK = StuckCriterion(variation=0.01, above=0.05, interval=40)
+
+
+def first_component(state):
+    return state[0]
+
+
+@dataclass
+class Scripted(Forecaster):
+    """Plays given series ``(steps, dimension, trajectories)``; the washout tells which one.
+
+    Counts how many trajectory steps it was asked for.
+    """
+
+    script: np.ndarray
+    bound: float = np.inf
+    asked: int = field(default=0)
+
+    def start(self, washout):
+        # which trajectory, and how far it is
+        return np.stack([washout[-1, 0], np.zeros(washout.shape[2])])
+
+    def advance(self, memory, steps):
+        which, begin = memory[0].astype(int), int(memory[1, 0])
+        self.asked += steps * len(which)
+        return self.script[begin : begin + steps, :, which], memory + np.array([[0.0], [steps]])
+
+    def diverged(self, outputs):
+        return ~(np.abs(outputs) <= self.bound).all(axis=(0, 1))
+
+    def washouts(self):
+        points = self.script.shape[2]
+        washouts = np.zeros((points, 3, self.script.shape[1]))
+        washouts[:, -1] = np.arange(points)[:, np.newaxis]
+        return washouts
+
+
+def brute_force(script, threshold, stuck, bound):
+    """Fate of each trajectory from its whole course, step by step."""
+    fates = []
+    for column in range(script.shape[2]):
+        fate = Fate.KEPT
+        for state in script[:, :, column]:
+            if not (np.abs(state) <= bound).all():
+                fate = Fate.DIVERGED
+            elif threshold is not None and state[0] > threshold:
+                fate = Fate.LAMINAR
+            if fate != Fate.KEPT:
+                break
+        last = script[:, 0, column][-stuck.interval :]
+        if fate == Fate.KEPT and np.ptp(last) < stuck.variation and last.min() > stuck.above:
+            fate = Fate.STUCK
+        fates.append(fate)
+    return np.array(fates)
+
+
+def script_of(kinds, steps, seed=0):
+    """Series of given kinds, with a second component that moves as the first one does."""
+    generator = np.random.default_rng(seed)
+    time = np.arange(steps)
+    columns = []
+    for kind in kinds:
+        values = generator.uniform(0.1, 0.4, steps)
+        event = int(generator.integers(0, steps))
+        if kind == "laminar":
+            values[event:] = 0.5
+        elif kind == "diverging":
+            values[event:] = generator.choice([np.nan, np.inf, -np.inf, 1e200])
+        elif kind == "laminar then diverging":
+            values[event] = 0.7
+            values[min(event + 3, steps - 1) :] = np.nan
+        elif kind == "settling":
+            values = 0.2 + 0.1 * np.exp(-time / 3) * np.cos(time)
+        elif kind == "settling low":
+            values = 0.04 + 0.1 * np.exp(-time / 3)
+        elif kind == "settling late":
+            values[-STUCK.interval :] = 0.3
+        elif kind == "settling too late":
+            values[-STUCK.interval + 1 :] = 0.3
+        elif kind == "resting and leaving":
+            values[: steps // 4] = 0.3
+        columns.append(np.stack([values, -values], axis=1))
+    return np.stack(columns, axis=2)
+
+
+KINDS = (
+    "chaotic",
+    "laminar",
+    "diverging",
+    "laminar then diverging",
+    "settling",
+    "settling low",
+    "settling late",
+    "settling too late",
+    "resting and leaving",
+)
+
+
+def run(script, threshold=0.48, stuck=STUCK, bound=10.0, chunk=100):
+    forecaster = Scripted(script, bound)
+    settings = ClimateSettings(len(script), EDGES, threshold, stuck)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(climate, "STEPS_PER_CHUNK", chunk)
+        return run_climate(forecaster, first_component, forecaster.washouts(), settings), forecaster
+
+
+def assert_same(first, second):
+    np.testing.assert_array_equal(first.fates, second.fates)
+    one, other = first.statistics, second.statistics
+    np.testing.assert_array_equal(one.histogram.counts, other.histogram.counts)
+    assert one.moments.count == other.moments.count
+    np.testing.assert_array_equal(one.moments.mean, other.moments.mean)
+    np.testing.assert_array_equal(one.moments.mean_product, other.moments.mean_product)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.sampled_from(KINDS), min_size=1, max_size=12),
+    st.integers(STUCK.interval, 260),
+    st.integers(1, 300),
+    st.integers(0, 1000),
+)
+def test_fates_and_statistics_are_those_of_the_whole_series(kinds, steps, chunk, seed):
+    script = script_of(kinds, steps, seed)
+    found, _ = run(script, chunk=chunk)
+    fates = brute_force(script, 0.48, STUCK, 10.0)
+    np.testing.assert_array_equal(found.fates, fates)
+    kept = script[:, :, fates == Fate.KEPT].transpose(2, 0, 1)
+    assert found.statistics.moments.count == kept.shape[0] * steps
+    if len(kept):
+        expected = reduce_series([kept], first_component, EDGES).merged(slice(None))
+        np.testing.assert_array_equal(found.statistics.histogram.counts, expected.histogram.counts)
+        np.testing.assert_array_equal(
+            found.statistics.moments.mean_product, expected.moments.mean_product
+        )
+
+
+def test_counts_and_share_of_the_discarded():
+    script = script_of(["chaotic"] * 3 + ["laminar"] * 2 + ["diverging", "settling"], 300)
+    found, _ = run(script)
+    assert found.starting_points == 7
+    assert found.discarded_laminar == 2
+    assert found.discarded_diverged == 1
+    assert found.discarded_stuck == 1
+    assert found.discarded_fraction == pytest.approx(4 / 7)
+
+
+def test_nothing_is_discarded_without_criteria():
+    script = script_of(["chaotic", "laminar", "settling"], 120)
+    found, _ = run(script, threshold=None, stuck=None)
+    assert (found.fates == Fate.KEPT).all()
+
+
+def test_only_a_value_beyond_the_threshold_is_laminar():
+    script = script_of(["chaotic", "chaotic"], 60)
+    script[7, 0, 0] = 0.48
+    script[59, 0, 1] = np.nextafter(0.48, 1)
+    found, _ = run(script)
+    assert found.fates.tolist() == [Fate.KEPT, Fate.LAMINAR]
+
+
+def test_all_trajectories_may_end():
+    found, forecaster = run(script_of(["laminar", "diverging"], 5000))
+    assert np.isnan(found.statistics.moments.mean).all()
+    assert found.discarded_fraction == 1
+    assert forecaster.asked < 2 * 5000
+
+
+@pytest.mark.parametrize(("kind", "share"), [("laminar", 0.15), ("settling", 0.6), ("chaotic", 1)])
+def test_a_run_that_has_ended_costs_no_more_time(kind, share):
+    script = script_of([kind] * 3, 4000)
+    if kind == "laminar":
+        script[400:] = 0.5
+    _, forecaster = run(script)
+    assert forecaster.asked <= share * 3 * 4000
+    if kind == "chaotic":
+        assert forecaster.asked == 3 * 4000
+
+
+def test_slow_departure_from_an_unstable_fixed_point_is_not_cut_off():
+    # From a disturbance as small as rounding errors to the size of the flow in 1500 steps: at rest,
+    # as far as one can see, for most of that time.
+    steps = 1600
+    growth = np.exp(np.log(0.1 / 1e-17) * (np.arange(steps) / 1500))
+    values = 0.2 + np.minimum(1e-17 * growth, 0.1) * np.cos(np.arange(steps))
+    script = np.stack([values, values])[:, :, np.newaxis].transpose(1, 0, 2)
+    found, forecaster = run(script)
+    assert found.fates.tolist() == [Fate.KEPT]
+    assert forecaster.asked == steps
+
+
+def test_rest_of_the_observable_alone_is_no_fixed_point():
+    # the first component, the observable, rests; the second moves, and moves the first one later
+    time = np.arange(1000)
+    values = np.where(time < 900, 0.2, 0.2 + 0.1 * np.sin(time))
+    script = np.stack([values, np.sin(time)], axis=1)[:, :, np.newaxis]
+    found, _ = run(script)
+    assert found.fates.tolist() == [Fate.KEPT]
+
+
+def test_a_network_on_a_fixed_point_is_found_out_early():
+    # a readout so weak that the reservoir, and with it the network, comes to rest
+    generator = np.random.default_rng(5)
+    reservoir = make_reservoir(60, 2, 10, 0.1, generator)
+    weights = 0.01 * generator.standard_normal((61, 2))
+    weights[-1] = [0.3, 0.1]
+    network = EchoStateNetwork(
+        Dynamics(reservoir, 0.7, 0.5, "scipy"), Readout(weights, 1e-6, "cholesky", 1.0), np.ones(2)
+    )
+    asked = []
+
+    class Counting(NetworkForecaster):
+        def advance(self, memory, steps):
+            asked.append(steps * memory.shape[-1])
+            return super().advance(memory, steps)
+
+    washouts = generator.uniform(0, 1, (4, 20, 2))
+    found = run_climate(
+        Counting(network, 10.0),
+        first_component,
+        washouts,
+        ClimateSettings(3000, EDGES, 0.48, STUCK),
+    )
+    assert found.discarded_stuck == 4
+    assert sum(asked) < 0.6 * 4 * 3000
+
+
+def test_equations_have_the_statistics_of_their_own_trajectories():
+    system = Lorenz63()
+    forecaster = EquationsForecaster(system, 0.01, 2)
+    washouts = np.random.default_rng(2).normal(0, 5, (5, 4, 3)) + np.array([0, 0, 20])
+    edges = np.linspace(-30, 30, 31)
+    found = run_climate(
+        forecaster, system.observable, washouts, ClimateSettings(700, edges, None, None)
+    )
+    states, _ = forecaster.advance(np.ascontiguousarray(washouts[:, -1].T), 700)
+    expected = reduce_series([states.transpose(2, 0, 1)], system.observable, edges)
+    np.testing.assert_array_equal(
+        found.statistics.histogram.counts, expected.merged(slice(None)).histogram.counts
+    )
+    np.testing.assert_array_equal(
+        found.statistics.moments.mean_product, expected.merged(slice(None)).moments.mean_product
+    )
+    # the flow contracts towards the attractor, on which xy averages to beta z
+    mean_product = found.statistics.moments.mean_product
+    assert mean_product[0, 1] == pytest.approx(8 / 3 * found.statistics.moments.mean[2], rel=0.05)
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 64, 1000])
+def test_chunks_change_no_result(chunk):
+    script = script_of(KINDS * 2, 333, seed=11)
+    assert_same(run(script, chunk=chunk)[0], run(script)[0])
+
+
+def test_trajectories_do_not_depend_on_their_neighbours():
+    script = script_of(KINDS, 333, seed=12)
+    together, _ = run(script)
+    alone = [run(script[..., [column]])[0].fates[0] for column in range(len(KINDS))]
+    np.testing.assert_array_equal(together.fates, alone)
+
+
+def test_settings_that_make_no_sense_are_refused():
+    with pytest.raises(ValueError, match="stuck_interval_lt"):
+        ClimateSettings(39, EDGES, None, STUCK)
+    with pytest.raises(ValueError, match="one step"):
+        ClimateSettings(0, EDGES, None, None)
+    with pytest.raises(ValueError, match="starting point"):
+        run_climate(
+            Scripted(np.zeros((5, 2, 1))),
+            first_component,
+            np.zeros((0, 3, 2)),
+            ClimateSettings(5, EDGES, None, None),
+        )
+
+
+def test_starting_points_are_shared_out_evenly():
+    points = climate_starting_points(3, 100, spacing=10, washout=5, count=8)
+    assert points.series.tolist() == [0, 0, 0, 1, 1, 1, 2, 2]
+    assert points.step.tolist() == [4, 14, 24, 4, 14, 24, 4, 14]
+
+
+def test_starting_points_are_as_many_as_there_is_room_for():
+    points = climate_starting_points(2, 30, spacing=10, washout=5, count=500)
+    assert points.series.tolist() == [0, 0, 0, 1, 1, 1]
+    with pytest.raises(ValueError, match="no room"):
+        climate_starting_points(2, 4, spacing=10, washout=5, count=500)
