@@ -129,8 +129,8 @@ class MomentsAccumulator:
         shifted_states = states - self._state_shift[:, np.newaxis]
         shifted_targets = targets - self._target_shift[:, np.newaxis]
         self._count += columns
-        self._state_sum += shifted_states.sum(axis=1)
-        self._target_sum += shifted_targets.sum(axis=1)
+        self._state_sum += columns * (state_mean - self._state_shift)
+        self._target_sum += columns * (target_mean - self._target_shift)
         self._cross += shifted_states @ shifted_targets.T
         # The transpose of the panel is column-major: BLAS takes it without a copy.
         self._gram = blas.dsyrk(
