@@ -15,6 +15,7 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/dataset.smk"
 include: "workflow/rules/network.smk"
 include: "workflow/rules/time_accurate.smk"
+include: "workflow/rules/statistics.smk"
 include: "workflow/rules/control.smk"
 include: "workflow/rules/report.smk"
 

@@ -10,7 +10,9 @@ from functools import cached_property
 from typing import Any
 
 from burstcast import durations
+from burstcast.systems.registry import make_system
 from burstcast_workflow.canonical import canonical
+from burstcast_workflow.table_layouts import NETWORK_KEYS, SUMMARIES, described_parameters
 
 Settings = dict[str, Any]
 
@@ -301,6 +303,46 @@ class Campaign:
             ),
         }
 
+    # -- statistics --------------------------------------------------------------------------------
+
+    def _reference_statistics(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._system(case),
+            "case": case,
+            "random_seed": self.config["random_seed"],
+            "density": self.cases[case]["density"],
+            "training_series": self.cases[case]["training"]["series"],
+            **_pick(self.config["statistics"], "profile_points", "floor_splits"),
+        }
+
+    def _climate(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._system(case),
+            **self._time(case),
+            **self._observation(case),
+            **_pick(self.cases[case], "density", "laminarisation_threshold", "stuck"),
+            **_pick(self.config["network"], "kernel", "washout_lt", "divergence_bound"),
+            **_pick(
+                self.config["statistics"],
+                "starting_points",
+                "start_spacing_lt",
+                "duration",
+                "stuck_interval_lt",
+            ),
+        }
+
+    def _statistics_table(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            "cases": [
+                {"case": case, "reynolds": self.reynolds(case), **self._system(case)}
+                for case in self.case_names
+            ],
+            "networks": self.keys(self.climate_networks),
+            "profile_points": self.config["statistics"]["profile_points"],
+        }
+
     # -- control -----------------------------------------------------------------------------------
 
     def _control_equations(self, wildcards: Mapping[str, str]) -> Settings:
@@ -401,6 +443,231 @@ class Campaign:
             ),
             "bootstrap": self.config["bootstrap"],
             "random_seed": self.config["random_seed"],
+        }
+
+    # -- report ------------------------------------------------------------------------------------
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Names of the tables of results that this campaign has."""
+        names = ["dataset", "hyperparameters", "classification", "horizon"]
+        if self.climate_networks:
+            names.append("statistics")
+        if self.control_runs:
+            names.append("control")
+        return tuple(names)
+
+    @property
+    def report_tables(self) -> tuple[str, ...]:
+        """Names of all tables: results, percentiles over networks, parameters."""
+        return (
+            *self.tables,
+            *(f"{name}_percentiles" for name in self.tables if name in SUMMARIES),
+            "classification_intervals",
+            "data_generation_parameters",
+            "network_hyperparameters",
+        )
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """Names of all figures; those of cases other than the example's end in ``_<case>``."""
+        example = self.example.case
+        others = [case for case in self.case_names if case != example]
+        names = [
+            "observable_and_density",
+            "validation_strategies",
+            "network_schematic",
+            "search_landscape",
+            "prediction_schematic",
+            "prediction_examples",
+            "classification_scores",
+            "horizon_schematic",
+            "horizon_evaluations",
+            "horizon_by_size",
+        ]
+        if len(self._reynolds_cases) > 1:
+            names.append("by_reynolds")
+        names += [f"observable_and_density_{case}" for case in others]
+        names += [f"classification_scores_{case}" for case in others]
+        names += [
+            f"horizon_by_size_{case}"
+            for case in others
+            if len({network.neurons for network in self.select(case=case)}) > 1
+        ]
+        return tuple(names)
+
+    @property
+    def _reynolds_cases(self) -> tuple[str, ...]:
+        """One case for each Reynolds number that has networks of the size that is held fixed."""
+        size = self.config["figures"]["fixed_neurons"]
+        cases: dict[float, str] = {}
+        for network in self.select(neurons=size):
+            reynolds = self.reynolds(network.case)
+            if reynolds is not None:
+                cases.setdefault(reynolds, network.case)
+        return tuple(cases.values())
+
+    def case_of_figure(self, wildcards: Mapping[str, str]) -> str:
+        """Case that a figure shows: the one that its name ends in, or else the example's."""
+        return wildcards.get("of_case", "").removeprefix("_") or self.example.case
+
+    def _labels(self, case: str) -> Settings:
+        """How the observable of a case is called."""
+        system = make_system(**self._named_system(case))
+        return {"symbol": system.observable_symbol, "observable_name": system.observable_name}
+
+    def _symbol(self, case: str) -> Settings:
+        return _pick(self._labels(case), "symbol")
+
+    def _named_system(self, case: str) -> Settings:
+        record = self.cases[case]
+        return {"name": record["system"], "parameters": record["parameters"]}
+
+    def _percentiles(self, wildcards: Mapping[str, str]) -> Settings:
+        summary = SUMMARIES[wildcards["table"]]
+        return {"keys": [*NETWORK_KEYS, *summary.keys], "metrics": [*summary.metrics]}
+
+    def _latex(self, wildcards: Mapping[str, str]) -> Settings:
+        return {"table": wildcards["table"]}
+
+    def _data_generation_parameters(self, wildcards: Mapping[str, str]) -> Settings:
+        # a list of pairs: the order of the campaign's cases is the order of the columns
+        return {"cases": [[case, self._data_parameters(case)] for case in self.case_names]}
+
+    def _data_parameters(self, case: str) -> Settings:
+        record = self.cases[case]
+        system = make_system(**self._named_system(case))
+        return {
+            "system": described_parameters(record["system"], system),
+            "time_step": record["ensemble"]["time_step"],
+            "series_duration": record["ensemble"]["duration"],
+            "training_series": record["training"]["series"],
+            **_pick(record, "laminarisation_threshold", "event_threshold"),
+            **self._symbol(case),
+        }
+
+    def _network_hyperparameters(self, wildcards: Mapping[str, str]) -> Settings:
+        noise = [[case, self.cases[case]["training"]["noise"]] for case in self.case_names]
+        return {
+            "network": {
+                **_pick(self.config["search"], "spectral_radius", "input_scaling", "tikhonov"),
+                **_pick(self.config["network"], "connectivity", "input_bias"),
+            },
+            # one column is enough where all cases have the same noise
+            "noise": noise if len({value for _, value in noise}) > 1 else noise[:1],
+        }
+
+    def _examples(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        figures, classification = self.config["figures"], self.config["classification"]
+        prediction_time, window = figures["example_prediction_time_lt"], classification["window_lt"]
+        return {
+            **self._system(case),
+            **self._time(case),
+            "event_threshold": self.cases[case]["event_threshold"],
+            "training_series": self.cases[case]["training"]["series"],
+            **_pick(self.config["network"], "kernel", "washout_lt"),
+            **_pick(classification, "resolution_lt", "window_lt"),
+            "prediction_time_lt": prediction_time,
+            # what is shown: something before the washout, and as far as the test set surely reaches
+            "before_lt": self.config["network"]["washout_lt"] + 1,
+            "reach_lt": min(prediction_time + 1, classification["longest_prediction_time_lt"])
+            + window,
+            "after_event_lt": 0.5,
+            "horizon_lt": figures["example_horizon_lt"],
+            "horizon": _pick(
+                self.config["horizon"], "longest_start_lt", "start_step_lt", "tolerance"
+            ),
+        }
+
+    def _figure_observable_and_density(self, wildcards: Mapping[str, str]) -> Settings:
+        case = self.case_of_figure(wildcards)
+        return {
+            **self._time(case),
+            **self._labels(case),
+            **_pick(self.cases[case], "event_threshold", "density"),
+        }
+
+    def _figure_validation_strategies(self, wildcards: Mapping[str, str]) -> Settings:
+        case = self.example.case
+        return {
+            **self._time(case),
+            **self._symbol(case),
+            **_pick(self.cases[case], "event_threshold", "recycle_validation"),
+            "validation": sorted(
+                {network.validation for network in self.select(case=case)}, reverse=True
+            ),
+            "washout_lt": self.config["network"]["washout_lt"],
+            "interval_lt": self.config["search"]["interval_lt"],
+        }
+
+    def _figure_network_schematic(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            "inputs": make_system(**self._named_system(self.example.case)).dimension,
+            "neurons": self.example.neurons,
+            **_pick(self.config["network"], "connectivity", "input_bias"),
+        }
+
+    def _figure_search_landscape(self, wildcards: Mapping[str, str]) -> Settings:
+        return {}
+
+    def _figure_prediction_examples(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            **self._symbol(self.example.case),
+            "event_threshold": self.cases[self.example.case]["event_threshold"],
+            "prediction_time_lt": self.config["figures"]["example_prediction_time_lt"],
+            "window_lt": self.config["classification"]["window_lt"],
+        }
+
+    def _figure_prediction_schematic(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            **self._figure_prediction_examples(wildcards),
+            "washout_lt": self.config["network"]["washout_lt"],
+        }
+
+    def _figure_classification_scores(self, wildcards: Mapping[str, str]) -> Settings:
+        case = self.case_of_figure(wildcards)
+        return {
+            **self._figure_horizon_by_size(wildcards),
+            **_pick(
+                self.config["figures"],
+                "fixed_neurons",
+                "fixed_prediction_time_lt",
+                "example_validation",
+            ),
+            "case": case,
+        }
+
+    def _figure_horizon_schematic(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            **self._symbol(self.example.case),
+            **_pick(self.config["horizon"], "longest_start_lt", "start_step_lt", "tolerance"),
+        }
+
+    def _figure_horizon_evaluations(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            **self._symbol(self.example.case),
+            "event_threshold": self.cases[self.example.case]["event_threshold"],
+            "washout_lt": self.config["network"]["washout_lt"],
+        }
+
+    def _figure_horizon_by_size(self, wildcards: Mapping[str, str]) -> Settings:
+        case = self.case_of_figure(wildcards)
+        return {
+            "case": case,
+            "reynolds": self.reynolds(case),
+            "published_overlay": self.config["figures"]["published_overlay"],
+        }
+
+    def _figure_by_reynolds(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            "cases": [*self._reynolds_cases],
+            **_pick(
+                self.config["figures"],
+                "fixed_neurons",
+                "reynolds_prediction_times_lt",
+                "published_overlay",
+            ),
         }
 
 

@@ -57,9 +57,9 @@ def runtime_of(name):
     )
 
 
-def of_networks(name):
-    """The file called ``name`` of every network of the campaign."""
-    return [f"{RESULTS}/{network.directory}/{name}" for network in campaign.networks]
+def of_networks(name, networks=campaign.networks):
+    """The file called ``name`` of every network, of the whole campaign unless told otherwise."""
+    return [f"{RESULTS}/{network.directory}/{name}" for network in networks]
 
 
 def of_cases(name):

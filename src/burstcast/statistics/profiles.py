@@ -70,6 +70,20 @@ def flow_modes(system: DynamicalSystem) -> MoehlisFaisstEckhardtModes | None:
     return None
 
 
+def equally_spaced_profiles(system: DynamicalSystem, points: int) -> ProfileMatrices | None:
+    """Profiles at equally spaced heights from wall to wall; None for a system without modes.
+
+    Parameters
+    ----------
+    system
+        The equations.
+    points
+        Number of heights, the walls y = -1 and y = 1 included.
+    """
+    modes = flow_modes(system)
+    return None if modes is None else modes.profile_matrices(np.linspace(-1.0, 1.0, points))
+
+
 def velocity_profiles(matrices: ProfileMatrices, moments: StateMoments) -> Profiles:
     """Velocity profiles of a flow with these moments.
 

@@ -1,0 +1,58 @@
+"""Let a network run freely from many points of the training set; keep its statistics."""
+
+from burstcast import durations
+from burstcast.forecast.test_set import segments
+from burstcast.statistics.climate import (
+    ClimateSettings,
+    Fate,
+    StuckCriterion,
+    climate_starting_points,
+    run_climate,
+)
+from burstcast.systems.registry import make_system
+from burstcast_workflow.job import run_job
+from burstcast_workflow.network_files import read_forecaster, training_series
+from burstcast_workflow.statistics_files import bin_edges, write_statistics
+from burstcast_workflow.storage import Variable
+from burstcast_workflow.time_unit import steps_per_lyapunov_time
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write the network's long-term statistics and what became of each closed loop."""
+    system = make_system(settings["system"], settings["parameters"])
+    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    training = training_series(settings, inputs.ensemble)
+    washout = durations.steps(settings["washout_lt"], lyapunov_time)
+    points = climate_starting_points(
+        training.series,
+        training.length,
+        durations.steps(settings["start_spacing_lt"], lyapunov_time),
+        washout,
+        settings["starting_points"],
+    )
+    climate = run_climate(
+        read_forecaster(inputs.network, settings["kernel"], settings["divergence_bound"]),
+        system.observable,
+        segments(training.observed, points, washout - 1, 0),
+        ClimateSettings(
+            steps=round(settings["duration"] / settings["sampling_interval"]),
+            edges=bin_edges(settings["density"]),
+            laminarisation_threshold=settings["laminarisation_threshold"],
+            stuck=StuckCriterion(
+                settings["stuck"]["variation"],
+                settings["stuck"]["above"],
+                durations.steps(settings["stuck_interval_lt"], lyapunov_time),
+            ),
+        ),
+    )
+    fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
+    write_statistics(
+        outputs.climate,
+        climate.statistics,
+        provenance,
+        {"fate": Variable(("start",), climate.fates, "1", f"fate of each closed loop: {fates}")},
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

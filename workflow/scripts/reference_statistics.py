@@ -1,0 +1,38 @@
+"""Long-term statistics of all the data and of the training set, and the sampling floor."""
+
+from burstcast import random_streams
+from burstcast.statistics.measures import sampling_floor
+from burstcast.statistics.profiles import equally_spaced_profiles
+from burstcast.statistics.reductions import reduce_series
+from burstcast.systems.registry import make_system
+from burstcast_workflow.job import run_job
+from burstcast_workflow.statistics_files import bin_edges, write_statistics
+from burstcast_workflow.storage import read_json, read_rows
+from burstcast_workflow.table_files import keyed_table, write_table
+
+SERIES_AT_A_TIME = 100
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write the statistics of the data and of the training set, and the floor of the measures."""
+    system = make_system(settings["system"], settings["parameters"])
+    kept = read_json(inputs.summary)["series_kept"]
+    blocks = (
+        read_rows(inputs.ensemble, "state", start, min(start + SERIES_AT_A_TIME, kept))
+        for start in range(0, kept, SERIES_AT_A_TIME)
+    )
+    series = reduce_series(blocks, system.observable, bin_edges(settings["density"]))
+    training = slice(0, settings["training_series"])
+    write_statistics(outputs.data, series.merged(slice(None)), provenance)
+    write_statistics(outputs.training, series.merged(training), provenance)
+    floor = sampling_floor(
+        series,
+        equally_spaced_profiles(system, settings["profile_points"]),
+        settings["floor_splits"],
+        random_streams.stream(settings["random_seed"], "sampling floor", settings["case"]),
+    )
+    write_table(outputs.floor, keyed_table([vars(measures) for measures in floor]))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,42 @@
+"""Measure how far the statistics of networks and of the training set are from the data's."""
+
+from burstcast.statistics.climate import Fate
+from burstcast.statistics.measures import compare
+from burstcast.statistics.profiles import equally_spaced_profiles
+from burstcast.systems.registry import make_system
+from burstcast_workflow.job import run_job
+from burstcast_workflow.statistics_files import read_statistics
+from burstcast_workflow.storage import read_netcdf
+from burstcast_workflow.table_files import keyed_table, read_table, write_table
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write one row for each network, and for each case its training set and sampling floor."""
+    rows = []
+    references, matrices = {}, {}
+    for case, data, training, floor in zip(
+        settings["cases"], inputs.data, inputs.training, inputs.floor, strict=True
+    ):
+        name = case["case"]
+        system = make_system(case["system"], case["parameters"])
+        references[name] = read_statistics(data)
+        matrices[name] = equally_spaced_profiles(system, settings["profile_points"])
+        keys = {"case": name, "reynolds": case["reynolds"], "neurons": None, "validation": None}
+        measures = compare(references[name], read_statistics(training), matrices[name])
+        rows.append({**keys, "forecaster": "training", "seed": None, **vars(measures)})
+        # one row for each split of the data
+        for split, row in enumerate(read_table(floor).to_dict("records")):
+            rows.append({**keys, "forecaster": "floor", "seed": split, **row})
+    for keys, path in zip(settings["networks"], inputs.climates, strict=True):
+        measures = compare(
+            references[keys["case"]], read_statistics(path), matrices[keys["case"]]
+        )
+        discarded = float((read_netcdf(path, "fate")["fate"] != Fate.KEPT).mean())
+        rows.append({**keys, "discarded_fraction": discarded, **vars(measures)})
+    table = keyed_table(rows)
+    table.insert(6, "discarded_fraction", table.pop("discarded_fraction"))
+    write_table(outputs.table, table)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there
