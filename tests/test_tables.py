@@ -12,6 +12,7 @@ from burstcast.tables import (
     latex_number,
     network_parameters,
     percentiles,
+    side_by_side,
     to_latex,
 )
 
@@ -201,3 +202,27 @@ def test_a_system_that_does_not_laminarise_has_no_such_row() -> None:
     )
     assert not data["Explanation"].str.contains("Laminarisation").any()
     assert "$z_e$" in list(data["Parameter"])
+
+
+def parameters(**values):
+    return pd.DataFrame(
+        [(f"${name}$", name, value) for name, value in values.items()],
+        columns=["Parameter", "Explanation", "Value"],
+    )
+
+
+def test_one_parameter_table_stays_as_it_is():
+    table = parameters(a="$1$")
+    assert side_by_side({"Re400": table}) is table
+
+
+def test_parameter_tables_side_by_side_keep_the_order_and_show_what_is_missing():
+    joined = side_by_side(
+        {"first": parameters(a="$1$", b="$2$"), "second": parameters(a="$3$", c="$4$")}
+    )
+    assert list(joined.columns) == ["Parameter", "Explanation", "first", "second"]
+    assert joined["Explanation"].tolist() == ["a", "b", "c"]
+    assert joined["first"].tolist()[:2] == ["$1$", "$2$"]
+    assert joined["second"].tolist()[::2] == ["$3$", "$4$"]
+    assert joined["first"].isna().tolist() == [False, False, True]
+    assert joined["second"].isna().tolist() == [False, True, False]

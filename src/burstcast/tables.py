@@ -281,3 +281,35 @@ def network_parameters(
         ),
     ]
     return pd.DataFrame(rows, columns=["Parameter", "Explanation", "Value"])
+
+
+def side_by_side(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Join parameter tables of several cases: one column of values for each.
+
+    Parameters
+    ----------
+    tables
+        By case: ``Parameter``, ``Explanation``, ``Value``, each pair of the first two once.
+
+    Returns
+    -------
+    DataFrame
+        ``Parameter``, ``Explanation`` and a column per case, empty where a case has no such
+        parameter; the table itself if there is one only.
+    """
+    if len(tables) == 1:
+        return next(iter(tables.values()))
+    rows: dict[tuple[str, str], dict[str, str]] = {}
+    for case, table in tables.items():
+        for parameter, explanation, value in table.itertuples(index=False, name=None):
+            rows.setdefault((parameter, explanation), {})[case] = value
+    return pd.DataFrame(
+        [
+            {
+                "Parameter": parameter,
+                "Explanation": explanation,
+                **{case: values.get(case) for case in tables},
+            }
+            for (parameter, explanation), values in rows.items()
+        ]
+    )

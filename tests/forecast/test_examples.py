@@ -1,4 +1,4 @@
-"""Examples that figures show."""
+"""Forecasts of the examples that figures show; which ones: test_example_events."""
 
 from dataclasses import dataclass
 
@@ -8,13 +8,10 @@ import pytest
 from burstcast.forecast.examples import (
     evaluate_starts,
     forecast_observable,
-    horizon_example,
-    outcome_examples,
     stretch,
 )
 from burstcast.forecast.forecasters import Forecaster
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecast.windows import WindowSummaries
 
 
 @dataclass(frozen=True)
@@ -53,53 +50,7 @@ def ramp(after):
     return truth[: before + 1, np.newaxis], truth
 
 
-def summaries(first, largest):
-    return WindowSummaries(np.array(first, dtype=float), np.array(largest, dtype=float))
-
-
-def test_one_example_for_each_outcome():
-    # truth: bursts at points 0 to 2 (heights 5, 3, 4) and 4; forecast: bursts at 0 to 3
-    truth = summaries([[0.0]] * 6, [[5.0], [3.0], [4.0], [0.5], [2.0], [0.0]])
-    forecast = summaries([[0.0]] * 6, [[9.0], [9.0], [9.0], [8.0], [0.0], [0.0]])
-    chosen = outcome_examples(
-        forecast, truth, np.zeros(6), first_window=0, windows=1, threshold=1.0
-    )
-    assert chosen == {"true positive": 2, "false positive": 3, "false negative": 4}
-
-
-def test_points_that_are_not_scored_are_no_examples():
-    truth = summaries([[0.0], [0.0]], [[5.0], [5.0]])
-    chosen = outcome_examples(
-        truth, truth, np.array([2.0, 0.0]), first_window=0, windows=1, threshold=1.0
-    )
-    assert chosen == {"true positive": 1}
-
-
-def test_outcomes_that_never_happen_are_left_out():
-    quiet = summaries([[0.0]], [[0.5]])
-    assert (
-        outcome_examples(quiet, quiet, np.zeros(1), first_window=0, windows=1, threshold=1.0) == {}
-    )
-
-
 STARTS = [3.0, 2.5, 2.0, 1.5, 1.0, 0.5]
-
-
-def test_example_event_has_the_horizon_nearest_to_the_wanted_one():
-    example = horizon_example(np.array([3.0, 1.5, 0.5, 0.4]), STARTS, 1.2)
-    assert example.event == 1
-    assert example.starts_lt == (3.0, 2.5, 2.0, 1.5)
-
-
-def test_example_has_failures_to_show_if_any_event_has():
-    # the first event was predicted at once: nothing led up to it
-    assert horizon_example(np.array([3.0, 0.5]), STARTS, 3.0).event == 1
-    assert horizon_example(np.array([3.0, 2.5]), STARTS, 3.0).starts_lt == (3.0,)
-
-
-def test_no_example_where_nothing_was_predicted():
-    assert horizon_example(np.array([0.4, 0.2]), STARTS, 1.0) is None
-    assert horizon_example(np.array([]), STARTS, 1.0) is None
 
 
 @pytest.mark.parametrize("drift", [0.0, 0.12, 0.3, 5.0])

@@ -1,5 +1,6 @@
 """What all rules share: the campaign, and what each rule depends on."""
 
+import os
 from pathlib import Path
 
 from burstcast_workflow.campaign import Campaign
@@ -17,10 +18,13 @@ NETWORK = f"{RESULTS}/{{case}}/N{{neurons}}/{{validation}}/seed{{seed}}"
 SCAN = f"{RESULTS}/{{case}}/N{{neurons}}/scan/seed{{seed}}"
 TABLES = f"{RESULTS}/tables"
 FIGURES = f"{RESULTS}/figures"
+PUBLISHED = os.path.relpath(
+    Path(workflow.basedir) / "resources" / "published_percentiles.csv"
+)
 
 
 wildcard_constraints:
-    case=r"[A-Za-z0-9_-]+",
+    case=r"[A-Za-z][A-Za-z0-9_.-]*",
     neurons=r"\d+",
     validation="SSV|RV",
     seed=r"\d+",
@@ -40,14 +44,18 @@ def code_of(name):
     def code(wildcards):
         case = wildcards.get("case")
         systems = [campaign.cases[case]["system"]] if case else []
-        return fingerprint(script, SOURCES, [f"burstcast.systems.{system}" for system in systems])
+        return fingerprint(
+            script, SOURCES, [f"burstcast.systems.{system}" for system in systems]
+        )
 
     return code
 
 
 def memory_of(name):
     """Memory that a rule asks for, in MiB; more at each retry."""
-    return lambda wildcards, attempt: memory_mib(name, campaign, dict(wildcards.items()), attempt)
+    return lambda wildcards, attempt: memory_mib(
+        name, campaign, dict(wildcards.items()), attempt
+    )
 
 
 def runtime_of(name):
@@ -72,10 +80,13 @@ def control_counts():
     return [f"{RESULTS}/{run.stem}.json" for run in campaign.control_runs]
 
 
-def time_unit(wildcards):
-    """The computed Lyapunov exponent, where it sets the unit of time."""
-    if campaign.steps_per_lyapunov_time(wildcards.case) is None:
-        return f"{RESULTS}/{wildcards.case}/lyapunov.json"
+def time_unit_of_case(case):
+    """The computed Lyapunov exponent of a case, where it sets the unit of time."""
+    if campaign.steps_per_lyapunov_time(case) is None:
+        return f"{RESULTS}/{case}/lyapunov.json"
     return []
 
-TABLE_NAMES = ["dataset", "hyperparameters", "classification", "horizon"]
+
+def time_unit(wildcards):
+    """The computed Lyapunov exponent of a job's case, where it sets the unit of time."""
+    return time_unit_of_case(wildcards.case)

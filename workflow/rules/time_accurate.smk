@@ -1,8 +1,7 @@
 """Time-accurate prediction: forecasts of the test set and prediction horizons of its events."""
 
+
 rule forecast:
-    message:
-        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: forecast the test set"
     input:
         network=f"{NETWORK}/network.nc",
         test_set=f"{RESULTS}/{{case}}/test_set.nc",
@@ -13,20 +12,20 @@ rule forecast:
         f"{RESULTS}/logs/forecast/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/forecast/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
-    params:
-        settings=settings_of("forecast"),
-        code=code_of("forecast"),
     threads: 1
     resources:
         mem_mb=memory_of("forecast"),
         runtime=runtime_of("forecast"),
+    params:
+        settings=settings_of("forecast"),
+        code=code_of("forecast"),
+    message:
+        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: forecast the test set"
     script:
         "../scripts/forecast.py"
 
 
 rule horizon:
-    message:
-        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: prediction horizons"
     input:
         network=f"{NETWORK}/network.nc",
         events=f"{RESULTS}/{{case}}/events.nc",
@@ -38,13 +37,43 @@ rule horizon:
         f"{RESULTS}/logs/horizon/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/horizon/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
-    params:
-        settings=settings_of("horizon"),
-        code=code_of("horizon"),
     threads: 1
     resources:
         mem_mb=memory_of("horizon"),
         runtime=runtime_of("horizon"),
+    params:
+        settings=settings_of("horizon"),
+        code=code_of("horizon"),
+    message:
+        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: prediction horizons"
     script:
         "../scripts/horizon.py"
 
+
+rule examples:
+    input:
+        ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
+        summary=f"{RESULTS}/{{case}}/dataset.json",
+        test_set=f"{RESULTS}/{{case}}/test_set.nc",
+        events=f"{RESULTS}/{{case}}/events.nc",
+        lyapunov=time_unit,
+        network=f"{NETWORK}/network.nc",
+        forecast=f"{NETWORK}/forecast.nc",
+        horizon=f"{NETWORK}/horizon.csv",
+    output:
+        examples=f"{NETWORK}/examples.nc",
+    log:
+        f"{RESULTS}/logs/examples/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/examples/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory_of("examples"),
+        runtime=runtime_of("examples"),
+    params:
+        settings=settings_of("examples"),
+        code=code_of("examples"),
+    message:
+        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: example forecasts"
+    script:
+        "../scripts/examples.py"

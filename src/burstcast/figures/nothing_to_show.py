@@ -1,0 +1,19 @@
+"""What stands for a figure whose content did not occur in a campaign."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.style import GREY, SINGLE_COLUMN, new_figure, styled
+
+
+@styled
+def nothing_to_show(reason: str) -> Figure:
+    """Say why there is no figure: a small campaign may lack what it would show.
+
+    Parameters
+    ----------
+    reason
+        One sentence.
+    """
+    figure = new_figure(SINGLE_COLUMN, 0.8, layout=None)
+    figure.text(0.5, 0.5, reason, ha="center", va="center", color=GREY)
+    return figure

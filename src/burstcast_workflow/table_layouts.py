@@ -1,0 +1,179 @@
+"""What the tables hold and how they are typeset: keys, metrics, captions, heads, formats."""
+
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+from burstcast.systems.base import DynamicalSystem
+from burstcast.tables import escape
+
+NETWORK_KEYS = ("case", "reynolds", "forecaster", "neurons", "validation")
+"""What tells the networks of a table apart, the seed left out."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What percentiles over networks are taken of.
+
+    Attributes
+    ----------
+    metrics
+        Columns of the table.
+    keys
+        Columns that tell rows of one network apart.
+    """
+
+    metrics: tuple[str, ...]
+    keys: tuple[str, ...] = ()
+
+
+SUMMARIES = {
+    "hyperparameters": Summary(("spectral_radius", "input_scaling", "tikhonov", "objective")),
+    "classification": Summary(("precision", "recall", "f_score"), ("prediction_time_lt",)),
+    "horizon": Summary(("mean_horizon_lt", "median_horizon_lt")),
+    "statistics": Summary(
+        (
+            "discarded_fraction",
+            "kantorovich",
+            "mean_log_error",
+            "nrmse_u",
+            "nrmse_uu",
+            "nrmse_uv",
+        )
+    ),
+    "control": Summary(
+        (
+            "exceedance_uncontrolled",
+            "exceedance_controlled",
+            "reduction",
+            "alarms",
+            "false_alarms",
+            "missed_events",
+            "unsuppressed_events",
+            "control_fraction",
+        ),
+        ("prediction_time_lt",),
+    ),
+}
+"""Tables with one row for each network, by name."""
+
+CAPTIONS = {
+    "data_generation_parameters": "Parameters used for data generation.",
+    "network_hyperparameters": (
+        "Echo state networks' hyperparameters. Multiple values indicate that the parameter is "
+        "optimised in the shown range."
+    ),
+    "dataset": (
+        "The ensembles: series, share that laminarises, extreme events, and leading Lyapunov "
+        r"exponent with its confidence interval ($\Lambda_p$: published)."
+    ),
+    "hyperparameters": "Hyperparameters of each network.",
+    "classification": "Precision, recall and F-score of each network.",
+    "classification_intervals": (
+        "Bootstrap confidence intervals of each network's precision, recall and F-score."
+    ),
+    "horizon": "Prediction horizon of extreme events of each network, averaged over the events.",
+    "statistics": "Long-term statistics of each network's flow, against those of the data.",
+    "control": "Control of extreme events by each network and by the reference forecasters.",
+}
+"""LaTeX, by table."""
+
+HEADS = {
+    "reynolds": r"$\mathrm{Re}$",
+    "neurons": "$N_r$",
+    "prediction_time_lt": "PT [LT]",
+    "p25": r"25\%",
+    "p50": r"50\%",
+    "p75": r"75\%",
+    "series_generated": "series",
+    "series_kept": "kept",
+    "laminarised_fraction": "laminarised",
+    "mean_kinetic_energy": r"$\overline{k}$",
+    "events_per_series": "events per series",
+    "lyapunov_exponent": r"$\Lambda$",
+    "lyapunov_exponent_low": r"$\Lambda_{\mathrm{low}}$",
+    "lyapunov_exponent_high": r"$\Lambda_{\mathrm{high}}$",
+    "lyapunov_exponent_paper": r"$\Lambda_p$",
+    "steps_per_lyapunov_time": "steps per LT",
+    "spectral_radius": r"$\rho$",
+    "input_scaling": r"$\sigma_{\mathrm{in}}$",
+    "tikhonov": r"$\beta$",
+    "objective": r"$\log_{10}$ MSE",
+    "true_positive": "TP",
+    "false_positive": "FP",
+    "false_negative": "FN",
+    "true_negative": "TN",
+    "f_score": "F-score",
+    "mean_horizon_lt": r"mean $\mathrm{PH}_{\mathrm{ee}}$ [LT]",
+    "median_horizon_lt": r"median $\mathrm{PH}_{\mathrm{ee}}$ [LT]",
+    "kantorovich": r"$\mathcal{K}$",
+    "mean_log_error": "MLE",
+    "nrmse_u": r"NRMSE of $\langle\overline{u}\rangle$",
+    "nrmse_uu": r"NRMSE of $\langle\overline{u^2}\rangle$",
+    "nrmse_uv": r"NRMSE of $\langle\overline{uv}\rangle$",
+    "exceedance_uncontrolled": r"$P(k \geq k_e)$",
+    "exceedance_controlled": r"$P(k \geq k_e)$, controlled",
+    "exceedance_free": r"$P(k \geq k_e)$, free",
+}
+"""LaTeX heads of columns and names of metrics; others show their name without underscores."""
+
+FORMATS = {
+    "laminarised_fraction": ".3f",
+    "mean_kinetic_energy": ".4f",
+    "events_per_series": ".2f",
+    "lyapunov_exponent": ".5f",
+    "lyapunov_exponent_low": ".5f",
+    "lyapunov_exponent_high": ".5f",
+    "lyapunov_exponent_paper": ".4f",
+    "spectral_radius": ".3f",
+    "input_scaling": ".3f",
+    "objective": ".3f",
+    "precision": ".3f",
+    "recall": ".3f",
+    "f_score": ".3f",
+    "low": ".3f",
+    "high": ".3f",
+    "mean_horizon_lt": ".2f",
+    "median_horizon_lt": ".2f",
+}
+"""Formats of columns; others show four significant digits."""
+
+
+PARAMETER_TABLES = ("data_generation_parameters", "network_hyperparameters")
+"""Tables whose text is LaTeX already."""
+
+
+def head(column: str) -> str:
+    """LaTeX head of a column, or name of a metric."""
+    return HEADS.get(column, escape(column.replace("_", " ")))
+
+
+_FLOW_PARAMETERS: tuple[tuple[str, str, str | float], ...] = (
+    ("L_x", "Length of the domain in the $x$-direction", "length_x"),
+    # the walls are at y = -1 and y = 1: the unit of length
+    ("L_y", "Length of the domain in the $y$-direction", 2.0),
+    ("L_z", "Length of the domain in the $z$-direction", "length_z"),
+    (r"\mathrm{Re}", "Reynolds number", "reynolds"),
+)
+
+
+def described_parameters(name: str, system: DynamicalSystem) -> list[list[Any]]:
+    """Symbol in LaTeX, explanation and value of each parameter of a system's equations.
+
+    Parameters
+    ----------
+    name
+        Of the system: the shear flow ``mfe`` has the paper's symbols, others their own names.
+    system
+        The system.
+    """
+    assert is_dataclass(system)
+    values = {field.name: getattr(system, field.name) for field in fields(system) if field.init}
+    if name == "mfe":
+        return [
+            [symbol, explanation, values[value] if isinstance(value, str) else value]
+            for symbol, explanation, value in _FLOW_PARAMETERS
+        ]
+    return [
+        [rf"\mathrm{{{escape(parameter)}}}", "Parameter of the equations", value]
+        for parameter, value in values.items()
+    ]

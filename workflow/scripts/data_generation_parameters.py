@@ -1,0 +1,19 @@
+"""Make the paper's table of the parameters of the data, for all cases."""
+
+from burstcast.tables import data_parameters, side_by_side
+from burstcast_workflow.job import run_job
+from burstcast_workflow.storage import read_json
+from burstcast_workflow.table_files import write_table
+
+
+def main(inputs, outputs, settings, provenance):
+    """Write one column of values for each case."""
+    tables = {
+        case: data_parameters(**parameters, series_kept=read_json(path)["series_kept"])
+        for (case, parameters), path in zip(settings["cases"], inputs.datasets, strict=True)
+    }
+    write_table(outputs.table, side_by_side(tables))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,14 @@
+"""Draw the procedure that yields the prediction horizon of an extreme event."""
+
+from burstcast.figures.horizon_schematic import horizon_schematic
+from burstcast_workflow.figure_files import write_figure
+from burstcast_workflow.job import run_job
+
+
+def main(inputs, outputs, settings, provenance):
+    """Draw it with the values of the configuration."""
+    write_figure(outputs, horizon_schematic(**settings))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,31 @@
+"""Draw a typical evolution of the observable and its density over all data."""
+
+import numpy as np
+
+from burstcast.figures.observable_and_density import observable_and_density
+from burstcast.statistics.densities import histogram
+from burstcast_workflow.figure_files import write_figure
+from burstcast_workflow.job import run_job
+from burstcast_workflow.storage import read_netcdf
+from burstcast_workflow.time_unit import steps_per_lyapunov_time
+
+
+def main(inputs, outputs, settings, provenance):
+    """Draw the first kept series and the histogram of all of them."""
+    observable = read_netcdf(inputs.ensemble, "observable")["observable"]
+    density = settings["density"]
+    counts = histogram(observable, np.linspace(*density["range"], density["bins"] + 1))
+    figure = observable_and_density(
+        np.arange(observable.shape[1]) / steps_per_lyapunov_time(settings, inputs.lyapunov),
+        observable[0],
+        counts.edges,
+        counts.density,
+        settings["event_threshold"],
+        symbol=settings["symbol"],
+        name=settings["observable_name"],
+    )
+    write_figure(outputs, figure)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there
