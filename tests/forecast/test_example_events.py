@@ -57,6 +57,7 @@ def test_the_event_with_the_wanted_peak_comes_first():
         bump(100, (5, 20, 10, 2.0)),  # no quiet stretch before
         bump(62, (20, 20, 20, 2.0)),  # none after
         bump(100, (20, 20, 6, 2.0), (48, 6, 6, 1.5)),  # another event too soon
+        bump(100, (33, 2, 3, 1.5), (40, 20, 10, 2.0)),  # or just before
         bump(200, (20, 70, 10, 2.0)),  # takes too long
         np.where(np.arange(100) == 44, 0.9, bump(100, (20, 20, 16, 2.0))),  # crosses twice
         bump(100)[:] + 2.0,  # above all the time
