@@ -18,6 +18,8 @@ NETWORK = f"{RESULTS}/{{case}}/N{{neurons}}/{{validation}}/seed{{seed}}"
 SCAN = f"{RESULTS}/{{case}}/N{{neurons}}/scan/seed{{seed}}"
 TABLES = f"{RESULTS}/tables"
 FIGURES = f"{RESULTS}/figures"
+EXAMPLE_CASE = f"{RESULTS}/{campaign.example.case}"
+EXAMPLE = f"{RESULTS}/{campaign.example.directory}"
 PUBLISHED = os.path.relpath(
     Path(workflow.basedir) / "resources" / "published_percentiles.csv"
 )
@@ -30,6 +32,8 @@ wildcard_constraints:
     seed=r"\d+",
     prediction_time=r"\d+(\.\d+)?",
     table="[a-z_]+",
+    # nothing for the case that figures show by default
+    of_case=r"(_[A-Za-z][A-Za-z0-9_.-]*)?",
 
 
 def settings_of(name):
@@ -90,3 +94,23 @@ def time_unit_of_case(case):
 def time_unit(wildcards):
     """The computed Lyapunov exponent of a job's case, where it sets the unit of time."""
     return time_unit_of_case(wildcards.case)
+
+
+def of_figure_case(name):
+    """The file called ``name`` of the case that a figure shows."""
+    return lambda wildcards: f"{RESULTS}/{campaign.case_of_figure(wildcards)}/{name}"
+
+
+def time_unit_of_figure(wildcards):
+    """The computed Lyapunov exponent of the case that a figure shows, where it is needed."""
+    return time_unit_of_case(campaign.case_of_figure(wildcards))
+
+
+def published():
+    """Published percentiles, where they are drawn on ours."""
+    return PUBLISHED if config["figures"]["published_overlay"] else []
+
+
+def labels_of_figure(name, case_of=campaign.case_of_figure):
+    """What the report calls a figure; ``case_of`` tells from the wildcards which case it shows."""
+    return lambda wildcards: {"figure": name, "case": case_of(wildcards)}

@@ -1,23 +1,5 @@
 """From all networks to the tables and figures."""
 
-EXAMPLE_CASE = f"{RESULTS}/{campaign.example.case}"
-EXAMPLE = f"{RESULTS}/{campaign.example.directory}"
-
-
-wildcard_constraints:
-    # nothing for the case that figures show by default
-    of_case=r"(_[A-Za-z][A-Za-z0-9_.-]*)?",
-
-
-def of_figure_case(name):
-    """The file called ``name`` of the case that a figure shows."""
-    return lambda wildcards: f"{RESULTS}/{campaign.case_of_figure(wildcards)}/{name}"
-
-
-def time_unit_of_figure(wildcards):
-    """The computed Lyapunov exponent of the case that a figure shows, where it is needed."""
-    return time_unit_of_case(campaign.case_of_figure(wildcards))
-
 
 def example_searches():
     """Search traces of the example's reservoir, one for each validation strategy."""
@@ -26,19 +8,6 @@ def example_searches():
         case=example.case, neurons=example.neurons, seed=example.seed
     )
     return of_networks("search.csv", networks)
-
-
-def published():
-    """Published percentiles, where they are drawn on ours."""
-    return PUBLISHED if config["figures"]["published_overlay"] else []
-
-
-def labels_of_figure(name):
-    """What the report calls a figure."""
-    return lambda wildcards: {
-        "figure": name,
-        "case": campaign.case_of_figure(wildcards),
-    }
 
 
 rule tables:
