@@ -1,10 +1,10 @@
 """Which solver for the ridge regression at beta = 1e-12? Five of them against QR of the states.
 
-    python benchmarks/solver_study.py results/paper/Re400/ensemble.nc [--neurons 1000] [--networks 10]
+    python benchmarks/solver_study.py results/paper/Re400/ensemble.nc --neurons 1000 --networks 10
 
 For each network: which factorisations fail, how far the weights are from those of QR of
-[R; sqrt(beta) I], and the objective of the Recycle Validation that they lead to. The results that we
-rely on are in docs/solver.md.
+[R; sqrt(beta) I], and the objective of the Recycle Validation that they lead to. The results that
+we rely on are in docs/solver.md.
 """
 
 import argparse
@@ -25,7 +25,7 @@ WASHOUT, INTERVAL, SERIES, INTERVALS = 30, 122, 3, 30
 def states_and_targets(dynamics, observed, input_range):
     """All states after the washout with their bias, ``(rows, neurons + 1)``, and their targets."""
     inputs = np.ascontiguousarray(observed[:, :-1].transpose(1, 2, 0)) / input_range[:, np.newaxis]
-    panels, targets, starts = [], [], []
+    panels, targets = [], []
     for panel in dynamics.state_panels(inputs, breakpoints=[WASHOUT - 1]):
         if panel.start >= WASHOUT - 1:
             panels.append(panel.columns)
@@ -66,9 +66,7 @@ def objective(dynamics, weights, states, observed, input_range):
     series = len(observed)
     errors = []
     starts = [WASHOUT + index * INTERVAL for index in range(INTERVALS)]
-    columns = [
-        (start - WASHOUT) * series + row for start in starts for row in range(SERIES)
-    ]
+    columns = [(start - WASHOUT) * series + row for start in starts for row in range(SERIES)]
     outputs, _ = dynamics.closed_loop(
         weights, input_range, np.ascontiguousarray(states[:, columns]), INTERVAL
     )
@@ -107,9 +105,7 @@ def main():
                 continue
             error = np.linalg.norm(weights - reference) / np.linalg.norm(reference)
             record["error"].append(error)
-            record["objective"].append(
-                objective(dynamics, weights, driven, observed, scales.range)
-            )
+            record["objective"].append(objective(dynamics, weights, driven, observed, scales.range))
         print(f"network {seed}: centred moments solved by {used}", flush=True)
     print(f"| solver ({arguments.neurons} neurons) | failures | weight error | objective |")
     print("|---|---|---|---|")

@@ -100,7 +100,7 @@ class Campaign:
         return None if value is None else float(value)
 
     def steps_per_lyapunov_time(self, case: str) -> int | None:
-        """Network steps in a Lyapunov time, where the config knows it; None where it is computed."""
+        """Network steps in a Lyapunov time if the config knows it; None where it is computed."""
         record = self.cases[case]
         exponent = record["lyapunov"]["published_exponent"]
         if record["lyapunov"]["time_unit"] == "computed" or exponent is None:
@@ -142,7 +142,9 @@ class Campaign:
             for prediction_time in self._control_times(network)
         ]
         if "random" in control["references"]:
-            runs += [ControlRun("random", run.case, run.prediction_time_lt, run.network) for run in runs]
+            runs += [
+                ControlRun("random", run.case, run.prediction_time_lt, run.network) for run in runs
+            ]
         if "equations" in control["references"]:
             runs += dict.fromkeys(
                 ControlRun("equations", run.case, run.prediction_time_lt, None) for run in runs

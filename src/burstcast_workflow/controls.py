@@ -18,6 +18,7 @@ from burstcast.dataset import component_scales, observe
 from burstcast.forecast.forecasters import EquationsForecaster, Forecaster
 from burstcast.systems.base import DynamicalSystem, FloatArray
 from burstcast.systems.registry import make_system
+from burstcast_workflow.statistics_files import bin_edges
 from burstcast_workflow.storage import (
     Variable,
     read_json,
@@ -149,11 +150,10 @@ class ControlSetting:
 
     def account(self, followed: ControlledFlows) -> Accounting:
         """Count what control achieved."""
-        density = self.settings["controlled_density"]
         return account(
             followed,
             self.settings["laminarisation_threshold"],
-            np.linspace(*density["range"], density["bins"] + 1),
+            bin_edges(self.settings["controlled_density"]),
         )
 
 
@@ -167,9 +167,7 @@ SCORES = (
 )
 
 
-def write_accounting(
-    outputs: Any, accounting: Accounting, provenance: Mapping[str, str]
-) -> None:
+def write_accounting(outputs: Any, accounting: Accounting, provenance: Mapping[str, str]) -> None:
     """Write the counts and scores as JSON, the histograms as NetCDF."""
     counts = {
         field.name: getattr(accounting, field.name)

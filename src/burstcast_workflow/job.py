@@ -21,10 +21,12 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
+from burstcast_workflow.cache import cached_job, location, through_cache
 from burstcast_workflow.canonical import canonical, canonical_json
 from burstcast_workflow.storage import remove_partial
 
@@ -79,7 +81,18 @@ def run_job(snakemake: Any, main: Main) -> None:
             for path in snakemake.output:
                 Path(path).parent.mkdir(parents=True, exist_ok=True)
                 remove_partial(path)
-            main(snakemake.input, snakemake.output, settings, provenance(snakemake.rule, settings))
+            compute = partial(
+                main,
+                snakemake.input,
+                snakemake.output,
+                settings,
+                provenance(snakemake.rule, settings),
+            )
+            directory = location()
+            if directory is None:
+                compute()
+            else:
+                through_cache(directory, cached_job(snakemake, settings), compute)
             logger.info("%s is done: %s", label, _cost(start))
         except Exception as error:
             traceback.print_exc()

@@ -15,8 +15,8 @@ from burstcast_workflow.storage import Variable, read_netcdf, write_netcdf
 
 def bin_edges(density: Mapping[str, Any]) -> FloatArray:
     """Edges of equal bins from the setting ``density`` of a case."""
-    edges: FloatArray = np.linspace(*density["range"], density["bins"] + 1)
-    return edges
+    low, high = density["range"]
+    return np.linspace(low, high, density["bins"] + 1)
 
 
 def write_statistics(

@@ -13,7 +13,6 @@ import pandas as pd
 
 from burstcast_workflow.storage import write_text
 
-
 KEYS = ("case", "reynolds", "forecaster", "neurons", "validation", "seed")
 """Columns that say what a row is about; a key that does not apply is empty."""
 

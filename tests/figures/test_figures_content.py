@@ -25,7 +25,6 @@ from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.control_density import control_density
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import horizon_evaluations
-from burstcast.figures.midplane_planes import representative_times
 from burstcast.figures.observable_and_density import observable_and_density
 from burstcast.figures.percentile_curves import nearest_value, select
 from burstcast.figures.prediction_examples import prediction_examples
@@ -156,17 +155,6 @@ def test_search_marks_the_best_point_and_refuses_what_is_not_finite() -> None:
 def test_search_of_one_strategy_has_two_panels_and_a_bar() -> None:
     trace = search_trace().query("validation == 'RV'")
     assert len(search_landscape(trace).axes) == 3
-
-
-def test_representative_times_follow_the_event() -> None:
-    signal = burst(TIME, 4.0)
-    build_up, crossing, peak, collapsed = representative_times(signal, THRESHOLD)
-    assert build_up < crossing < peak < collapsed
-    assert signal[crossing - 1] < THRESHOLD <= signal[crossing]
-    assert signal[peak] == signal.max()
-    assert signal[collapsed] < 0.5 * signal[peak] <= signal[collapsed - 1]
-    with pytest.raises(ValueError, match="no event"):
-        representative_times(np.full(10, 0.05), THRESHOLD)
 
 
 def test_isosurfaces_follow_the_field() -> None:

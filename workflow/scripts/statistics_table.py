@@ -28,9 +28,7 @@ def main(inputs, outputs, settings, provenance):
         for split, row in enumerate(read_table(floor).to_dict("records")):
             rows.append({**keys, "forecaster": "floor", "seed": split, **row})
     for keys, path in zip(settings["networks"], inputs.climates, strict=True):
-        measures = compare(
-            references[keys["case"]], read_statistics(path), matrices[keys["case"]]
-        )
+        measures = compare(references[keys["case"]], read_statistics(path), matrices[keys["case"]])
         discarded = float((read_netcdf(path, "fate")["fate"] != Fate.KEPT).mean())
         rows.append({**keys, "discarded_fraction": discarded, **vars(measures)})
     table = keyed_table(rows)

@@ -13,6 +13,7 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import Moments, MomentsAccumulator, Readout, solve_ridge
 from burstcast.systems.base import FloatArray
 
+
 @dataclass(frozen=True)
 class TrainingSeries:
     """Series to learn from.
@@ -43,7 +44,7 @@ class TrainingSeries:
 class Collected:
     """What an open loop over the training series leaves behind.
 
-    The state at step j has seen the inputs up to step j - 1 and is paired with the target of step j.
+    The state at step j has seen the inputs up to step j - 1; its target is the data of step j.
 
     Attributes
     ----------

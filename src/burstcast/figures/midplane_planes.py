@@ -1,6 +1,5 @@
 """Streamwise velocity in the midplane during an event: data, network and their difference."""
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.planes import (
@@ -88,38 +87,3 @@ def midplane_planes(
     for row, axes in enumerate(panels[:, 0]):
         axes.set_title(f"({chr(ord('b') + row)})", loc="left")
     return figure
-
-
-def representative_times(observable: FloatArray, threshold: float) -> list[int]:
-    """Four instants of an event: its build-up twice, its peak and the state after the collapse.
-
-    Parameters
-    ----------
-    observable
-        Around one event, ``(time,)``; it should exceed the threshold somewhere.
-    threshold
-        Event threshold.
-
-    Returns
-    -------
-    list of int
-        Increasing indices: half-way from the crossing back to the last minimum, the crossing,
-        the peak, and the first time after the peak that the observable is back below half its
-        peak.
-
-    Raises
-    ------
-    ValueError
-        If there is no event.
-    """
-    above = np.flatnonzero(observable >= threshold)
-    if above.size == 0:
-        raise ValueError("the observable stays below the threshold: there is no event to show")
-    crossing = int(above[0])
-    start = int(observable[: crossing + 1].argmin())
-    calm = np.flatnonzero(observable[crossing:] < threshold)
-    end = crossing + int(calm[0]) if calm.size else len(observable)
-    peak = crossing + int(observable[crossing:end].argmax())
-    after = np.flatnonzero(observable[peak:] < 0.5 * observable[peak])
-    collapsed = peak + int(after[0]) if after.size else len(observable) - 1
-    return [(start + crossing) // 2, crossing, peak, collapsed]

@@ -44,8 +44,7 @@ class Forecaster(abc.ABC):
 
     def diverged(self, outputs: FloatArray) -> npt.NDArray[np.bool_]:
         """Tell which forecasts ``(steps, dimension, batch)`` have left the finite numbers."""
-        finite: npt.NDArray[np.bool_] = np.isfinite(outputs).all(axis=(0, 1))
-        return ~finite
+        return np.asarray(~np.isfinite(outputs).all(axis=(0, 1)))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from burstcast.forecast.forecasters import Forecaster
 from burstcast.systems.base import FloatArray
 
 STEPS_BETWEEN_CHECKS = 16
-"""Forecast steps between two looks at which forecasts are decided: costs time, changes no result."""
+"""Forecast steps between two looks at which forecasts are decided: changes no result."""
 
 EVENTS_PER_BATCH = 512
 """Forecasts that run side by side: bounds the memory, changes no result."""
@@ -113,7 +113,9 @@ def accurate_steps(
     for start in range(0, steps, STEPS_BETWEEN_CHECKS):
         chunk = min(STEPS_BETWEEN_CHECKS, steps - start)
         outputs, memory = forecaster.advance(memory, chunk)
-        error = np.abs(observable(outputs.transpose(1, 0, 2)) - truth[start : start + chunk, running])
+        error = np.abs(
+            observable(outputs.transpose(1, 0, 2)) - truth[start : start + chunk, running]
+        )
         # a forecast that is no longer finite has left the tolerance, too
         lost = ~(error < tolerance)
         failed = lost.any(axis=0)

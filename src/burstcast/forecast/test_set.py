@@ -113,4 +113,7 @@ def segments(series: FloatArray, points: SeriesPoints, before: int, after: int) 
     if len(points) and (points.step.min() < before or points.step.max() + after >= series.shape[1]):
         raise IndexError("a segment reaches beyond its series")
     window = np.arange(-before, after + 1)
-    return series[points.series[:, np.newaxis], points.step[:, np.newaxis] + window]
+    stretches: FloatArray = series[
+        points.series[:, np.newaxis], points.step[:, np.newaxis] + window
+    ]
+    return stretches

@@ -7,6 +7,7 @@ threshold is. Neighbouring windows share their common step.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -26,8 +27,8 @@ class WindowSummaries:
     Attributes
     ----------
     first
-        Observable at the window's first step, ``(points, windows)``; not a number where the forecast
-        has diverged.
+        Observable at the window's first step, ``(points, windows)``; not a number where the
+        forecast has diverged.
     largest
         Largest observable in the window, both ends included, ``(points, windows)``; likewise.
     """
@@ -69,7 +70,7 @@ def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSumm
     boundaries
         Of the windows (`window_boundaries`).
     """
-    pairs = list(zip(boundaries[:-1], boundaries[1:], strict=True))
+    pairs = list(pairwise(boundaries))
     return WindowSummaries(
         first=np.stack([observable[start - 1] for start, _ in pairs], axis=1),
         largest=np.stack([observable[start - 1 : end].max(axis=0) for start, end in pairs], axis=1),
@@ -100,10 +101,9 @@ def crosses(
     span = slice(first_window, first_window + windows)
     if first_window < 0 or first_window + windows > summaries.first.shape[1]:
         raise IndexError("the prediction window reaches beyond the forecast")
-    below_at_first: npt.NDArray[np.bool_] = (
-        summaries.first[:, first_window] < threshold
-    )
-    return below_at_first & (summaries.largest[:, span].max(axis=1) >= threshold)
+    below_at_first = summaries.first[:, first_window] < threshold
+    above_later = summaries.largest[:, span].max(axis=1) >= threshold
+    return np.asarray(below_at_first & above_later)
 
 
 def forecast_summaries(

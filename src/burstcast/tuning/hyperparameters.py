@@ -46,10 +46,12 @@ class SearchSpace:
         for name in ("spectral_radius", "input_scaling"):
             low, high = getattr(self, name)
             if not 0 < low < high:
-                raise ValueError(f"search.{name} must be positive and increasing, not {low}, {high}")
+                raise ValueError(
+                    f"search.{name} must be positive and increasing, not {low}, {high}"
+                )
 
     def grid(self, points: int) -> list[HyperparameterPoint]:
-        """Regular grid of ``points`` x ``points`` in logarithmic scale that includes the corners."""
+        """Regular grid of ``points`` x ``points`` in logarithmic scale, corners included."""
         return [
             HyperparameterPoint(float(rho), float(sigma))
             for rho, sigma in itertools.product(

@@ -1,7 +1,8 @@
 """Search for the spectral radius and the input scaling: a grid, then Bayesian optimisation.
 
-Source: section "Validation" of the paper: a 4 x 4 grid in logarithmic scale, then nine points chosen
-by gp_hedge (Hoffman et al., 2011). The Tikhonov parameter is the best of its own grid at each point.
+Source: section "Validation" of the paper: a 4 x 4 grid in logarithmic scale, then nine points
+chosen by gp_hedge (Hoffman et al., 2011). The Tikhonov parameter is the best of its own grid at
+each point.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,6 +14,7 @@ from skopt.learning.gaussian_process.kernels import ConstantKernel, Matern
 from skopt.space import Real
 
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
+
 
 def bayesian_search(
     space: SearchSpace,
