@@ -1,8 +1,9 @@
-"""Files of the workflow: NetCDF, JSON, text and figures, written whole or not at all.
+"""Files of the workflow: NetCDF, JSON and text, written whole or not at all.
 
 A file is written under a temporary name beside its final one, flushed to the disk and renamed, so
 that a job that dies leaves nothing that looks finished. Nothing in a file depends on the time, the
-machine or the path: equal content is equal bits. Tables are in `burstcast_workflow.table_files`.
+machine or the path: equal content is equal bits. Tables are in `burstcast_workflow.table_files`,
+figures in `burstcast_workflow.figure_files`.
 """
 
 import json
@@ -11,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -259,37 +260,3 @@ def write_json(path: str | Path, record: Any) -> None:
 def read_json(path: str | Path) -> Any:
     """Read a JSON file."""
     return json.loads(Path(path).read_bytes())
-
-
-class Figure(Protocol):
-    """What is needed of a `matplotlib.figure.Figure`."""
-
-    def savefig(self, fname: Any, **options: Any) -> None:
-        """Write the figure to a file."""
-
-
-# what matplotlib would write by itself: times and its own version
-_METADATA: dict[str, dict[str, None]] = {
-    ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
-    ".png": {"Software": None},
-}
-
-
-def write_figure(path: str | Path, figure: Figure, resolution: float = 300.0) -> None:
-    """Write a figure as PDF or PNG, as the suffix of the path says.
-
-    Parameters
-    ----------
-    resolution
-        In dots per inch.
-
-    Raises
-    ------
-    ValueError
-        If the suffix is another.
-    """
-    suffix = Path(path).suffix
-    if suffix not in _METADATA:
-        raise ValueError(f"{path}: figures are written as {' or '.join(_METADATA)}")
-    with atomic(path) as partial, partial.open("wb") as file:
-        figure.savefig(file, format=suffix[1:], dpi=resolution, metadata=_METADATA[suffix])

@@ -7,7 +7,6 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from burstcast_workflow import storage
 from burstcast_workflow.storage import (
@@ -16,7 +15,6 @@ from burstcast_workflow.storage import (
     read_json,
     read_netcdf,
     read_rows,
-    write_figure,
     write_json,
     write_netcdf,
     write_text,
@@ -187,23 +185,6 @@ def test_json_refuses_what_it_cannot_say(tmp_path, value, error):
     with pytest.raises(error, match=r"record\.json"):
         write_json(tmp_path / "record.json", {"a": [value]})
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(("suffix", "magic"), [("pdf", b"%PDF"), ("png", b"\x89PNG")])
-def test_figures_are_the_same_bits_every_time(tmp_path, suffix, magic):
-    for name in ("first", "second"):
-        figure = Figure(figsize=(2, 1))
-        figure.add_subplot().plot([0, 1], [0, 1], label="k")
-        write_figure(tmp_path / f"{name}.{suffix}", figure, resolution=50)
-        time.sleep(1.1 if suffix == "pdf" and name == "first" else 0)
-    first = (tmp_path / f"first.{suffix}").read_bytes()
-    assert first.startswith(magic)
-    assert first == (tmp_path / f"second.{suffix}").read_bytes()
-
-
-def test_figures_of_other_formats_are_refused(tmp_path):
-    with pytest.raises(ValueError, match=r"\.pdf or \.png"):
-        write_figure(tmp_path / "figure.jpg", Figure())
 
 
 def test_storage_does_not_load_pandas_or_matplotlib():

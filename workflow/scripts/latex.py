@@ -17,6 +17,8 @@ def main(inputs, outputs, settings, provenance):
     verbatim = []
     if name in PARAMETER_TABLES:
         verbatim = list(table.columns)
+        # some parameters have no symbol
+        table["Parameter"] = table["Parameter"].fillna("")
     elif "metric" in table:
         table["metric"] = table["metric"].map(head)
         verbatim = ["metric"]

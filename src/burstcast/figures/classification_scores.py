@@ -136,10 +136,13 @@ def _finish(
     lowest = min(panel.dataLim.y0 for panel in panels.flat)
     panels[0, 0].set_ylim(max(0.0, np.floor(10 * lowest) / 10), 1.02)
     heads = [f"{neurons:g} neurons", f"PT = {prediction_time:g} LT", f"{sizes_validation}"]
-    handles, _ = panels[0, 0].get_legend_handles_labels()
+    # a metric that is undefined everywhere leaves its panel without curves
+    drawn = [panel.get_legend_handles_labels() for panel in panels[:, 0]]
+    entries = {label: handle for panel in drawn for handle, label in zip(*panel, strict=True)}
+    handles = list(entries.values())
     if has_published:
         handles.append(published_handle())
-    panels[2, 0].legend(handles=handles, loc="lower left")
+    panels[2, 0].legend(handles=handles, loc="best")
     for column in range(panels.shape[1]):
         panels[2, column].set_xlabel(NEURONS_LABEL if column == 1 else PREDICTION_TIME_LABEL)
         panels[0, column].set_title(heads[column], loc="center")
@@ -152,5 +155,5 @@ def _finish(
             panels[0, 1].set_xticks(sizes, [f"{size:g}" for size in sizes], rotation=0)
             for index, label in enumerate(panels[2, 1].get_xticklabels()):
                 label.set_visible(index % 2 == 1)
-        panels[2, 2].legend(title="neurons", loc="lower left", ncols=2 if len(sizes) > 3 else 1)
+        panels[2, 2].legend(title="neurons", loc="best", ncols=2 if len(sizes) > 3 else 1)
     letter_panels(list(panels.flat))

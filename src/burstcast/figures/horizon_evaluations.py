@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.style import (
@@ -57,7 +58,8 @@ def horizon_evaluations(
     Parameters
     ----------
     time_lt, true
-        Observable around the event, ``(time,)``; the event is at time 0.
+        Observable around the event, ``(time,)``; the event is at time 0. NaN beyond the end of the
+        series.
     evaluations
         In the order in which they are made.
     threshold
@@ -94,7 +96,7 @@ def horizon_evaluations(
             label=rf"${symbol}_{{\mathrm{{ESN}}}}$",
             **NETWORK,
         )
-        draw_threshold(panel, threshold, f"${symbol}_e$")
+        draw_threshold(panel, threshold, f"${symbol}_e$", at_left=True)
         panel.axvline(0, **WINDOW)
         panel.axvline(-evaluation.start_lt, color=NETWORK["color"], linewidth=0.6, linestyle=":")
         predicted = evaluation.horizon_lt >= evaluation.start_lt
@@ -119,7 +121,7 @@ def horizon_evaluations(
     for panel in panels[len(evaluations) :]:
         panel.set_axis_off()
     panels[0].set_xlim(float(time_lt[0]), float(time_lt[-1]))
-    panels[0].set_ylim(0, 1.08 * float((true + allowed_error).max()))
+    panels[0].set_ylim(0, 1.08 * float(np.nanmax(true + allowed_error)))
     for panel in panels[: len(evaluations)][-2:]:
         panel.set_xlabel(r"$t - t^{(e)}$ [LT]")
         panel.xaxis.set_tick_params(labelbottom=True)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.style import (
@@ -30,7 +31,8 @@ class PredictionExample:
     time_lt
         ``(time,)``; the forecast starts at 0.
     true, forecast
-        Observable, ``(time,)``; the forecast may be NaN where there is none.
+        Observable, ``(time,)``; NaN where there is none: before the forecast, or where the series
+        has not begun.
     """
 
     outcome: str
@@ -83,7 +85,7 @@ def prediction_examples(
         panel.set_xlim(example.time_lt[0], example.time_lt[-1])
         panel.set_xlabel("Time [LT]")
         panel.set_title(f"({chr(ord('a') + index)}) {example.outcome}", loc="left")
-    panels[0].set_ylim(0, 1.08 * max(float(example.true.max()) for example in examples))
+    panels[0].set_ylim(0, 1.08 * max(float(np.nanmax(example.true)) for example in examples))
     panels[0].set_ylabel(observable_label(symbol))
     panels[0].legend(loc="upper left")
     return figure

@@ -1,5 +1,6 @@
 """How a forecast is made and scored: washout, closed loop, prediction time, window."""
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -80,7 +81,7 @@ def prediction_schematic(
     ----------
     time_lt, true, forecast
         ``(time,)``; the forecast starts at 0 and is NaN before. Time should begin before the
-        washout does.
+        washout does; the truth is NaN where the series has not begun.
     threshold
         Event threshold.
     prediction_time_lt, washout_lt, window_lt
@@ -90,7 +91,7 @@ def prediction_schematic(
     """
     figure = new_figure(DOUBLE_COLUMN, 2.5)
     axes = figure.subplots()
-    top = float(true.max())
+    top = float(np.nanmax(true))
     window = (prediction_time_lt, prediction_time_lt + window_lt)
     axes.axvspan(*window, color=LIGHT_GREY, alpha=0.55, linewidth=0, zorder=0.5)
     for edge in window:

@@ -49,6 +49,7 @@ def search_landscape(trace: pd.DataFrame) -> Figure:
         1, len(validations) + 1, squeeze=False, width_ratios=[*[1.0] * len(validations), 0.95]
     )[0]
     progress = panels[-1]
+    highest_end = -np.inf
     for panel, validation in zip(panels, validations, strict=False):
         points = trace[trace["validation"] == validation].reset_index(drop=True)
         if len(points) < 3:
@@ -59,6 +60,7 @@ def search_landscape(trace: pd.DataFrame) -> Figure:
         best = np.minimum.accumulate(points["objective"].to_numpy(dtype=np.float64))
         number = np.arange(1, len(points) + 1)
         progress.plot(number, best, drawstyle="steps-post", label=validation, **style)
+        highest_end = max(highest_end, float(best[-1]))
     panels[0].set_ylabel(r"Spectral radius, $\rho$")
     grid_points = int((trace["source"] == "grid").sum()) // len(validations)
     progress.axvline(grid_points + 0.5, color="0.5", linewidth=0.6, linestyle=":")
@@ -81,7 +83,8 @@ def search_landscape(trace: pd.DataFrame) -> Figure:
         va="top",
     )
     low, high = progress.get_ylim()
-    progress.set_ylim(low, high + 0.12 * (high - low))
+    # Room for the words, and above the ends of the curves for the legend.
+    progress.set_ylim(low, max(high + 0.12 * (high - low), low + (highest_end - low) / 0.66))
     progress.set_xlabel("Points evaluated")
     progress.set_ylabel(r"Best objective, $\log_{10}$ MSE")
     progress.legend(loc="upper right", bbox_to_anchor=(1.0, 0.9))

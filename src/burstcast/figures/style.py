@@ -18,6 +18,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 FloatArray = npt.NDArray[np.float64]
 P = ParamSpec("P")
@@ -217,19 +218,24 @@ def true_runs(condition: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
     return [(int(first), int(last) - 1) for first, last in edges.reshape(-1, 2)]
 
 
-def draw_threshold(axes: Axes, threshold: float, label: str | None = None) -> None:
-    """Draw the event threshold as a horizontal line, with its symbol at the right end."""
+def draw_threshold(
+    axes: Axes, threshold: float, label: str | None = None, *, at_left: bool = False
+) -> None:
+    """Draw the event threshold as a horizontal line, with its symbol at one of its ends."""
     axes.axhline(threshold, zorder=1.5, **THRESHOLD)
     if label is not None:
         axes.annotate(
             label,
-            (1, threshold),
-            (-3, 1.5),
+            (0 if at_left else 1, threshold),
+            (3 if at_left else -3, 1.5),
             axes.get_yaxis_transform(),
             "offset points",
-            ha="right",
+            ha="left" if at_left else "right",
             va="bottom",
             color=GREY,
+            # legible where a curve passes behind it
+            path_effects=[withStroke(linewidth=2.0, foreground="white")],
+            zorder=5,
         )
 
 
