@@ -19,6 +19,7 @@ from burstcast.figures.horizon_schematic import horizon_schematic
 from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.midplane_planes import midplane_planes
 from burstcast.figures.network_schematic import network_schematic
+from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.figures.observable_and_density import observable_and_density
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.figures.prediction_schematic import prediction_schematic
@@ -175,6 +176,7 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         [2.0, 3.0],
     ),
     "search_landscape": lambda: search_landscape(search_trace()),
+    "nothing_to_show": lambda: nothing_to_show("No event was predicted from any start."),
     "network_schematic": lambda: network_schematic(
         inputs=9,
         neurons=2000,
