@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from burstcast import durations
+from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast_workflow.canonical import canonical
 from burstcast_workflow.table_layouts import NETWORK_KEYS, SUMMARIES, described_parameters
@@ -345,6 +346,97 @@ class Campaign:
             "profile_points": self.config["statistics"]["profile_points"],
         }
 
+    def has_flow(self, case: str) -> bool:
+        """Whether a case is a flow: its state, the amplitudes of velocity modes."""
+        return flow_modes(make_system(**self._named_system(case))) is not None
+
+    def statistics_candidates(self, case: str) -> tuple[Network, ...]:
+        """Networks of a case, the best of which stands for all where only one can be shown."""
+        networks = [
+            network
+            for network in self.climate_networks
+            if network.case == case and network.neurons == self.config["figures"]["fixed_neurons"]
+        ]
+        example = self.config["figures"]["example_validation"]
+        strategies = {network.validation for network in networks}
+        shown = example if example in strategies else min(strategies, default=example)
+        return tuple(network for network in networks if network.validation == shown)
+
+    @property
+    def statistics_figures(self) -> tuple[str, ...]:
+        """Names of the figures of long-term statistics, of the flow and of its statistics."""
+        names = []
+        # the example's case comes first, and has the plain names
+        for case in dict.fromkeys([self.example.case, *self.case_names]):
+            suffix = "" if case == self.example.case else f"_{case}"
+            if self.statistics_candidates(case):
+                names.append(f"energy_density{suffix}")
+                if self.has_flow(case):
+                    names += [f"profile_errors{suffix}", f"midplane_mean_square{suffix}"]
+        if self.has_flow(self.example.case):
+            names += ["midplane_planes", "vorticity_isosurfaces"]
+        return tuple(names)
+
+    def _flow_event(self, wildcards: Mapping[str, str]) -> Settings:
+        case = wildcards["case"]
+        return {
+            **self._system(case),
+            **self._time(case),
+            **self._observation(case),
+            **_pick(self.cases[case], "event_threshold", "test_series"),
+            **_pick(self.config["network"], "kernel", "washout_lt"),
+            "tolerance": self.config["horizon"]["tolerance"],
+            "flow_event": self.config["figures"]["flow_event"],
+        }
+
+    def _figure_energy_density(self, wildcards: Mapping[str, str]) -> Settings:
+        case = self.case_of_figure(wildcards)
+        return {
+            **self._statistics_figure(case),
+            **self._labels(case),
+            "event_threshold": self.cases[case]["event_threshold"],
+        }
+
+    def _figure_profile_errors(self, wildcards: Mapping[str, str]) -> Settings:
+        case = self.case_of_figure(wildcards)
+        return {
+            **self._statistics_figure(case),
+            **self._system(case),
+            "profile_points": self.config["statistics"]["profile_points"],
+        }
+
+    def _statistics_figure(self, case: str) -> Settings:
+        return {
+            "case": case,
+            "reynolds": self.reynolds(case),
+            "networks": self.keys(self.statistics_candidates(case)),
+            "published_overlay": self.config["figures"]["published_overlay"],
+        }
+
+    def _figure_midplane_mean_square(self, wildcards: Mapping[str, str]) -> Settings:
+        case = self.case_of_figure(wildcards)
+        return {
+            **self._flow_field(case),
+            "networks": self.keys(self.statistics_candidates(case)),
+        }
+
+    def _figure_midplane_planes(self, wildcards: Mapping[str, str]) -> Settings:
+        case = self.example.case
+        return {
+            **self._flow_field(case),
+            **self._symbol(case),
+            "event_threshold": self.cases[case]["event_threshold"],
+        }
+
+    def _figure_vorticity_isosurfaces(self, wildcards: Mapping[str, str]) -> Settings:
+        return {
+            **self._flow_field(self.example.case),
+            **_pick(self.config["figures"], "isosurface_level"),
+        }
+
+    def _flow_field(self, case: str) -> Settings:
+        return {**self._system(case), **_pick(self.config["figures"], "flow_points")}
+
     # -- control -----------------------------------------------------------------------------------
 
     def _control_equations(self, wildcards: Mapping[str, str]) -> Settings:
@@ -397,6 +489,125 @@ class Campaign:
             "neurons": None,
             "validation": None,
             "seed": None,
+        }
+
+    @cached_property
+    def control_example(self) -> ControlRun | None:
+        """Run of control that the figures of one event are taken from; None if there is none.
+
+        The example's network, or else the first one that controls so far ahead.
+        """
+        time = self.config["figures"]["control_prediction_time_lt"]
+        runs = [
+            run
+            for run in self.control_runs
+            if run.forecaster == "esn" and run.prediction_time_lt == time
+        ]
+        return next((run for run in runs if run.network == self.example), next(iter(runs), None))
+
+    @property
+    def controlled_cases(self) -> tuple[str, ...]:
+        """Cases that networks control; that of the example is the first if it is one of them."""
+        cases = [run.case for run in self.control_runs if run.forecaster == "esn"]
+        return tuple(sorted(dict.fromkeys(cases), key=lambda case: case != self.example.case))
+
+    @property
+    def control_figures(self) -> tuple[str, ...]:
+        """Names of the figures of control."""
+        names = []
+        if self.control_example is not None:
+            names.append("control_schematic")
+            if self.has_flow(self.control_example.case):
+                names.append("suppressed_event")
+        shown: list[str] = []
+        for index, case in enumerate(self.controlled_cases):
+            suffix = f"_{case}" if index else ""
+            names.append(f"control_tradeoff{suffix}")
+            # one figure for all cases of one system
+            if case not in shown:
+                names.append(f"control_density{suffix}")
+                shown += self._cases_like(case)
+        return tuple(names)
+
+    def case_of_control_figure(self, wildcards: Mapping[str, str]) -> str:
+        """Case that a figure of control shows: the one its name ends in, or else the first one."""
+        return wildcards.get("of_case", "").removeprefix("_") or self.controlled_cases[0]
+
+    def _cases_like(self, case: str) -> list[str]:
+        """Controlled cases of the same system, that case included."""
+        system = self.cases[case]["system"]
+        return [other for other in self.controlled_cases if self.cases[other]["system"] == system]
+
+    def _control_kind(self, case: str) -> tuple[int, str]:
+        """Size and validation strategy that the figures of control show for a case."""
+        example = self.example
+        networks = [run.network for run in self.control_runs if run.case == case and run.network]
+        kinds = list(dict.fromkeys((network.neurons, network.validation) for network in networks))
+        wanted = (self.config["figures"]["fixed_neurons"], example.validation)
+        return wanted if wanted in kinds else kinds[0]
+
+    def density_runs(self, wildcards: Mapping[str, str]) -> tuple[ControlRun, ...]:
+        """Runs of control that a figure of densities shows: networks of one kind for each case."""
+        times = self.config["control"]["prediction_times_lt"]
+        return tuple(
+            run
+            for case in self._cases_like(self.case_of_control_figure(wildcards))
+            for run in self.control_runs
+            if run.case == case
+            and run.forecaster == "esn"
+            and run.network is not None
+            and (run.network.neurons, run.network.validation) == self._control_kind(case)
+            and run.prediction_time_lt in times
+        )
+
+    def _suppressed_event(self, wildcards: Mapping[str, str]) -> Settings:
+        time = self.config["figures"]["control_prediction_time_lt"]
+        return self._control({**wildcards, "prediction_time": str(time)})
+
+    def _figure_control_schematic(self, wildcards: Mapping[str, str]) -> Settings:
+        assert self.control_example is not None
+        case = self.control_example.case
+        actuation = self.cases[case]["actuation"]
+        return {
+            **self._symbol(case),
+            "event_threshold": self.cases[case]["event_threshold"],
+            "prediction_time_lt": self.control_example.prediction_time_lt,
+            "window_lt": self.config["control"]["window_lt"],
+            "actuation": _pick(actuation, "parameters", "force"),
+        }
+
+    def _figure_suppressed_event(self, wildcards: Mapping[str, str]) -> Settings:
+        assert self.control_example is not None
+        case = self.control_example.case
+        return {
+            **self._flow_field(case),
+            **self._symbol(case),
+            "event_threshold": self.cases[case]["event_threshold"],
+        }
+
+    def _figure_control_density(self, wildcards: Mapping[str, str]) -> Settings:
+        runs = self.density_runs(wildcards)
+        return {
+            **self._labels(self.case_of_control_figure(wildcards)),
+            "runs": [
+                {
+                    "case": run.case,
+                    "reynolds": self.reynolds(run.case),
+                    "event_threshold": self.cases[run.case]["event_threshold"],
+                    "prediction_time_lt": run.prediction_time_lt,
+                }
+                for run in runs
+            ],
+        }
+
+    def _figure_control_tradeoff(self, wildcards: Mapping[str, str]) -> Settings:
+        case = self.case_of_control_figure(wildcards)
+        neurons, validation = self._control_kind(case)
+        return {
+            **self._symbol(case),
+            "case": case,
+            "neurons": neurons,
+            "validation": validation,
         }
 
     # -- tables ------------------------------------------------------------------------------------
@@ -496,7 +707,7 @@ class Campaign:
             for case in others
             if len({network.neurons for network in self.select(case=case)}) > 1
         ]
-        return tuple(names)
+        return (*names, *self.statistics_figures, *self.control_figures)
 
     @property
     def _reynolds_cases(self) -> tuple[str, ...]:

@@ -153,11 +153,17 @@ def _figures(config: Mapping[str, Any]) -> Iterator[str]:
     for time in figures["reynolds_prediction_times_lt"]:
         if time not in times:
             yield _not_a_prediction_time("reynolds_prediction_times_lt has", time, times)
+    control = config["control"]
+    time, times = figures["control_prediction_time_lt"], control["prediction_times_lt"]
+    if control["validation"] and times and time not in times:
+        yield _not_a_prediction_time("control_prediction_time_lt is", time, times, "control")
 
 
-def _not_a_prediction_time(setting: str, time: float, times: list[float]) -> str:
+def _not_a_prediction_time(
+    setting: str, time: float, times: list[float], stage: str = "classification"
+) -> str:
     return (
-        f"figures.{setting} {time}; it must be one of classification.prediction_times_lt: "
+        f"figures.{setting} {time}; it must be one of {stage}.prediction_times_lt: "
         f"{', '.join(map(str, times))}"
     )
 

@@ -216,7 +216,13 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     ),
     "vorticity_isosurfaces": _vorticity,
     "control_schematic": lambda: control_schematic(
-        TIME - 1.0, burst(TIME, 5.0), 0.3 * burst(TIME, 5.0), THRESHOLD, 2.0, (1.0, 2.5)
+        TIME - 1.0,
+        burst(TIME, 5.0),
+        0.3 * burst(TIME, 5.0),
+        np.where((TIME >= 1) & (TIME <= 4), 0.9 * burst(TIME, 5.0), np.nan),
+        THRESHOLD,
+        2.0,
+        (1.0, 2.5),
     ),
     "suppressed_event": lambda: suppressed_event(
         TIME,
@@ -231,12 +237,17 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         THRESHOLD,
     ),
     "control_density": lambda: control_density(
-        EDGES,
         [
-            ControlledDensity(f"Re = {re}", DENSITY, {1.0: 0.5 * DENSITY, 2.0: 0.7 * DENSITY})
+            ControlledDensity(
+                f"Re = {re}",
+                EDGES,
+                THRESHOLD,
+                DENSITY,
+                {1.0: 0.5 * DENSITY, 2.0: 0.7 * DENSITY},
+                {1.0: 0.4 * DENSITY, 2.0: 0.6 * DENSITY},
+            )
             for re in (400, 600, 800, 1000)
         ],
-        THRESHOLD,
     ),
     "control_tradeoff": lambda: control_tradeoff(control_rows()),
 }

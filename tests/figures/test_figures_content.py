@@ -181,7 +181,7 @@ def test_nothing_to_draw_is_an_error() -> None:
     with pytest.raises(ValueError, match="no evaluation"):
         horizon_evaluations(TIME, TIME, [], THRESHOLD, 0.01)
     with pytest.raises(ValueError, match="no case"):
-        control_density(EDGES, [], THRESHOLD)
+        control_density([])
     with pytest.raises(ValueError, match="no value in column neurons"):
         nearest_value(pd.DataFrame({"neurons": [np.nan]}), "neurons", 1)
 

@@ -4,10 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from burstcast.figures.style import (
     BLUE,
     DOUBLE_COLUMN,
+    GREY,
     PURPLE,
     SINGLE_COLUMN,
     THRESHOLD,
@@ -29,22 +31,29 @@ class ControlledDensity:
     ----------
     title
         Of the panel: "Re = 400".
+    bin_edges
+        ``(bins + 1,)``.
+    threshold
+        Event threshold.
     uncontrolled
         Density without control, ``(bins,)``.
     controlled
         Density with control by prediction time in Lyapunov times, ``(bins,)`` each.
+    free
+        The same without the time under actuation.
     """
 
     title: str
+    bin_edges: FloatArray
+    threshold: float
     uncontrolled: FloatArray
     controlled: Mapping[float, FloatArray]
+    free: Mapping[float, FloatArray]
 
 
 @styled
 def control_density(
-    bin_edges: FloatArray,
     cases: Sequence[ControlledDensity],
-    threshold: float,
     *,
     symbol: str = "k",
     name: str = "kinetic energy",
@@ -53,12 +62,8 @@ def control_density(
 
     Parameters
     ----------
-    bin_edges
-        ``(bins + 1,)``.
     cases
         At least one.
-    threshold
-        Event threshold.
     symbol, name
         Of the observable.
 
@@ -79,7 +84,7 @@ def control_density(
     for index, (panel, case) in enumerate(zip(panels, cases, strict=False)):
         panel.stairs(
             case.uncontrolled,
-            bin_edges,
+            case.bin_edges,
             baseline=None,
             color=TRUTH["color"],
             linewidth=TRUTH["linewidth"],
@@ -88,17 +93,25 @@ def control_density(
         for time, density in sorted(case.controlled.items()):
             panel.stairs(
                 density,
-                bin_edges,
+                case.bin_edges,
                 baseline=None,
                 color=colours[times.index(time) % len(colours)],
                 linestyle=dashes[times.index(time) % len(dashes)],
                 linewidth=1.2,
                 label=f"control, PT = {time:g} LT",
             )
-        panel.axvline(threshold, **THRESHOLD)
+            if time in case.free:
+                panel.stairs(
+                    case.free[time],
+                    case.bin_edges,
+                    baseline=None,
+                    color=colours[times.index(time) % len(colours)],
+                    linewidth=0.5,
+                )
+        panel.axvline(case.threshold, **THRESHOLD)
         panel.annotate(
             f"${symbol}_e$",
-            (threshold, 1),
+            (case.threshold, 1),
             (2.5, -3),
             panel.get_xaxis_transform(),
             "offset points",
@@ -115,12 +128,20 @@ def control_density(
     for panel in panels[::columns]:
         panel.set_ylabel("PDF")
     positive = [
-        float(density[density > 0].min())
+        float(value)
         for case in cases
         for density in (case.uncontrolled, *case.controlled.values())
+        for value in density[density > 0]
     ]
     panels[0].set_yscale("log")
-    panels[0].set_ylim(0.6 * min(positive), 3 * max(c.uncontrolled.max() for c in cases))
-    panels[0].set_xlim(float(bin_edges[0]), float(bin_edges[-1]))
-    legend_above(figure, panels[: len(cases)])
+    if positive:
+        panels[0].set_ylim(0.6 * min(positive), 3 * max(positive))
+    panels[0].set_xlim(
+        min(float(case.bin_edges[0]) for case in cases),
+        max(float(case.bin_edges[-1]) for case in cases),
+    )
+    more = []
+    if any(case.free for case in cases):
+        more = [Line2D([], [], color=GREY, linewidth=0.5, label="outside actuation")]
+    legend_above(figure, panels[: len(cases)], more)
     return figure

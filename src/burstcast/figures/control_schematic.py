@@ -1,5 +1,6 @@
 """The control strategy on a real event: forecast, alarm, actuation."""
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.prediction_schematic import draw_span
@@ -8,6 +9,7 @@ from burstcast.figures.style import (
     DOUBLE_COLUMN,
     GREEN,
     LIGHT_GREY,
+    NETWORK,
     TRUTH,
     VERMILLION,
     WINDOW,
@@ -29,6 +31,7 @@ def control_schematic(
     time_lt: FloatArray,
     uncontrolled: FloatArray,
     controlled: FloatArray,
+    forecast: FloatArray,
     threshold: float,
     prediction_time_lt: float,
     actuation_lt: tuple[float, float],
@@ -41,8 +44,9 @@ def control_schematic(
 
     Parameters
     ----------
-    time_lt, uncontrolled, controlled
-        Observable, ``(time,)``; the forecast that raises the alarm starts at time 0.
+    time_lt, uncontrolled, controlled, forecast
+        Observable, ``(time,)``; the forecast that raises the alarm starts at time 0 and is not a
+        number where there is none.
     threshold
         Event threshold.
     prediction_time_lt, window_lt
@@ -56,7 +60,7 @@ def control_schematic(
     """
     figure = new_figure(DOUBLE_COLUMN, 2.6)
     axes = figure.subplots()
-    top = float(max(uncontrolled.max(), controlled.max()))
+    top = float(np.nanmax([uncontrolled, controlled, forecast]))
     window = (prediction_time_lt, prediction_time_lt + window_lt)
     axes.axvspan(*actuation_lt, color=GREEN, alpha=0.13, linewidth=0, zorder=0.4)
     axes.axvspan(*window, facecolor="none", edgecolor=LIGHT_GREY, hatch="//////", linewidth=0)
@@ -67,6 +71,7 @@ def control_schematic(
     axes.axvline(0, color=VERMILLION, linewidth=0.9, linestyle=":")
     draw_threshold(axes, threshold, f"${symbol}_e$")
     axes.plot(time_lt, uncontrolled, label="without control", **TRUTH)
+    axes.plot(time_lt, forecast, label="network's forecast", **NETWORK)
     axes.plot(time_lt, controlled, label="with control", **CONTROLLED)
     axes.plot(0, uncontrolled[abs(time_lt).argmin()], "o", color=VERMILLION, ms=4.5, zorder=4)
     draw_span(axes, 0, prediction_time_lt, 1.12 * top, "prediction time", VERMILLION)

@@ -25,10 +25,11 @@ def energy_density(
     bin_edges: FloatArray,
     true: FloatArray,
     training: FloatArray,
-    network: FloatArray,
+    network: FloatArray | None,
     percentiles: pd.DataFrame,
     threshold: float,
     *,
+    network_label: str = "ESN (best)",
     symbol: str = "k",
     name: str = "kinetic energy",
     published: pd.DataFrame | None = None,
@@ -40,12 +41,14 @@ def energy_density(
     bin_edges
         ``(bins + 1,)``.
     true, training, network
-        Densities, ``(bins,)``; the network is the best one of its size.
+        Densities, ``(bins,)``; the network is the best one of its size, None if no network has one.
     percentiles
         Of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
         (``kantorovich``, ``mean_log_error``), p25, p50, p75.
     threshold
         Event threshold.
+    network_label
+        Of the network in the legend.
     symbol, name
         Of the observable.
     published
@@ -63,8 +66,10 @@ def energy_density(
     for values, style, label in (
         (true, TRUTH, "True"),
         (training, TRAINING, "Train"),
-        (network, NETWORK, "ESN (best)"),
+        (network, NETWORK, network_label),
     ):
+        if values is None:
+            continue
         density.stairs(
             values,
             bin_edges,

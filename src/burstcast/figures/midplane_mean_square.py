@@ -10,7 +10,13 @@ from burstcast.figures.style import DOUBLE_COLUMN, FloatArray, letter_panels, ne
 
 @styled
 def midplane_mean_square(
-    x: FloatArray, z: FloatArray, true: FloatArray, network: FloatArray, training: FloatArray
+    x: FloatArray,
+    z: FloatArray,
+    true: FloatArray,
+    network: FloatArray,
+    training: FloatArray,
+    *,
+    network_label: str = "echo state network",
 ) -> Figure:
     """Draw (a) the time average of u^2 in the data, (b) the network's error, (c) the training's.
 
@@ -20,6 +26,8 @@ def midplane_mean_square(
         Coordinates in the plane, ``(points_x,)`` and ``(points_z,)``.
     true, network, training
         Time averages of u^2, ``(points_x, points_z)``.
+    network_label
+        What the network is called.
     """
     errors = [np.abs(network - true), np.abs(training - true)]
     figure = new_figure(DOUBLE_COLUMN, 2.15)
@@ -37,7 +45,7 @@ def midplane_mean_square(
     bar = figure.colorbar(mesh, ax=list(panels[1:]), aspect=46, location="top")
     bar.set_label(
         r"$|\overline{u^2} - \overline{u^2}_{\mathrm{True}}|$: "
-        "(b) echo state network, (c) training set",
+        f"(b) {network_label}, (c) training set",
         labelpad=5,
     )
     letter_panels(list(panels))

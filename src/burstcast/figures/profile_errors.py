@@ -80,9 +80,10 @@ def profile_errors(
     y: FloatArray,
     true: FloatArray,
     training: FloatArray,
-    network: FloatArray,
+    network: FloatArray | None,
     percentiles: pd.DataFrame,
     *,
+    network_label: str = "ESN (best)",
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw (a-c) the profiles of u, u^2 and uv and (d-f) the errors against reservoir size.
@@ -92,10 +93,13 @@ def profile_errors(
     y
         Distance from the midplane, ``(points_y,)``.
     true, training, network
-        Averages over x, z and time, ``(3, points_y)``: of u, u^2 and uv.
+        Averages over x, z and time, ``(3, points_y)``: of u, u^2 and uv. The network is the best
+        one of its size, None if no network has any.
     percentiles
         Of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
         (``nrmse_u``, ``nrmse_uu``, ``nrmse_uv``), p25, p50, p75.
+    network_label
+        Of the network in the legend.
     published
         Published percentiles in the same form, drawn as open markers at the sizes of the table.
 
@@ -111,7 +115,8 @@ def profile_errors(
         profile, error = panels[:, index]
         profile.plot(true[index], y, label="True", **TRUTH)
         profile.plot(training[index], y, label="Train", **TRAINING)
-        profile.plot(network[index], y, label="ESN (best)", **NETWORK)
+        if network is not None:
+            profile.plot(network[index], y, label=network_label, **NETWORK)
         profile.set_xlabel(label)
         profile.set_ylim(float(y[0]), float(y[-1]))
         profile.set_ylabel("$y$")

@@ -3,6 +3,7 @@
 Source: section "Statistical prediction of extreme events" of the paper.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -135,6 +136,27 @@ def histogram(values: FloatArray, edges: FloatArray) -> Histogram:
     check_edges(edges)
     found = slots(values, edges)
     return from_slots(edges, np.bincount(found.ravel(), minlength=len(edges) + 1).astype(np.int64))
+
+
+def mean_density(histograms: Sequence[Histogram]) -> FloatArray:
+    """Mean of the densities of several histograms, each with the same weight, ``(bins,)``.
+
+    Histograms without values in their range are left out; not a number if none is left.
+
+    Raises
+    ------
+    ValueError
+        If there is no histogram or the bins differ.
+    """
+    if not histograms:
+        raise ValueError("there is no density to average")
+    for other in histograms[1:]:
+        _check_common_bins(histograms[0], other)
+    filled = [histogram.density for histogram in histograms if histogram.inside]
+    if not filled:
+        return histograms[0].density
+    mean: FloatArray = np.mean(filled, axis=0)
+    return mean
 
 
 def kantorovich_metric(first: Histogram, second: Histogram) -> float:

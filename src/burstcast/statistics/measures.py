@@ -3,6 +3,7 @@
 Source: section "Statistical prediction of extreme events" of the paper; the sampling floor is ours.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -124,3 +125,30 @@ def sampling_floor(
             )
         )
     return measures
+
+
+def nearest(reference: LongTermStatistics, candidates: Sequence[LongTermStatistics]) -> int | None:
+    """Position of the candidate with the smallest Kantorovich metric from the reference.
+
+    Parameters
+    ----------
+    reference
+        Of all the true data.
+    candidates
+        What is compared, on the same bins. Those without values inside the range do not count.
+
+    Returns
+    -------
+    The first one of equals; None if no candidate counts.
+
+    Raises
+    ------
+    ValueError
+        If the bins differ.
+    """
+    distances = [
+        kantorovich_metric(reference.histogram, candidate.histogram) for candidate in candidates
+    ]
+    if np.isnan(distances).all():
+        return None
+    return int(np.nanargmin(distances))

@@ -1,0 +1,34 @@
+"""Draw the velocity in the midplane during an event: data, network and their difference."""
+
+from burstcast.figures.midplane_planes import midplane_planes
+from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast_workflow.figure_files import write_figure
+from burstcast_workflow.flow_fields import flow_grid
+from burstcast_workflow.job import run_job
+from burstcast_workflow.storage import read_netcdf
+
+
+def main(inputs, outputs, settings, provenance):
+    """Draw the event."""
+    event = read_netcdf(inputs.event)
+    if event["mark"].size:
+        grid = flow_grid(settings)
+        figure = midplane_planes(
+            event["time_lt"],
+            event["true"],
+            event["forecast"],
+            event["time_lt"][event["mark"]],
+            grid.x,
+            grid.z,
+            grid.midplane(event["true_state"]),
+            grid.midplane(event["forecast_state"]),
+            settings["event_threshold"],
+            symbol=settings["symbol"],
+        )
+    else:
+        figure = nothing_to_show("No isolated event occurred in the test set.")
+    write_figure(outputs, figure)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, main)  # noqa: F821 - Snakemake puts it there
