@@ -106,6 +106,15 @@ def time_unit_of_figure(wildcards):
     return time_unit_of_case(campaign.case_of_figure(wildcards))
 
 
+def example_searches():
+    """Search traces of the example's reservoir, one for each validation strategy."""
+    example = campaign.example
+    networks = campaign.select(
+        case=example.case, neurons=example.neurons, seed=example.seed
+    )
+    return of_networks("search.csv", networks)
+
+
 def published():
     """Published percentiles, where they are drawn on ours."""
     return PUBLISHED if config["figures"]["published_overlay"] else []

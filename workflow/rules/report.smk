@@ -1,15 +1,6 @@
 """From all networks to the tables and figures."""
 
 
-def example_searches():
-    """Search traces of the example's reservoir, one for each validation strategy."""
-    example = campaign.example
-    networks = campaign.select(
-        case=example.case, neurons=example.neurons, seed=example.seed
-    )
-    return of_networks("search.csv", networks)
-
-
 rule tables:
     input:
         expand(

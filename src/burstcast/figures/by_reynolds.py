@@ -10,6 +10,7 @@ from burstcast.figures.percentile_curves import (
     METRIC_LABELS,
     draw_percentiles,
     draw_published,
+    published_handle,
     select,
 )
 from burstcast.figures.style import (
@@ -113,9 +114,13 @@ def by_reynolds(
         panel.set_xlabel("Reynolds number, Re")
         panel.set_xticks(reynolds)
         panel.margins(x=0.08, y=0.1)
-    left.legend(loc="best")
+    handles, _ = left.get_legend_handles_labels()
+    if published_horizon is not None and not published_horizon.empty:
+        handles.append(published_handle())
+    left.legend(handles=handles, loc="best")
     low, high = right.get_ylim()
-    # Room for the legend below the curves.
+    # Room for the legend below the curves, where no ticks tempt to read scores.
+    right.set_yticks([tick for tick in right.get_yticks() if max(0.0, low) <= tick <= high])
     right.set_ylim(low - 0.35 * (high - low), high)
     right.legend(loc="lower center", ncols=max(1, len(validations)))
     letter_panels([left, right])

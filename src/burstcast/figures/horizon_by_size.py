@@ -58,5 +58,5 @@ def horizon_by_size(percentiles: pd.DataFrame, *, published: pd.DataFrame | None
     axes.margins(x=0.06)
     axes.set_xlabel(NEURONS_LABEL)
     axes.set_ylabel(METRIC_LABELS["mean_horizon_lt"])
-    axes.legend(handles=handles, loc="lower right")
+    axes.legend(handles=handles, loc="best")
     return figure

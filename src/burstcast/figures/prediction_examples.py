@@ -77,7 +77,7 @@ def prediction_examples(
         panel.axvspan(*window, color=LIGHT_GREY, alpha=0.55, linewidth=0, zorder=0.5)
         for edge in window:
             panel.axvline(edge, **WINDOW)
-        draw_threshold(panel, threshold, f"${symbol}_e$")
+        draw_threshold(panel, threshold, f"${symbol}_e$", at_left=True)
         panel.plot(example.time_lt, example.true, label=rf"${symbol}_{{\mathrm{{True}}}}$", **TRUTH)
         panel.plot(
             example.time_lt, example.forecast, label=rf"${symbol}_{{\mathrm{{ESN}}}}$", **NETWORK
