@@ -10,10 +10,11 @@ differences are named: settings with their values, modules, files.
 """
 
 import ast
-import logging
+import io
 import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -91,6 +92,7 @@ def differences(old: Any, new: Any, path: tuple[str, ...] = ()) -> Iterator[tupl
     """Changed leaves of two settings: the case concerned (or ""), what, and how."""
     if old == new:
         return
+    old, new = _by_name(old), _by_name(new)
     if isinstance(old, Mapping) and isinstance(new, Mapping):
         for name in sorted({*old, *new}):
             yield from differences(old.get(name, _MISSING), new.get(name, _MISSING), (*path, name))
@@ -101,8 +103,18 @@ def differences(old: Any, new: Any, path: tuple[str, ...] = ()) -> Iterator[tupl
         yield case, name, _change(old, new)
 
 
+def _by_name(value: Any) -> Any:
+    """Pairs of a name and a record, as a mapping."""
+    pairs = isinstance(value, list) and all(
+        isinstance(item, list) and len(item) == 2 and isinstance(item[0], str) for item in value
+    )
+    return dict(value) if pairs and value else value
+
+
 def _named(path: tuple[str, ...]) -> tuple[str, str]:
     """Case and name of a setting, from where it is."""
+    if len(path) > 2 and path[0] == "cases":
+        return path[1], ".".join(path[2:])
     if len(path) == 2 and path[0] in _SAME_SETTING:
         return path[1], _SAME_SETTING[path[0]]
     return "", ".".join(path)
@@ -251,7 +263,7 @@ def causes(jobs: Sequence[Job], known: Mapping[str, Sequence[Mapping[str, str]]]
         # nothing of their own has changed, nor anything they come from: Snakemake knows why
         text = "other reasons (see snakemake -n)"
         found[text] = Cause(text, jobs=unexplained)
-    return _joined(list(found.values()))
+    return _joined(_renamed(found.values()))
 
 
 def _is_new(job: Job) -> bool:
@@ -312,6 +324,19 @@ def _downstream(jobs: Sequence[Job]) -> list[set[int]]:
     return [close(number) for number in range(len(jobs))]
 
 
+def _renamed(found: Iterable[Cause]) -> list[Cause]:
+    """Join causes that differ in the section that jobs read the setting in: windows.x and x."""
+    kept: list[Cause] = []
+    for cause in sorted(found, key=lambda cause: len(cause.text)):
+        same = [other for other in kept if cause.text.endswith(f".{other.text}")]
+        if same:
+            same[0].jobs |= cause.jobs
+            same[0].cases |= cause.cases
+        else:
+            kept.append(cause)
+    return kept
+
+
 def _joined(found: Iterable[Cause]) -> list[Cause]:
     """Join causes that set off the same jobs: settings that follow from one another."""
     by_jobs: dict[tuple[frozenset[int], frozenset[str]], Cause] = {}
@@ -329,10 +354,12 @@ def report(jobs: Sequence[Job], known: Mapping[str, Sequence[Mapping[str, str]]]
     if not jobs:
         return "Nothing would run: all results are up to date."
     lines = []
-    for cause in causes(jobs, known):
+    found = causes(jobs, known)
+    for cause in found:
         cases = f" ({', '.join(sorted(cause.cases, key=_natural_case))})" if cause.cases else ""
         lines.append(f"{cause.text}{cases}: {_counted(jobs[number] for number in cause.jobs)}")
-    lines.append(f"\nIn all {len(jobs)} jobs: {_counted(jobs)}")
+    rules = f": {_counted(jobs)}" if len(found) > 1 else ""
+    lines.append(f"\nIn all {len(jobs)} jobs{rules}")
     return "\n".join(lines)
 
 
@@ -343,7 +370,7 @@ def _natural_case(name: str) -> tuple[str, float]:
 
 
 def _counted(jobs: Iterable[Job]) -> str:
-    counts = Counter(job.rule for job in jobs)
+    counts = Counter("figures" if job.rule.startswith("figure_") else job.rule for job in jobs)
     return ", ".join(f"{rule} ({count})" for rule, count in counts.items())
 
 
@@ -378,15 +405,17 @@ def snakemake_jobs(
         workflows.append(self.workflow_api._workflow)
         return result
 
-    logging.getLogger("snakemake").setLevel(logging.ERROR)
+    said = io.StringIO()
     DAGApi.execute_workflow = execute_and_keep
     try:
-        # quiet in this way, Snakemake ends a dry run before it pretends to execute the jobs
-        parser, parsed = parse_args([*arguments, "--dry-run", "--quiet", "rules", "progress"])
-        succeeded = args_to_api(parsed, parser)
+        with redirect_stdout(said), redirect_stderr(said):
+            # quiet in this way, Snakemake ends a dry run before it pretends to execute the jobs
+            parser, parsed = parse_args([*arguments, "--dry-run", "--quiet", "rules", "progress"])
+            succeeded = args_to_api(parsed, parser)
     finally:
         DAGApi.execute_workflow = execute
     if not succeeded or not workflows:
+        print(said.getvalue(), file=sys.stderr)
         raise SystemExit(1)
     return _described(workflows[0])
 
