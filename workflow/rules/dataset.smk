@@ -1,8 +1,7 @@
 """From the equations to the data: ensembles, Lyapunov exponents, test set, events."""
 
+
 rule simulate:
-    message:
-        "{wildcards.case}: integrate the ensemble"
     output:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
         summary=f"{RESULTS}/{{case}}/dataset.json",
@@ -10,20 +9,20 @@ rule simulate:
         f"{RESULTS}/logs/simulate/{{case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/simulate/{{case}}.tsv"
-    params:
-        settings=settings_of("simulate"),
-        code=code_of("simulate"),
     threads: 1
     resources:
         mem_mb=memory_of("simulate"),
         runtime=runtime_of("simulate"),
+    params:
+        settings=settings_of("simulate"),
+        code=code_of("simulate"),
+    message:
+        "{wildcards.case}: integrate the ensemble"
     script:
         "../scripts/simulate.py"
 
 
 rule lyapunov:
-    message:
-        "{wildcards.case}: Lyapunov exponents by two methods"
     input:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
     output:
@@ -32,20 +31,20 @@ rule lyapunov:
         f"{RESULTS}/logs/lyapunov/{{case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/lyapunov/{{case}}.tsv"
-    params:
-        settings=settings_of("lyapunov"),
-        code=code_of("lyapunov"),
     threads: 1
     resources:
         mem_mb=memory_of("lyapunov"),
         runtime=runtime_of("lyapunov"),
+    params:
+        settings=settings_of("lyapunov"),
+        code=code_of("lyapunov"),
+    message:
+        "{wildcards.case}: Lyapunov exponents by two methods"
     script:
         "../scripts/lyapunov.py"
 
 
 rule test_set:
-    message:
-        "{wildcards.case}: starting points of the test set and what truly follows"
     input:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
         lyapunov=time_unit,
@@ -55,20 +54,20 @@ rule test_set:
         f"{RESULTS}/logs/test_set/{{case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/test_set/{{case}}.tsv"
-    params:
-        settings=settings_of("test_set"),
-        code=code_of("test_set"),
     threads: 1
     resources:
         mem_mb=memory_of("test_set"),
         runtime=runtime_of("test_set"),
+    params:
+        settings=settings_of("test_set"),
+        code=code_of("test_set"),
+    message:
+        "{wildcards.case}: starting points of the test set and what truly follows"
     script:
         "../scripts/test_set.py"
 
 
 rule events:
-    message:
-        "{wildcards.case}: extreme events and what comes before them"
     input:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
         lyapunov=time_unit,
@@ -79,13 +78,14 @@ rule events:
         f"{RESULTS}/logs/events/{{case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/events/{{case}}.tsv"
-    params:
-        settings=settings_of("events"),
-        code=code_of("events"),
     threads: 1
     resources:
         mem_mb=memory_of("events"),
         runtime=runtime_of("events"),
+    params:
+        settings=settings_of("events"),
+        code=code_of("events"),
+    message:
+        "{wildcards.case}: extreme events and what comes before them"
     script:
         "../scripts/events.py"
-

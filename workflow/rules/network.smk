@@ -1,8 +1,7 @@
 """From the data to trained networks: the scan, the search, the training."""
 
+
 rule scan:
-    message:
-        "{wildcards.case}, {wildcards.neurons} neurons, seed {wildcards.seed}: objectives on the grid, both strategies"
     input:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
         lyapunov=time_unit,
@@ -12,20 +11,20 @@ rule scan:
         f"{RESULTS}/logs/scan/{{case}}-N{{neurons}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/scan/{{case}}-N{{neurons}}-seed{{seed}}.tsv"
-    params:
-        settings=settings_of("scan"),
-        code=code_of("scan"),
     threads: 1
     resources:
         mem_mb=memory_of("scan"),
         runtime=runtime_of("scan"),
+    params:
+        settings=settings_of("scan"),
+        code=code_of("scan"),
+    message:
+        "{wildcards.case}, {wildcards.neurons} neurons, seed {wildcards.seed}: objectives on the grid, both strategies"
     script:
         "../scripts/scan.py"
 
 
 rule tune:
-    message:
-        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: Bayesian search"
     input:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
         lyapunov=time_unit,
@@ -37,20 +36,20 @@ rule tune:
         f"{RESULTS}/logs/tune/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/tune/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
-    params:
-        settings=settings_of("tune"),
-        code=code_of("tune"),
     threads: 1
     resources:
         mem_mb=memory_of("tune"),
         runtime=runtime_of("tune"),
+    params:
+        settings=settings_of("tune"),
+        code=code_of("tune"),
+    message:
+        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: Bayesian search"
     script:
         "../scripts/tune.py"
 
 
 rule train:
-    message:
-        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: train"
     input:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
         lyapunov=time_unit,
@@ -61,13 +60,14 @@ rule train:
         f"{RESULTS}/logs/train/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/train/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
-    params:
-        settings=settings_of("train"),
-        code=code_of("train"),
     threads: 1
     resources:
         mem_mb=memory_of("train"),
         runtime=runtime_of("train"),
+    params:
+        settings=settings_of("train"),
+        code=code_of("train"),
+    message:
+        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: train"
     script:
         "../scripts/train.py"
-
