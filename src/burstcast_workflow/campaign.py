@@ -385,7 +385,6 @@ class Campaign:
             **self._observation(case),
             **_pick(self.cases[case], "event_threshold", "test_series"),
             **_pick(self.config["network"], "kernel", "washout_lt"),
-            "tolerance": self.config["horizon"]["tolerance"],
             "flow_event": self.config["figures"]["flow_event"],
         }
 

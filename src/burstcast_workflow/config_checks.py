@@ -153,6 +153,14 @@ def _figures(config: Mapping[str, Any]) -> Iterator[str]:
     for time in figures["reynolds_prediction_times_lt"]:
         if time not in times:
             yield _not_a_prediction_time("reynolds_prediction_times_lt has", time, times)
+    if figures["example_case"] in _known_cases(config):
+        threshold = case_record(config, figures["example_case"])["event_threshold"]
+        peak = figures["flow_event"]["peak"]
+        if not peak > threshold:
+            yield (
+                f"figures.flow_event.peak is {peak}; it must be above the event_threshold of "
+                f"{figures['example_case']}, {threshold}"
+            )
     control = config["control"]
     time, times = figures["control_prediction_time_lt"], control["prediction_times_lt"]
     if control["validation"] and times and time not in times:

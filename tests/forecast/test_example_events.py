@@ -117,7 +117,7 @@ class Wrong(Forecaster):
         step = memory[2].astype(int) + 1 + np.arange(steps)[:, np.newaxis]
         # beyond the end of a series the last value
         value = self.truth[series, np.minimum(step, self.truth.shape[1] - 1)]
-        value = value + self.error * (step >= self.failing_from[series])
+        value = value + np.where(step >= self.failing_from[series], self.error, 0.0)
         states = np.stack([value, np.broadcast_to(series, step.shape), step], axis=1)
         return states, states[-1]
 
@@ -136,9 +136,8 @@ def choose(failing_from, lead=8, error=0.3):
     chosen = predicted_event(
         events,
         Wrong(TRUTH, error, np.array(failing_from)),
-        lambda state: state[0],
         OBSERVED,
-        TRUTH,
+        OBSERVED,
         lead=lead,
         washout=3,
         tolerance=0.2,
@@ -161,6 +160,28 @@ def test_an_error_within_the_tolerance_is_no_failure():
     assert choose([0, 1000, 1000], error=0.1)[0] == 0
 
 
+def test_a_forecast_that_is_not_finite_is_lost():
+    assert choose([40, 1000, 1000], error=np.nan)[0] == 1
+
+
+def test_the_whole_state_must_be_right():
+    events = isolated_events(TRUTH, CRITERION, before=10)
+    states = np.pad(OBSERVED, ((0, 0), (0, 0), (0, 1)))
+    wrong = states.copy()
+    wrong[0, events[0].times[3], 3] = 0.3
+
+    class FourthComponentZero(Wrong):
+        def advance(self, memory, steps):
+            forecast, _ = super().advance(memory, steps)
+            forecast = np.pad(forecast, ((0, 0), (0, 1), (0, 0)))
+            return forecast, forecast[-1]
+
+    forecaster = FourthComponentZero(TRUTH, 0.0, np.zeros(3))
+    settings = {"lead": 8, "washout": 3, "tolerance": 0.2}
+    assert predicted_event(events, forecaster, states, states, **settings).series == 0
+    assert predicted_event(events, forecaster, states, wrong, **settings).series == 1
+
+
 def test_without_a_predicted_event_the_longest_prediction_is_chosen():
     assert choose([40, 50, 45])[0] == 1
     assert choose([0, 0, 0])[0] == 0
@@ -176,9 +197,8 @@ def test_no_events_no_choice():
     chosen = predicted_event(
         [],
         Wrong(TRUTH, 0.0, np.zeros(3)),
-        lambda state: state[0],
         OBSERVED,
-        TRUTH,
+        OBSERVED,
         lead=3,
         washout=3,
         tolerance=0.2,
@@ -192,9 +212,8 @@ def test_a_forecast_from_the_start_of_a_series_is_refused():
         predicted_event(
             [event],
             Wrong(TRUTH, 0.0, np.zeros(3)),
-            lambda state: state[0],
             OBSERVED,
-            TRUTH,
+            OBSERVED,
             lead=4,
             washout=3,
             tolerance=0.2,

@@ -324,6 +324,7 @@ def test_all_mistakes_are_told_at_once(config):
         ("figures.fixed_neurons", 700, ["figures.fixed_neurons is 700", "500, 1000, 1500"]),
         ("figures.fixed_prediction_time_lt", 7, ["figures.fixed_prediction_time_lt is 7", "0.5"]),
         ("figures.reynolds_prediction_times_lt", [2, 7], ["reynolds_prediction_times_lt has 7"]),
+        ("figures.flow_event.peak", 0.05, ["figures.flow_event.peak is 0.05", "of Re400, 0.1"]),
         ("figures.control_prediction_time_lt", 3, ["control_prediction_time_lt is 3", "control.p"]),
         ("campaign.1.cases", ["Re40O"], ["campaign[1].cases", "did you mean Re400?"]),
         ("network.connectivity", 600, ["network.connectivity is 600", "at most 499"]),

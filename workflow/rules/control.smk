@@ -200,6 +200,7 @@ rule figure_control_density:
     input:
         histograms=controlled_densities,
     output:
+        table=f"{TABLES}/control_density{{of_case}}.csv",
         pdf=f"{FIGURES}/control_density{{of_case}}.pdf",
         png=report(
             f"{FIGURES}/control_density{{of_case}}.png",

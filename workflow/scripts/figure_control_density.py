@@ -1,47 +1,61 @@
 """Draw the density of the observable with and without control, averaged over the networks."""
 
+from itertools import pairwise
+
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.statistics.densities import Histogram, mean_density
 from burstcast_workflow.figure_files import write_figure
 from burstcast_workflow.job import run_job
 from burstcast_workflow.storage import read_netcdf
+from burstcast_workflow.table_files import keyed_table, write_table
+
+SAMPLES = ("uncontrolled", "controlled", "free")
 
 
 def main(inputs, outputs, settings, provenance):
-    """Draw one panel for each case."""
+    """Draw one panel for each case; write all densities, without the time of actuation, too."""
     runs = list(zip(settings["runs"], map(read_netcdf, inputs.histograms), strict=True))
-    figure = control_density(
-        [
-            _panel([entry for entry in runs if entry[0]["case"] == case])
-            for case in dict.fromkeys(run["case"] for run, _ in runs)
-        ],
-        symbol=settings["symbol"],
-        name=settings["observable_name"],
-    )
+    panels, rows = [], []
+    for case in dict.fromkeys(run["case"] for run, _ in runs):
+        of_case = [(run, data) for run, data in runs if run["case"] == case]
+        first, edges = of_case[0][0], of_case[0][1]["edge"]
+        times = sorted({run["prediction_time_lt"] for run, _ in of_case})
+        by_time = {
+            time: [data for run, data in of_case if run["prediction_time_lt"] == time]
+            for time in times
+        }
+        reynolds = first["reynolds"]
+        panels.append(
+            ControlledDensity(
+                title=case if reynolds is None else f"Re = {reynolds:g}",
+                bin_edges=edges,
+                threshold=first["event_threshold"],
+                # the flows that count differ a little between prediction times
+                uncontrolled=_mean("uncontrolled", [data for _, data in of_case]),
+                controlled={time: _mean("controlled", data) for time, data in by_time.items()},
+            )
+        )
+        for time, data in by_time.items():
+            densities = {name: _mean(name, data) for name in SAMPLES}
+            rows += [
+                {
+                    "case": case,
+                    "reynolds": reynolds,
+                    "prediction_time_lt": time,
+                    "low": low,
+                    "high": high,
+                    **{f"density_{name}": density[index] for name, density in densities.items()},
+                }
+                for index, (low, high) in enumerate(pairwise(edges))
+            ]
+    write_table(outputs.table, keyed_table(rows))
+    figure = control_density(panels, symbol=settings["symbol"], name=settings["observable_name"])
     write_figure(outputs, figure)
 
 
-def _panel(runs):
-    """Densities of one case."""
-    first, histograms = runs[0]
-    times = sorted({run["prediction_time_lt"] for run, _ in runs})
-
-    def mean(name, entries):
-        return mean_density([Histogram(data["edge"], data[name]) for data in entries])
-
-    by_time = {
-        time: [data for run, data in runs if run["prediction_time_lt"] == time] for time in times
-    }
-    reynolds = first["reynolds"]
-    return ControlledDensity(
-        title=first["case"] if reynolds is None else f"Re = {reynolds:g}",
-        bin_edges=histograms["edge"],
-        threshold=first["event_threshold"],
-        # the flows that count differ a little between prediction times
-        uncontrolled=mean("uncontrolled", [data for _, data in runs]),
-        controlled={time: mean("controlled", data) for time, data in by_time.items()},
-        free={time: mean("free", data) for time, data in by_time.items()},
-    )
+def _mean(name, histograms):
+    """Mean over networks of the density in one of the samples."""
+    return mean_density([Histogram(data["edge"], data[name]) for data in histograms])
 
 
 if __name__ == "__main__":

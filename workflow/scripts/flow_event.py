@@ -20,13 +20,13 @@ def main(inputs, outputs, settings, provenance):
     calm = read_json(inputs.summary)["mean_observable"]
     training = settings["training"]["series"]
     truth = read_rows(inputs.ensemble, "observable", training, training + settings["test_series"])
-    scales = component_scales(read_rows(inputs.ensemble, "state", 0, training))
+    trained = read_rows(inputs.ensemble, "state", 0, training)
     states = read_rows(inputs.ensemble, "state", training, training + settings["test_series"])
     observed = observe(
         states,
         training,
         settings["training"]["noise"],
-        scales,
+        component_scales(trained),
         settings["random_seed"],
         "noise",
         settings["case"],
@@ -49,12 +49,11 @@ def main(inputs, outputs, settings, provenance):
     event = predicted_event(
         events,
         forecaster,
-        system.observable,
         observed,
-        truth,
+        states,
         lead=lead,
         washout=washout,
-        tolerance=settings["tolerance"] * (threshold - calm),
+        tolerance=wanted["tolerance"] * float(np.linalg.norm(trained, axis=-1).max()),
     )
     if event is None:
         time = np.empty(0)
@@ -67,6 +66,8 @@ def main(inputs, outputs, settings, provenance):
         time = (steps - start) / lyapunov_time
         shown = states[event.series, steps]
         forecast = np.full_like(shown, np.nan)
+        # it starts from what was observed
+        forecast[washout - 1] = observed[event.series, start]
         memory = forecaster.start(observed[event.series, steps[:washout], :, np.newaxis])
         outputs_after, _ = forecaster.advance(memory, len(steps) - washout)
         forecast[washout:] = outputs_after[:, :, 0]

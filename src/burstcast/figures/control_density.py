@@ -4,12 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from burstcast.figures.style import (
     BLUE,
     DOUBLE_COLUMN,
-    GREY,
     PURPLE,
     SINGLE_COLUMN,
     THRESHOLD,
@@ -39,8 +37,6 @@ class ControlledDensity:
         Density without control, ``(bins,)``.
     controlled
         Density with control by prediction time in Lyapunov times, ``(bins,)`` each.
-    free
-        The same without the time under actuation.
     """
 
     title: str
@@ -48,7 +44,6 @@ class ControlledDensity:
     threshold: float
     uncontrolled: FloatArray
     controlled: Mapping[float, FloatArray]
-    free: Mapping[float, FloatArray]
 
 
 @styled
@@ -100,14 +95,6 @@ def control_density(
                 linewidth=1.2,
                 label=f"control, PT = {time:g} LT",
             )
-            if time in case.free:
-                panel.stairs(
-                    case.free[time],
-                    case.bin_edges,
-                    baseline=None,
-                    color=colours[times.index(time) % len(colours)],
-                    linewidth=0.5,
-                )
         panel.axvline(case.threshold, **THRESHOLD)
         panel.annotate(
             f"${symbol}_e$",
@@ -140,8 +127,8 @@ def control_density(
         min(float(case.bin_edges[0]) for case in cases),
         max(float(case.bin_edges[-1]) for case in cases),
     )
-    more = []
-    if any(case.free for case in cases):
-        more = [Line2D([], [], color=GREY, linewidth=0.5, label="outside actuation")]
-    legend_above(figure, panels[: len(cases)], more)
+    if columns == 2:
+        legend_above(figure, panels[: len(cases)])
+    else:
+        panels[0].legend(loc="upper right")
     return figure

@@ -69,7 +69,7 @@ def control_schematic(
     for edge in actuation_lt:
         axes.axvline(edge, color=GREEN, linewidth=0.7)
     axes.axvline(0, color=VERMILLION, linewidth=0.9, linestyle=":")
-    draw_threshold(axes, threshold, f"${symbol}_e$")
+    draw_threshold(axes, threshold, f"${symbol}_e$", at_left=True)
     axes.plot(time_lt, uncontrolled, label="without control", **TRUTH)
     axes.plot(time_lt, forecast, label="network's forecast", **NETWORK)
     axes.plot(time_lt, controlled, label="with control", **CONTROLLED)

@@ -79,14 +79,23 @@ def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
                 both["p50_x"], both["p50_y"], both["prediction_time_lt"], strict=True
             ):
                 right.annotate(
-                    f"{time:g} LT", (x, y), (5, 3), "data", "offset points", color=style["color"]
+                    f"{time:g} LT",
+                    (x, y),
+                    (4, -4),
+                    "data",
+                    "offset points",
+                    va="top",
+                    color=style["color"],
                 )
     left.set_xticks(sorted(percentiles["prediction_time_lt"].dropna().unique()))
     left.margins(x=0.06)
-    # Room for the labels above the highest points.
+    # Zero is shown, and no marker is cut.
     lowest = min(0.0, left.dataLim.y0, right.dataLim.y0)
     highest = max(left.dataLim.y1, right.dataLim.y1)
-    left.set_ylim(lowest, highest + 0.12 * (highest - lowest or 1.0))
+    room = 0.06 * (highest - lowest or 1.0)
+    left.set_ylim(lowest - room, highest + room)
+    for panel in (left, right):
+        panel.axhline(0, color=GREY, linewidth=0.5, zorder=0.5)
     left.set_xlabel(PREDICTION_TIME_LABEL)
     left.set_ylabel(rf"Reduction of $P({symbol} \geq {symbol}_e)$")
     right.set_xlabel("Fraction of time under control")

@@ -49,4 +49,6 @@ def midplane_mean_square(
         labelpad=5,
     )
     letter_panels(list(panels))
+    for panel, error in zip(panels[1:], errors, strict=True):
+        panel.set_title(f"max. {float(error.max()):.2g}", loc="right")
     return figure

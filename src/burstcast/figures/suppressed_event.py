@@ -59,14 +59,16 @@ def suppressed_event(
     figure = new_figure(DOUBLE_COLUMN, 3.8)
     top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.0, 1.45])[:, 0]
     evolution = top.subplots()
-    evolution.axvspan(*actuation_lt, color=GREEN, alpha=0.13, linewidth=0, zorder=0.4)
+    evolution.axvspan(
+        *actuation_lt, color=GREEN, alpha=0.13, linewidth=0, zorder=0.4, label="actuation"
+    )
     evolution.plot(time_lt, uncontrolled, label="without control", **TRUTH)
     evolution.plot(time_lt, controlled, label="with control", **CONTROLLED)
-    draw_threshold(evolution, threshold, f"${symbol}_e$")
+    draw_threshold(evolution, threshold, f"${symbol}_e$", at_left=True)
     mark_times(evolution, plane_times_lt)
     evolution.set_xlim(float(time_lt[0]), float(time_lt[-1]))
     evolution.set_ylim(bottom=0)
-    evolution.set_xlabel("Time [LT]")
+    evolution.set_xlabel("Time from the forecast [LT]")
     evolution.set_ylabel(observable_label(symbol))
     evolution.set_title("(a)", loc="left")
     evolution.legend(loc="upper left")

@@ -5,13 +5,11 @@ slowly laminarises (t_1 to t_3) until the laminar structure suddenly breaks down
 (t_4). Which event of the test set to show is our choice, and is made by rule.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from burstcast.forecast.forecasters import Forecaster
-from burstcast.forecast.horizon import accurate_steps
 from burstcast.forecast.test_set import SeriesPoints, segments
 from burstcast.systems.base import FloatArray
 
@@ -139,9 +137,8 @@ def _timed(
 def predicted_event(
     events: list[ExampleEvent],
     forecaster: Forecaster,
-    observable: Callable[[FloatArray], FloatArray],
     observed: FloatArray,
-    truth: FloatArray,
+    states: FloatArray,
     *,
     lead: int,
     washout: int,
@@ -149,9 +146,10 @@ def predicted_event(
 ) -> ExampleEvent | None:
     """Best event that a forecaster predicts from its build-up to its breakdown.
 
-    The forecast starts ``lead`` steps before t_1 and must stay within the tolerance up to t_4. Of
-    the events that it does so for, the first one is taken. If there is none, it is the one whose
-    forecast stays within the tolerance for the largest share of the way.
+    The forecast starts ``lead`` steps before t_1 and must stay within the tolerance up to t_4: the
+    whole state, since an observable may well be right where the flow is not. Of the events that it
+    does so for, the first one is taken. If there is none, it is the one whose forecast stays within
+    the tolerance for the largest share of the way.
 
     Parameters
     ----------
@@ -160,18 +158,14 @@ def predicted_event(
         t_1 (`isolated_events`).
     forecaster
         Who forecasts.
-    observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
-    observed
-        Observed series, ``(series, time, component)``.
-    truth
-        True observable, ``(series, time)``.
+    observed, states
+        Observed and true series, ``(series, time, component)``.
     lead
         Steps from the start of the forecast to t_1.
     washout
         Inputs of the washout; the last one is the starting point itself.
     tolerance
-        Error of the observable from which on a forecast is lost.
+        Distance of the forecast from the true state, from which on it is lost.
 
     Returns
     -------
@@ -187,17 +181,17 @@ def predicted_event(
         needed = np.array([event.times[3] for event in batch]) - points.step
         ahead = int(needed.max())
         # not a number beyond the breakdown: no forecast counts as accurate there
-        true = np.full((ahead, len(batch)), np.nan)
+        true = np.full((ahead, states.shape[2], len(batch)), np.nan)
         for column, event in enumerate(batch):
             start = int(points.step[column])
-            true[: needed[column], column] = truth[event.series, start + 1 : event.times[3] + 1]
-        accurate = accurate_steps(
-            forecaster,
-            observable,
-            np.ascontiguousarray(segments(observed, points, washout - 1, 0).transpose(1, 2, 0)),
-            true,
-            tolerance,
+            true[: needed[column], :, column] = states[event.series, start + 1 : event.times[3] + 1]
+        memory = forecaster.start(
+            np.ascontiguousarray(segments(observed, points, washout - 1, 0).transpose(1, 2, 0))
         )
+        forecast, _ = forecaster.advance(memory, ahead)
+        # a forecast that is no longer finite is not near either
+        near = np.linalg.norm(forecast - true, axis=1) < tolerance
+        accurate = np.logical_and.accumulate(near).sum(axis=0)
         for event, share in zip(batch, accurate / needed, strict=True):
             if share >= 1:
                 return event
