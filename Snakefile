@@ -8,9 +8,6 @@ min_version("9.20")
 configfile: "config.yaml"
 
 
-conda: "workflow/envs/burstcast.yaml"
-
-
 include: "workflow/rules/common.smk"
 include: "workflow/rules/dataset.smk"
 include: "workflow/rules/network.smk"
@@ -22,7 +19,7 @@ include: "workflow/rules/report.smk"
 
 rule all:
     default_target: True
-    localrule: True
     input:
         rules.tables.input,
         rules.figures.input,
+    localrule: True

@@ -123,3 +123,24 @@ def published():
 def labels_of_figure(name, case_of=campaign.case_of_figure):
     """What the report calls a figure; ``case_of`` tells from the wildcards which case it shows."""
     return lambda wildcards: {"figure": name, "case": case_of(wildcards)}
+
+
+def statistics_candidates(wildcards):
+    """Statistics of the networks of a figure's case, the best of which the figure shows."""
+    case = campaign.case_of_figure(wildcards)
+    return of_networks("climate.nc", campaign.statistics_candidates(case))
+
+
+def control_example(wildcards):
+    """The suppressed event that figures show."""
+    return f"{RESULTS}/{campaign.control_example.network.directory}/suppressed_event.nc"
+
+
+def case_of_control_example(wildcards):
+    """Case of the suppressed event that figures show."""
+    return campaign.control_example.case
+
+
+def controlled_densities(wildcards):
+    """Histograms of the controlled flows that a figure shows."""
+    return [f"{RESULTS}/{run.stem}.nc" for run in campaign.density_runs(wildcards)]

@@ -1,21 +1,6 @@
 """Control of extreme events, by networks and by the forecasters to compare with."""
 
 
-def control_example(wildcards):
-    """The suppressed event that figures show."""
-    return f"{RESULTS}/{campaign.control_example.network.directory}/suppressed_event.nc"
-
-
-def case_of_control_example(wildcards):
-    """Case of the suppressed event that figures show."""
-    return campaign.control_example.case
-
-
-def controlled_densities(wildcards):
-    """Histograms of the controlled flows that a figure shows."""
-    return [f"{RESULTS}/{run.stem}.nc" for run in campaign.density_runs(wildcards)]
-
-
 rule control:
     input:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
@@ -29,6 +14,8 @@ rule control:
         f"{RESULTS}/logs/control/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/control/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("control"),
@@ -55,6 +42,8 @@ rule control_random:
         f"{RESULTS}/logs/control_random/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/control_random/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("control_random"),
@@ -80,6 +69,8 @@ rule control_equations:
         f"{RESULTS}/logs/control_equations/{{case}}-PT{{prediction_time}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/control_equations/{{case}}-PT{{prediction_time}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("control_equations"),
@@ -102,6 +93,8 @@ rule control_table:
         f"{RESULTS}/logs/control_table.log",
     benchmark:
         f"{RESULTS}/benchmarks/control_table.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("control_table"),
@@ -127,6 +120,8 @@ rule suppressed_event:
         f"{RESULTS}/logs/suppressed_event/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/suppressed_event/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("suppressed_event"),
@@ -155,6 +150,8 @@ rule figure_control_schematic:
         f"{RESULTS}/logs/figure_control_schematic.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_control_schematic.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_control_schematic"),
@@ -183,6 +180,8 @@ rule figure_suppressed_event:
         f"{RESULTS}/logs/figure_suppressed_event.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_suppressed_event.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_suppressed_event"),
@@ -214,6 +213,8 @@ rule figure_control_density:
         f"{RESULTS}/logs/figure_control_density{{of_case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_control_density{{of_case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_control_density"),
@@ -244,6 +245,8 @@ rule figure_control_tradeoff:
         f"{RESULTS}/logs/figure_control_tradeoff{{of_case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_control_tradeoff{{of_case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_control_tradeoff"),

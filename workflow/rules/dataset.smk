@@ -9,6 +9,8 @@ rule simulate:
         f"{RESULTS}/logs/simulate/{{case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/simulate/{{case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("simulate"),
@@ -31,6 +33,8 @@ rule lyapunov:
         f"{RESULTS}/logs/lyapunov/{{case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/lyapunov/{{case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("lyapunov"),
@@ -54,6 +58,8 @@ rule test_set:
         f"{RESULTS}/logs/test_set/{{case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/test_set/{{case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("test_set"),
@@ -78,6 +84,8 @@ rule events:
         f"{RESULTS}/logs/events/{{case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/events/{{case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("events"),

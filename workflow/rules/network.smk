@@ -11,6 +11,8 @@ rule scan:
         f"{RESULTS}/logs/scan/{{case}}-N{{neurons}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/scan/{{case}}-N{{neurons}}-seed{{seed}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("scan"),
@@ -36,6 +38,8 @@ rule tune:
         f"{RESULTS}/logs/tune/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/tune/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("tune"),
@@ -60,6 +64,8 @@ rule train:
         f"{RESULTS}/logs/train/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/train/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("train"),

@@ -37,6 +37,8 @@ rule dataset_table:
         f"{RESULTS}/logs/dataset_table.log",
     benchmark:
         f"{RESULTS}/benchmarks/dataset_table.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("dataset_table"),
@@ -59,6 +61,8 @@ rule hyperparameters_table:
         f"{RESULTS}/logs/hyperparameters_table.log",
     benchmark:
         f"{RESULTS}/benchmarks/hyperparameters_table.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("hyperparameters_table"),
@@ -83,6 +87,8 @@ rule classify:
         f"{RESULTS}/logs/classify.log",
     benchmark:
         f"{RESULTS}/benchmarks/classify.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("classify"),
@@ -105,6 +111,8 @@ rule horizon_table:
         f"{RESULTS}/logs/horizon_table.log",
     benchmark:
         f"{RESULTS}/benchmarks/horizon_table.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("horizon_table"),
@@ -132,6 +140,8 @@ rule data_generation_parameters:
         f"{RESULTS}/logs/data_generation_parameters.log",
     benchmark:
         f"{RESULTS}/benchmarks/data_generation_parameters.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("data_generation_parameters"),
@@ -157,6 +167,8 @@ rule network_hyperparameters:
         f"{RESULTS}/logs/network_hyperparameters.log",
     benchmark:
         f"{RESULTS}/benchmarks/network_hyperparameters.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("network_hyperparameters"),
@@ -184,6 +196,8 @@ rule percentiles:
         f"{RESULTS}/logs/percentiles/{{table}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/percentiles/{{table}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("percentiles"),
@@ -206,6 +220,8 @@ rule latex:
         f"{RESULTS}/logs/latex/{{table}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/latex/{{table}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("latex"),
@@ -235,6 +251,8 @@ rule figure_observable_and_density:
         f"{RESULTS}/logs/figure_observable_and_density{{of_case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_observable_and_density{{of_case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_observable_and_density"),
@@ -264,6 +282,8 @@ rule figure_validation_strategies:
         f"{RESULTS}/logs/figure_validation_strategies.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_validation_strategies.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_validation_strategies"),
@@ -292,6 +312,8 @@ rule figure_network_schematic:
         f"{RESULTS}/logs/figure_network_schematic.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_network_schematic.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_network_schematic"),
@@ -320,6 +342,8 @@ rule figure_search_landscape:
         f"{RESULTS}/logs/figure_search_landscape.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_search_landscape.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_search_landscape"),
@@ -348,6 +372,8 @@ rule figure_prediction_schematic:
         f"{RESULTS}/logs/figure_prediction_schematic.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_prediction_schematic.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_prediction_schematic"),
@@ -376,6 +402,8 @@ rule figure_prediction_examples:
         f"{RESULTS}/logs/figure_prediction_examples.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_prediction_examples.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_prediction_examples"),
@@ -405,6 +433,8 @@ rule figure_classification_scores:
         f"{RESULTS}/logs/figure_classification_scores{{of_case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_classification_scores{{of_case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_classification_scores"),
@@ -431,6 +461,8 @@ rule figure_horizon_schematic:
         f"{RESULTS}/logs/figure_horizon_schematic.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_horizon_schematic.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_horizon_schematic"),
@@ -459,6 +491,8 @@ rule figure_horizon_evaluations:
         f"{RESULTS}/logs/figure_horizon_evaluations.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_horizon_evaluations.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_horizon_evaluations"),
@@ -488,6 +522,8 @@ rule figure_horizon_by_size:
         f"{RESULTS}/logs/figure_horizon_by_size{{of_case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_horizon_by_size{{of_case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_horizon_by_size"),
@@ -518,6 +554,8 @@ rule figure_by_reynolds:
         f"{RESULTS}/logs/figure_by_reynolds.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_by_reynolds.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_by_reynolds"),

@@ -1,12 +1,6 @@
 """Statistical prediction: the long-term statistics of the data and of the networks."""
 
 
-def statistics_candidates(wildcards):
-    """Statistics of the networks of a figure's case, the best of which the figure shows."""
-    case = campaign.case_of_figure(wildcards)
-    return of_networks("climate.nc", campaign.statistics_candidates(case))
-
-
 rule reference_statistics:
     input:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
@@ -19,6 +13,8 @@ rule reference_statistics:
         f"{RESULTS}/logs/reference_statistics/{{case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/reference_statistics/{{case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("reference_statistics"),
@@ -43,6 +39,8 @@ rule climate:
         f"{RESULTS}/logs/climate/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/climate/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("climate"),
@@ -68,6 +66,8 @@ rule statistics_table:
         f"{RESULTS}/logs/statistics_table.log",
     benchmark:
         f"{RESULTS}/benchmarks/statistics_table.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("statistics_table"),
@@ -93,6 +93,8 @@ rule flow_event:
         f"{RESULTS}/logs/flow_event/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/flow_event/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("flow_event"),
@@ -125,6 +127,8 @@ rule figure_energy_density:
         f"{RESULTS}/logs/figure_energy_density{{of_case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_energy_density{{of_case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_energy_density"),
@@ -157,6 +161,8 @@ rule figure_profile_errors:
         f"{RESULTS}/logs/figure_profile_errors{{of_case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_profile_errors{{of_case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_profile_errors"),
@@ -187,6 +193,8 @@ rule figure_midplane_mean_square:
         f"{RESULTS}/logs/figure_midplane_mean_square{{of_case}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_midplane_mean_square{{of_case}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_midplane_mean_square"),
@@ -215,6 +223,8 @@ rule figure_midplane_planes:
         f"{RESULTS}/logs/figure_midplane_planes.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_midplane_planes.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_midplane_planes"),
@@ -243,6 +253,8 @@ rule figure_vorticity_isosurfaces:
         f"{RESULTS}/logs/figure_vorticity_isosurfaces.log",
     benchmark:
         f"{RESULTS}/benchmarks/figure_vorticity_isosurfaces.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("figure_vorticity_isosurfaces"),

@@ -12,6 +12,8 @@ rule forecast:
         f"{RESULTS}/logs/forecast/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/forecast/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("forecast"),
@@ -37,6 +39,8 @@ rule horizon:
         f"{RESULTS}/logs/horizon/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/horizon/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("horizon"),
@@ -66,6 +70,8 @@ rule examples:
         f"{RESULTS}/logs/examples/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/examples/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.tsv"
+    conda:
+        "../envs/burstcast.yaml"
     threads: 1
     resources:
         mem_mb=memory_of("examples"),
