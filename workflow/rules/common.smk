@@ -1,16 +1,21 @@
 """What all rules share: the campaign, and what each rule depends on."""
 
+import inspect
 import os
+import sys
+import time
 from pathlib import Path
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.cases import case_records
 from burstcast_workflow.config import load
-from burstcast_workflow.costs import memory_mib, runtime_minutes
+from burstcast_workflow.costs import CostModel
+from burstcast_workflow.failures import failure_summary
 from burstcast_workflow.fingerprint import fingerprint
 
 config = load(config)
 campaign = Campaign(config, case_records(config))
+costs = CostModel(campaign)
 RESULTS = config["results"]
 SOURCES = Path(workflow.basedir) / "src"
 SCRIPTS = Path(workflow.basedir) / "workflow" / "scripts"
@@ -36,15 +41,44 @@ wildcard_constraints:
     of_case=r"(_[A-Za-z][A-Za-z0-9_.-]*)?",
 
 
+# Logs of jobs of a scheduler, as profiles/slurm says it.
+SCHEDULER_LOGS = Path("results/slurm-logs")
+STARTED = time.time()
+
+
+onerror:
+    print(
+        "\nWhat failed, with the ends of the logs:\n\n"
+        + failure_summary(Path(RESULTS) / "logs", SCHEDULER_LOGS, STARTED),
+        file=sys.stderr,
+    )
+
+
+def of_job(function):
+    """Keep the signature of a function of a job.
+
+    Snakemake asks for it several times for each job, and working it out takes longer than calling
+    the function: a tenth of the time of planning.
+    """
+    function.__signature__ = inspect.signature(function)
+    return function
+
+
 def settings_of(name):
     """The settings that the script of a rule reads, as a function of its wildcards."""
-    return lambda wildcards: campaign.settings(name, dict(wildcards.items()))
+
+    @of_job
+    def settings(wildcards):
+        return campaign.settings(name, dict(wildcards.items()))
+
+    return settings
 
 
 def code_of(name):
     """Fingerprints of the code that a rule runs, its system's module included."""
     script = SCRIPTS / f"{name}.py"
 
+    @of_job
     def code(wildcards):
         case = wildcards.get("case")
         systems = [campaign.cases[case]["system"]] if case else []
@@ -57,16 +91,22 @@ def code_of(name):
 
 def memory_of(name):
     """Memory that a rule asks for, in MiB; more at each retry."""
-    return lambda wildcards, attempt: memory_mib(
-        name, campaign, dict(wildcards.items()), attempt
-    )
+
+    @of_job
+    def memory(wildcards, attempt):
+        return costs.memory_mib(name, dict(wildcards.items()), attempt)
+
+    return memory
 
 
 def runtime_of(name):
     """Time that a rule asks for, in minutes; more at each retry."""
-    return lambda wildcards, attempt: runtime_minutes(
-        name, campaign, dict(wildcards.items()), attempt
-    )
+
+    @of_job
+    def runtime(wildcards, attempt):
+        return costs.runtime_minutes(name, dict(wildcards.items()), attempt)
+
+    return runtime
 
 
 def of_networks(name, networks=campaign.networks):
@@ -91,6 +131,7 @@ def time_unit_of_case(case):
     return []
 
 
+@of_job
 def time_unit(wildcards):
     """The computed Lyapunov exponent of a job's case, where it sets the unit of time."""
     return time_unit_of_case(wildcards.case)

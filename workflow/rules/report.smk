@@ -1,6 +1,16 @@
 """From all networks to the tables and figures."""
 
 
+rule networks:
+    # all that is computed network by network: the target for planning a large campaign in batches
+    input:
+        of_networks("forecast.nc"),
+        of_networks("horizon.csv"),
+        of_networks("climate.nc", campaign.climate_networks),
+        control_counts(),
+    localrule: True
+
+
 rule tables:
     input:
         expand(

@@ -1,0 +1,88 @@
+"""Time and memory that Snakemake takes to plan large campaigns.
+
+::
+
+    python benchmarks/planning.py [seeds ...] [options of snakemake]
+
+A campaign of Reynolds numbers x sizes x seeds is generated, and ``snakemake -n`` plans it in an
+empty directory. Nothing is computed. With 50 seeds it has 50,000 jobs.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).resolve().parents[1]
+SIZES = [300 * (index + 1) for index in range(10)]
+
+
+def campaign(reynolds_numbers: int, sizes: int, seeds: int) -> dict[str, object]:
+    """Overlay on config.yaml: one strategy, so that a network is five jobs (scan to horizon)."""
+    reynolds = [400 + 30 * index for index in range(reynolds_numbers)]
+    neurons = SIZES[:sizes]
+    return {
+        "results": "results/planning",
+        "campaign": [
+            {"reynolds": reynolds, "neurons": neurons, "validation": ["SSV"], "seeds": seeds}
+        ],
+        # without published exponents the Lyapunov time would be computed, which is also planned
+        "case_defaults": {"lyapunov": {"published_exponent": 0.0135}},
+        "statistics": {"validation": []},
+        "control": {"neurons": []},
+        "figures": {
+            "example_case": f"Re{reynolds[0]}",
+            "example_neurons": neurons[0],
+            "example_validation": "SSV",
+            "fixed_neurons": neurons[0],
+        },
+    }
+
+
+def plan(overlay: dict[str, object], arguments: list[str]) -> tuple[int, float, float, float]:
+    """Jobs, seconds, seconds of the processor, and MiB of one planning."""
+    with tempfile.TemporaryDirectory() as directory:
+        config = Path(directory) / "campaign.yaml"
+        config.write_text(yaml.safe_dump(overlay))
+        output = Path(directory) / "plan.txt"
+        command = [
+            *(sys.executable, "-m", "snakemake", "--dry-run", "--quiet", "rules"),
+            *("--snakefile", str(ROOT / "Snakefile"), "--directory", directory),
+            *("--configfile", str(ROOT / "config.yaml"), str(config), *arguments),
+        ]
+        start = time.perf_counter()
+        with output.open("w") as stream:
+            process = subprocess.Popen(command, stdout=stream, stderr=subprocess.STDOUT)
+            _, status, usage = os.wait4(process.pid, 0)
+        seconds = time.perf_counter() - start
+        process.returncode = os.waitstatus_to_exitcode(status)
+        text = output.read_text()
+    if process.returncode:
+        sys.exit(text[-4000:])
+    totals = [line for line in text.splitlines() if line.startswith("total")]
+    processor = usage.ru_utime + usage.ru_stime
+    return int(totals[0].split()[1]), seconds, processor, usage.ru_maxrss / 1024
+
+
+def main() -> None:
+    """Plan campaigns of growing size and print what that takes."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("seeds", type=int, nargs="*", default=[1, 10, 50])
+    parser.add_argument("--reynolds", type=int, default=20, help="Reynolds numbers")
+    parser.add_argument("--sizes", type=int, default=10, help="reservoir sizes")
+    options, others = parser.parse_known_args()
+    # on a machine that is busy otherwise, the processor's time is what planning takes
+    print(f"{'jobs':>8} {'seconds':>8} {'of processor':>13} {'MiB':>6}")
+    for seeds in options.seeds:
+        overlay = campaign(options.reynolds, options.sizes, seeds)
+        jobs, seconds, processor, memory = plan(overlay, others)
+        print(f"{jobs:8d} {seconds:8.1f} {processor:13.1f} {memory:6.0f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
