@@ -1,22 +1,27 @@
-"""Isosurfaces of the vorticity and velocity vectors before and after an event."""
+"""Isosurfaces of the vorticity and the velocity field before and after an event."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib.colors import LightSource, to_rgb
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LightSource, Normalize, to_rgb
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]
 from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Line3DCollection,
     Poly3DCollection,
 )
+from scipy.ndimage import map_coordinates
 from skimage.measure import marching_cubes
 
+from burstcast.figures.planes import symmetric_norm
 from burstcast.figures.style import BLUE, DOUBLE_COLUMN, VERMILLION, FloatArray, new_figure, styled
 
 _COLOURS = {1: VERMILLION, -1: BLUE}
+_VELOCITY_COLOURS = "PRGn"
+_OPACITY = 0.75
 
 
 @dataclass(frozen=True)
@@ -51,8 +56,9 @@ def vorticity_isosurfaces(
 ) -> Figure:
     """Draw one panel per snapshot: surfaces of plus and minus the level, and the velocity.
 
-    The box has its physical proportions, the walls above and below. Velocity vectors lie on the
-    far side of the box (u and v) and on its left end (w and v).
+    The box has its physical proportions, the walls above and below. Colours on its far side and
+    its left end are the velocity along x; vectors there are the velocity in these planes. Surfaces
+    are closed where the box cuts them.
 
     Parameters
     ----------
@@ -74,7 +80,8 @@ def vorticity_isosurfaces(
     """
     if not level > 0:
         raise ValueError(f"the level of an isosurface must be positive, not {level}")
-    figure = new_figure(DOUBLE_COLUMN, 2.2, layout=None)
+    figure = new_figure(DOUBLE_COLUMN, 2.35, layout=None)
+    streamwise = symmetric_norm([snapshot.velocity[0] for snapshot in snapshots] or [np.zeros(1)])
     largest = max(
         float(np.sqrt((snapshot.velocity**2).sum(axis=0)).max()) for snapshot in snapshots
     )
@@ -84,15 +91,23 @@ def vorticity_isosurfaces(
     height = width * figure.get_figwidth() / figure.get_figheight()
     for index, snapshot in enumerate(snapshots):
         axes = figure.add_axes(
-            (index * width, 0.47 - 0.5 * height, width, height),
+            (index * width, 0.5 - 0.5 * height, width, height),
             projection="3d",
             computed_zorder=False,
         )
         _draw_box(axes, x, y, z)
+        _draw_velocity(axes, x, y, z, snapshot.velocity[0], streamwise)
         _draw_vectors(axes, x, y, z, snapshot.velocity, largest, arrows)
         _draw_surfaces(axes, x, y, z, snapshot.scalar, level)
         letter = chr(ord("a") + index)
         figure.text(index * width + 0.015, 0.97, f"({letter}) {snapshot.title}", va="top")
+    figure.colorbar(
+        ScalarMappable(streamwise, _VELOCITY_COLOURS),
+        cax=figure.add_axes((0.36, 0.1, 0.28, 0.035)),
+        orientation="horizontal",
+        alpha=_OPACITY,
+    )
+    figure.text(0.345, 0.1175, "$u$", ha="right", va="center")
     signs = [1, -1] if any(snapshot.scalar.min() < -level for snapshot in snapshots) else [1]
     for place, sign in enumerate(signs):
         figure.text(
@@ -113,7 +128,7 @@ def _draw_box(axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray) -> None
     axes.set_xlim(x[0], x[-1])
     axes.set_ylim(z[0], z[-1])
     axes.set_zlim(y[0], y[-1])
-    axes.set_box_aspect((float(np.ptp(x)), float(np.ptp(z)), float(np.ptp(y))), zoom=0.84)
+    axes.set_box_aspect((float(np.ptp(x)), float(np.ptp(z)), float(np.ptp(y))), zoom=0.92)
     axes.set_axis_off()
     corners = np.array([[i, j, k] for i in (0, -1) for j in (0, -1) for k in (0, -1)])
     for first in corners:
@@ -133,6 +148,31 @@ def _draw_box(axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray) -> None
     axes.text(middle[0], z[0], y[0] - 0.5, "$x$", ha="center", va="top")
     axes.text(x[-1] + 0.5, middle[2], y[0] - 0.4, "$z$", ha="left", va="top")
     axes.text(x[0] - 0.4, z[0], middle[1], "$y$", ha="right", va="center")
+
+
+def _draw_velocity(
+    axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray, u: FloatArray, norm: Normalize
+) -> None:
+    """Colour the far side of the box and its left end by the velocity along x."""
+    colours = ScalarMappable(norm, _VELOCITY_COLOURS)
+    for plane, coordinates in (
+        (u[:, :, -1], (x[:, np.newaxis], np.full((1, 1), z[-1]), y)),
+        (u[0], (np.full((1, 1), x[0]), z, y[:, np.newaxis])),
+    ):
+        points = np.stack(np.broadcast_arrays(*coordinates), axis=-1)
+        quads = np.stack(
+            [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]], axis=2
+        )
+        middle = 0.25 * (plane[:-1, :-1] + plane[1:, :-1] + plane[1:, 1:] + plane[:-1, 1:])
+        collection = Poly3DCollection(
+            quads.reshape(-1, 4, 3),
+            facecolors=_OPACITY * colours.to_rgba(middle.ravel())[:, :3] + 1.0 - _OPACITY,
+            edgecolors="none",
+            antialiased=False,
+            rasterized=True,
+            zorder=0.5,
+        )
+        axes.add_collection3d(collection)
 
 
 def _draw_vectors(
@@ -185,21 +225,15 @@ def _draw_surfaces(
     axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray, scalar: FloatArray, level: float
 ) -> None:
     """Draw both isosurfaces as one collection, so that faces hide each other correctly."""
-    spacing = tuple(float(axis[1] - axis[0]) for axis in (x, y, z))
-    origin = np.array([x[0], y[0], z[0]])
     light = LightSource(azdeg=300, altdeg=50)
     triangles: list[FloatArray] = []
     colours: list[FloatArray] = []
     for sign, colour in _COLOURS.items():
         if not (sign * scalar).max() > level:
             continue
-        vertices, faces, normals, _ = marching_cubes(  # type: ignore[no-untyped-call]
-            sign * scalar, level, spacing=spacing, gradient_direction="descent"
-        )
-        corners: npt.NDArray[np.float64] = (vertices + origin)[:, [0, 2, 1]][faces]
-        normal = normals[:, [0, 2, 1]][faces].mean(axis=1)
-        triangles.append(corners)
-        colours.append(_shade(normal, np.array(to_rgb(colour)), light))
+        corners, normal = _closed_surface(x, y, z, sign * scalar, level)
+        triangles.append(corners[..., [0, 2, 1]])
+        colours.append(_shade(normal[:, [0, 2, 1]], np.array(to_rgb(colour)), light))
     if triangles:
         collection = Poly3DCollection(
             np.concatenate(triangles),
@@ -212,10 +246,41 @@ def _draw_surfaces(
         axes.add_collection3d(collection)
 
 
+def _closed_surface(
+    x: FloatArray, y: FloatArray, z: FloatArray, scalar: FloatArray, level: float
+) -> tuple[FloatArray, FloatArray]:
+    """Surface of the region above the level, closed at the ends of the box.
+
+    Returns
+    -------
+    Corners of the triangles, ``(triangles, 3, 3)``, and their normals, ``(triangles, 3)``.
+    """
+    # So low beyond the box that the surface closes right at its ends.
+    outside = level - 1e6 * (float(scalar.max()) - level)
+    vertices, faces, _, _ = marching_cubes(  # type: ignore[no-untyped-call]
+        np.pad(scalar, 1, constant_values=outside), level
+    )
+    last = np.array(scalar.shape) - 1.0
+    index: FloatArray = np.clip(vertices.astype(np.float64) - 1, 0, last)
+    spacing = np.array([axis[1] - axis[0] for axis in (x, y, z)])
+    # Smooth normals from the field itself, but flat ones where the box cuts the surface.
+    parts: list[FloatArray] = list(np.gradient(scalar, *spacing.tolist()))
+    gradient = [map_coordinates(part, index.T, order=1) for part in parts]
+    normal = -np.stack(gradient, axis=-1)[faces].mean(axis=1)
+    for end, sign in ((np.zeros(3), -1.0), (last, 1.0)):
+        on_end = (np.abs(index - end) < 1e-3)[faces].all(axis=1)
+        for direction in range(3):
+            normal[on_end[:, direction]] = sign * np.eye(3)[direction]
+    corners: FloatArray = (index * spacing + np.array([x[0], y[0], z[0]]))[faces]
+    return corners, normal
+
+
 def _shade(normal: FloatArray, colour: FloatArray, light: LightSource) -> FloatArray:
     """Colours of faces under a lamp: ambient, diffuse and a highlight, ``(faces, 3)``."""
-    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    # Both sides of a surface are lit: the box cuts surfaces open.
-    diffuse = np.abs(normal @ light.direction)
-    shaded: FloatArray = colour * (0.42 + 0.58 * diffuse)[:, None] + 0.25 * diffuse[:, None] ** 24
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    towards = (normal / np.maximum(length, np.finfo(np.float64).tiny)) @ light.direction
+    # Also what faces away from the lamp keeps its shape.
+    diffuse = 0.5 * (1.0 + towards)
+    highlight = np.maximum(towards, 0.0) ** 24
+    shaded: FloatArray = colour * (0.35 + 0.65 * diffuse)[:, None] + 0.25 * highlight[:, None]
     return np.clip(shaded, 0.0, 1.0)
