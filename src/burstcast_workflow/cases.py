@@ -26,8 +26,9 @@ def case_records(config: Mapping[str, Any]) -> dict[str, Config]:
     """Complete record of each case that the campaign uses, in the order of their first use.
 
     A record is ``case_defaults`` with the case's own entry laid over it: mappings are merged,
-    everything else is replaced; the parameters are replaced as a whole if the entry names another
-    system. A name ``Re<number>`` sets the parameter ``reynolds``.
+    everything else is replaced. If the entry names another system, the parameters are replaced as a
+    whole, those of the actuation, too; without an actuation of its own the case is not controlled.
+    A name ``Re<number>`` sets the parameter ``reynolds``.
     """
     names = dict.fromkeys(name for block in config["campaign"] for name in block_cases(block))
     return {name: case_record(config, name) for name in names}
@@ -37,7 +38,13 @@ def case_record(config: Mapping[str, Any], name: str) -> Config:
     """Complete record of one case; see `case_records`."""
     defaults, own = config["case_defaults"], config["cases"].get(name) or {}
     if own.get("system", defaults["system"]) != defaults["system"]:
-        defaults = {**defaults, "parameters": {}}
+        # what one system's parameters are changed to means nothing to another system
+        actuation = {**defaults["actuation"], "parameters": {}} if defaults["actuation"] else None
+        defaults = {
+            **defaults,
+            "parameters": {},
+            "actuation": actuation if own.get("actuation") else None,
+        }
     record = _merged(defaults, own)
     if match := _REYNOLDS_NAME.fullmatch(name):
         # what the entry itself says stays, for the checks to compare

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
-from burstcast.figures.control_density import control_density
+from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import horizon_evaluations
 from burstcast.figures.observable_and_density import observable_and_density
@@ -183,6 +183,9 @@ def test_nothing_to_draw_is_an_error() -> None:
         horizon_evaluations(TIME, TIME, [], THRESHOLD, 0.01)
     with pytest.raises(ValueError, match="no case"):
         control_density([])
+    undefined = np.full(len(EDGES) - 1, np.nan)
+    with pytest.raises(ValueError, match="no density is positive"):
+        control_density([ControlledDensity("Re = 400", EDGES, THRESHOLD, undefined, {})])
     with pytest.raises(ValueError, match="no value in column neurons"):
         nearest_value(pd.DataFrame({"neurons": [np.nan]}), "neurons", 1)
 

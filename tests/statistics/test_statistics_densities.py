@@ -14,6 +14,7 @@ from burstcast.statistics.densities import (
     histogram,
     kantorovich_metric,
     kantorovich_metric_of_samples,
+    mean_density,
     mean_logarithmic_error,
 )
 
@@ -180,3 +181,20 @@ def test_values_outside_the_range_change_no_distance():
     assert mean_logarithmic_error(outside, filled(second)) == mean_logarithmic_error(
         filled(first), filled(second)
     )
+
+
+def test_mean_density_weighs_each_histogram_alike():
+    first, second, empty = filled([1, 0, 0, 0]), filled([0, 0, 30, 10]), filled([0, 0, 0, 0])
+    expected = 0.5 * (first.density + second.density)
+    assert mean_density([first, second]) == pytest.approx(expected)
+    # nothing is known from a histogram without values
+    assert mean_density([empty, first, second]) == pytest.approx(expected)
+    assert np.isnan(mean_density([empty])).all()
+
+
+def test_mean_density_needs_histograms_on_common_bins():
+    with pytest.raises(ValueError, match="no density"):
+        mean_density([])
+    other = Histogram(np.array([0.0, 1.0]), np.array([1]))
+    with pytest.raises(ValueError, match="common bins"):
+        mean_density([filled([1, 0, 0, 0]), other])

@@ -11,7 +11,7 @@ from burstcast.statistics.densities import (
     kantorovich_metric,
     mean_logarithmic_error,
 )
-from burstcast.statistics.measures import Measures, compare, sampling_floor
+from burstcast.statistics.measures import Measures, compare, nearest, sampling_floor
 from burstcast.statistics.profiles import (
     StateMoments,
     flow_modes,
@@ -195,6 +195,17 @@ def test_comparison_with_itself_finds_nothing_and_without_series_nothing_defined
     without = compare(whole.merged(ALL), whole.merged(np.arange(2)), None)
     assert np.isnan([without.nrmse_u, without.nrmse_uu, without.nrmse_uv]).all()
     assert without.kantorovich > 0
+
+
+def test_the_nearest_candidate_is_that_of_the_smallest_kantorovich_metric():
+    whole = reduce_series([random_series()], energy, np.linspace(2.0, 7.0, 11))
+    none = whole.merged(np.array([], dtype=int))
+    parts = [whole.merged(np.arange(number)) for number in (1, 3)]
+    distances = [compare(whole.merged(ALL), part, None).kantorovich for part in parts]
+    assert nearest(whole.merged(ALL), [none, *parts]) == 1 + int(np.argmin(distances))
+    assert nearest(whole.merged(ALL), [none, *parts, whole.merged(ALL)]) == 3
+    assert nearest(whole.merged(ALL), [none]) is None
+    assert nearest(whole.merged(ALL), []) is None
 
 
 def test_floor_is_the_distance_of_disjoint_parts():

@@ -2,7 +2,10 @@
 
 from itertools import pairwise
 
+import numpy as np
+
 from burstcast.figures.control_density import ControlledDensity, control_density
+from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.statistics.densities import Histogram, mean_density
 from burstcast_workflow.figure_files import write_figure
 from burstcast_workflow.job import run_job
@@ -49,7 +52,13 @@ def main(inputs, outputs, settings, provenance):
                 for index, (low, high) in enumerate(pairwise(edges))
             ]
     write_table(outputs.table, keyed_table(rows))
-    figure = control_density(panels, symbol=settings["symbol"], name=settings["observable_name"])
+    # not a number where no flow counts
+    if any(np.isfinite(panel.uncontrolled).all() for panel in panels):
+        figure = control_density(
+            panels, symbol=settings["symbol"], name=settings["observable_name"]
+        )
+    else:
+        figure = nothing_to_show("No flow was free of events for long enough to be controlled.")
     write_figure(outputs, figure)
 
 

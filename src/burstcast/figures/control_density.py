@@ -65,10 +65,18 @@ def control_density(
     Raises
     ------
     ValueError
-        If there is no case.
+        If there is no case, or no density is positive anywhere.
     """
     if not cases:
         raise ValueError("there is no case to draw")
+    positive = [
+        float(value)
+        for case in cases
+        for density in (case.uncontrolled, *case.controlled.values())
+        for value in density[density > 0]
+    ]
+    if not positive:
+        raise ValueError("no density is positive anywhere")
     columns = min(2, len(cases))
     rows = (len(cases) + columns - 1) // columns
     figure = new_figure(DOUBLE_COLUMN if columns == 2 else SINGLE_COLUMN, 1.75 * rows + 0.5)
@@ -114,15 +122,8 @@ def control_density(
         panel.set_axis_off()
     for panel in panels[::columns]:
         panel.set_ylabel("PDF")
-    positive = [
-        float(value)
-        for case in cases
-        for density in (case.uncontrolled, *case.controlled.values())
-        for value in density[density > 0]
-    ]
     panels[0].set_yscale("log")
-    if positive:
-        panels[0].set_ylim(0.6 * min(positive), 3 * max(positive))
+    panels[0].set_ylim(0.6 * min(positive), 3 * max(positive))
     panels[0].set_xlim(
         min(float(case.bin_edges[0]) for case in cases),
         max(float(case.bin_edges[-1]) for case in cases),

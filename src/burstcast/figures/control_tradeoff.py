@@ -89,11 +89,11 @@ def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
                 )
     left.set_xticks(sorted(percentiles["prediction_time_lt"].dropna().unique()))
     left.margins(x=0.06)
-    # Zero is shown, and no marker is cut.
+    # Zero is shown, and neither a marker nor the label below it is cut.
     lowest = min(0.0, left.dataLim.y0, right.dataLim.y0)
     highest = max(left.dataLim.y1, right.dataLim.y1)
     room = 0.06 * (highest - lowest or 1.0)
-    left.set_ylim(lowest - room, highest + room)
+    left.set_ylim(lowest - 2 * room, highest + room)
     for panel in (left, right):
         panel.axhline(0, color=GREY, linewidth=0.5, zorder=0.5)
     left.set_xlabel(PREDICTION_TIME_LABEL)

@@ -1,5 +1,6 @@
 """Streamwise velocity in the midplane during an event: data, network and their difference."""
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.planes import (
@@ -60,7 +61,8 @@ def midplane_planes(
     draw_threshold(evolution, threshold, f"${symbol}_e$", at_left=True)
     mark_times(evolution, plane_times_lt)
     evolution.set_xlim(float(time_lt[0]), float(time_lt[-1]))
-    evolution.set_ylim(bottom=0)
+    # room for the name of the threshold, however low the event is
+    evolution.set_ylim(0, 1.2 * max(threshold, float(np.nanmax([true, forecast]))))
     evolution.set_xlabel("Time from the start of the forecast [LT]")
     evolution.set_ylabel(observable_label(symbol))
     evolution.set_title("(a)", loc="left")

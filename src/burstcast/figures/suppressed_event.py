@@ -1,5 +1,6 @@
 """An event that the control suppresses, and the flow with and without control."""
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.control_schematic import CONTROLLED
@@ -67,7 +68,8 @@ def suppressed_event(
     draw_threshold(evolution, threshold, f"${symbol}_e$", at_left=True)
     mark_times(evolution, plane_times_lt)
     evolution.set_xlim(float(time_lt[0]), float(time_lt[-1]))
-    evolution.set_ylim(bottom=0)
+    # room for the name of the threshold, however low the event is
+    evolution.set_ylim(0, 1.2 * max(threshold, float(np.nanmax([uncontrolled, controlled]))))
     evolution.set_xlabel("Time from the forecast [LT]")
     evolution.set_ylabel(observable_label(symbol))
     evolution.set_title("(a)", loc="left")
