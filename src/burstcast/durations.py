@@ -13,6 +13,8 @@ def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
     sampling_interval
         Time between two steps of the network, in time units; positive.
 
+    A quotient that misses a whole number by rounding error only counts as that whole number.
+
     Raises
     ------
     ValueError
@@ -22,7 +24,7 @@ def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
         raise ValueError(f"the leading Lyapunov exponent must be positive, not {exponent}")
     if not (sampling_interval > 0 and math.isfinite(sampling_interval)):
         raise ValueError(f"the sampling interval must be positive, not {sampling_interval}")
-    count = math.floor(1.0 / (exponent * sampling_interval))
+    count = math.floor(1.0 / (exponent * sampling_interval) + 1e-9)
     if count < 1:
         raise ValueError(
             f"a Lyapunov time of {1 / exponent:.3g} time units is shorter than one step of the "

@@ -5,6 +5,7 @@ reservoir size or a seed changes no other result.
 """
 
 import hashlib
+import operator
 
 import numpy as np
 
@@ -23,13 +24,17 @@ def seed_sequence(root_seed: int, *names: str | int) -> np.random.SeedSequence:
     ------
     ValueError
         If the root seed is negative or no name is given.
+    TypeError
+        If a name is neither text nor a whole number.
     """
     if root_seed < 0:
         raise ValueError(f"the root seed must not be negative, not {root_seed}")
     if not names:
         raise ValueError("a random stream needs a name")
-    # repr keeps 1 and "1" apart; the separator cannot occur in it unescaped
-    digest = hashlib.sha256("\x1f".join(repr(name) for name in names).encode()).digest()
+    # repr keeps 1 and "1" apart, and the separator cannot occur in it unescaped; whole numbers of
+    # NumPy, whose repr is another one, count as what they are
+    parts = [repr(name if isinstance(name, str) else operator.index(name)) for name in names]
+    digest = hashlib.sha256("\x1f".join(parts).encode()).digest()
     key = [int.from_bytes(digest[start : start + 4], "little") for start in range(0, 32, 4)]
     return np.random.SeedSequence(root_seed, spawn_key=key)
 

@@ -13,6 +13,7 @@ from burstcast import durations
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast_workflow.canonical import canonical
+from burstcast_workflow.cases import block_cases
 from burstcast_workflow.table_layouts import NETWORK_KEYS, SUMMARIES, described_parameters
 
 Settings = dict[str, Any]
@@ -75,8 +76,7 @@ class Campaign:
 
     def _expand(self) -> Iterator[Network]:
         for block in self.config["campaign"]:
-            names = [f"Re{reynolds:g}" for reynolds in block.get("reynolds", [])]
-            for case in [*names, *block.get("cases", [])]:
+            for case in block_cases(block):
                 for neurons in block["neurons"]:
                     for validation in block["validation"]:
                         for seed in range(block["seeds"]):

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from burstcast import durations
+from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast_workflow.cases import block_cases, case_name, case_record
 from burstcast_workflow.config_messages import suggestion
@@ -154,9 +155,9 @@ def _figures(config: Mapping[str, Any]) -> Iterator[str]:
         if time not in times:
             yield _not_a_prediction_time("reynolds_prediction_times_lt has", time, times)
     if figures["example_case"] in _known_cases(config):
-        threshold = case_record(config, figures["example_case"])["event_threshold"]
-        peak = figures["flow_event"]["peak"]
-        if not peak > threshold:
+        record = case_record(config, figures["example_case"])
+        threshold, peak = record["event_threshold"], figures["flow_event"]["peak"]
+        if not peak > threshold and _is_flow(record):
             yield (
                 f"figures.flow_event.peak is {peak}; it must be above the event_threshold of "
                 f"{figures['example_case']}, {threshold}"
@@ -165,6 +166,14 @@ def _figures(config: Mapping[str, Any]) -> Iterator[str]:
     time, times = figures["control_prediction_time_lt"], control["prediction_times_lt"]
     if control["validation"] and times and time not in times:
         yield _not_a_prediction_time("control_prediction_time_lt is", time, times, "control")
+
+
+def _is_flow(record: Mapping[str, Any]) -> bool:
+    """Whether the figures of the flow are drawn for a case."""
+    try:
+        return flow_modes(make_system(record["system"], record["parameters"])) is not None
+    except ValueError:  # told with the case
+        return False
 
 
 def _not_a_prediction_time(
@@ -197,7 +206,8 @@ def _case(config: Mapping[str, Any], name: str) -> Iterator[str]:
         except ValueError as error:
             yield f"lyapunov.published_exponent: {error}"
         else:
-            samples = math.floor(ensemble["duration"] / interval + 1e-9)
+            # both ends of a series are sampled
+            samples = math.floor(ensemble["duration"] / interval + 1e-9) + 1
             yield from misfits(config, record, samples, steps)
 
 

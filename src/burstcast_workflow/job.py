@@ -32,13 +32,9 @@ from burstcast_workflow.storage import remove_partial
 
 logger = logging.getLogger(__name__)
 
-# import name -> name in the provenance; only those that the script has imported count
-_LIBRARIES = {
-    "numpy": "numpy",
-    "scipy": "scipy",
-    "numba": "numba",
-    "skopt": "scikit-optimize",
-}
+# Those that change results. All of them in every output: which of them a job imports depends on its
+# settings, and numba is imported late.
+_LIBRARIES = ("numpy", "scipy", "numba", "scikit-optimize")
 
 Provenance = dict[str, str]
 Main = Callable[[Any, Any, dict[str, Any], Provenance], None]
@@ -110,10 +106,7 @@ def provenance(rule: str, settings: dict[str, Any]) -> Provenance:
         "settings": canonical_json(settings),
         "python": platform.python_version(),
     }
-    for module, name in _LIBRARIES.items():
-        if module in sys.modules:
-            record[name] = str(sys.modules[module].__version__)
-    return record
+    return {**record, **{library: version(library) for library in _LIBRARIES}}
 
 
 def _label(snakemake: Any) -> str:

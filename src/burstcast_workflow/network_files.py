@@ -14,6 +14,7 @@ from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import Reservoir, make_reservoir
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecast.forecasters import NetworkForecaster
+from burstcast_workflow.series_fit import check_kept_series
 from burstcast_workflow.storage import (
     Variable,
     read_attributes,
@@ -32,8 +33,15 @@ def training_series(settings: Mapping[str, Any], ensemble: str) -> TrainingSerie
         With ``training`` (series, noise), ``random_seed`` and ``case``.
     ensemble
         Path of the ensemble.
+
+    Raises
+    ------
+    ValueError
+        If the ensemble has too few series, or a component of them is constant.
     """
     training = settings["training"]
+    kept = read_netcdf(ensemble, "series")["series"].size
+    check_kept_series(kept, {"training.series": training["series"]})
     states = read_rows(ensemble, "state", 0, training["series"])
     scales = component_scales(states)
     observed = observe(

@@ -12,6 +12,7 @@ from burstcast.tuning.hyperparameters import HyperparameterPoint
 from burstcast.tuning.plan import ValidationPlan
 from burstcast.tuning.validation import Validation, validate
 from burstcast_workflow.network_files import reservoir, training_series
+from burstcast_workflow.series_fit import check_recycle_validation, check_single_shot_validation
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
@@ -24,6 +25,11 @@ class PointValidator:
         Of the scan or of the search.
     inputs
         With ``ensemble`` and ``lyapunov``.
+
+    Raises
+    ------
+    ValueError
+        If the validation intervals do not fit into the series.
     """
 
     def __init__(self, settings: Mapping[str, Any], inputs: Any) -> None:
@@ -33,11 +39,16 @@ class PointValidator:
         self._observable = system.observable
         self._reservoir: Reservoir = reservoir(settings, system.dimension)
         self._training: TrainingSeries = training_series(settings, inputs.ensemble)
+        # where the Lyapunov time is computed, this is the first job that can tell
+        durations_lt = settings["washout_lt"], settings["interval_lt"]
+        intervals = settings["recycle_validation"]["intervals_per_series"]
+        check_single_shot_validation(self._training.length, lyapunov_time, *durations_lt)
+        check_recycle_validation(self._training.length, lyapunov_time, *durations_lt, intervals)
         self._plan = ValidationPlan(
             washout=durations.steps(settings["washout_lt"], lyapunov_time),
             interval=durations.steps(settings["interval_lt"], lyapunov_time),
             recycle_series=settings["recycle_validation"]["series"],
-            recycle_intervals=settings["recycle_validation"]["intervals_per_series"],
+            recycle_intervals=intervals,
         )
 
     def __call__(self, point: HyperparameterPoint, strategies: Sequence[str]) -> list[Validation]:

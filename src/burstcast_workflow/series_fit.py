@@ -10,6 +10,31 @@ from typing import Any
 from burstcast import durations
 
 
+def check_kept_series(kept: int, needs: Mapping[str, int]) -> None:
+    """Check that an ensemble has as many series as are taken from it.
+
+    Parameters
+    ----------
+    kept
+        Series that did not laminarise.
+    needs
+        How many of them each setting asks for, by its name; no series is taken twice.
+
+    Raises
+    ------
+    ValueError
+        If they are too few.
+    """
+    wanted = sum(needs.values())
+    if wanted > kept:
+        listed = " and ".join(f"{name} is {count}" for name, count in needs.items())
+        raise ValueError(
+            f"{listed}, but only {kept} series did not laminarise and were kept: "
+            f"raise ensemble.series, or ask for at most {kept}"
+            f"{' in all' if len(needs) > 1 else ''}"
+        )
+
+
 def check_single_shot_validation(
     samples: int, steps_per_lyapunov_time: int, washout_lt: float, interval_lt: float
 ) -> None:
@@ -87,9 +112,11 @@ def check_horizon(
     steps_per_lyapunov_time: int,
     washout_lt: float,
     longest_start_lt: float,
-    start_step_lt: float,
+    start_step_lt: float | None = None,
 ) -> None:
     """Check that a series has room for the longest start before an event, and its washout.
+
+    The distance of two starts is looked at where it is given.
 
     Raises
     ------
@@ -97,7 +124,8 @@ def check_horizon(
         If it has not, or a duration is shorter than one step.
     """
     washout = _steps("network.washout_lt", washout_lt, steps_per_lyapunov_time)
-    _steps("horizon.start_step_lt", start_step_lt, steps_per_lyapunov_time)
+    if start_step_lt is not None:
+        _steps("horizon.start_step_lt", start_step_lt, steps_per_lyapunov_time)
     start = _steps("horizon.longest_start_lt", longest_start_lt, steps_per_lyapunov_time)
     if washout + start > samples:
         raise ValueError(

@@ -16,9 +16,20 @@ def steps_per_lyapunov_time(settings: Mapping[str, Any], lyapunov: Any) -> int:
         Of a job; ``steps_per_lyapunov_time`` is None where the exponent is computed.
     lyapunov
         The job's input of that name: the file of the computed exponents, or nothing.
+
+    Raises
+    ------
+    ValueError
+        If the computed exponent gives no time unit.
     """
     known = settings["steps_per_lyapunov_time"]
     if known is not None:
         return int(known)
     exponent = read_json(str(lyapunov))["leading"]["mean"]
-    return durations.steps_per_lyapunov_time(exponent, settings["sampling_interval"])
+    try:
+        return durations.steps_per_lyapunov_time(exponent, settings["sampling_interval"])
+    except ValueError as error:
+        raise ValueError(
+            f"the computed Lyapunov exponent cannot be the unit of time: {error} "
+            f"(lyapunov.published_exponent, lyapunov.time_unit)"
+        ) from error

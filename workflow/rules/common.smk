@@ -8,12 +8,16 @@ from pathlib import Path
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.cases import case_records
-from burstcast_workflow.config import load
+from burstcast_workflow.config import ConfigError, load
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.failures import failure_summary
 from burstcast_workflow.fingerprint import fingerprint
 
-config = load(config)
+try:
+    config = load(config)
+except ConfigError as error:
+    # without the traceback, in which nobody would find the message
+    raise WorkflowError(str(error)) from None
 campaign = Campaign(config, case_records(config))
 costs = CostModel(campaign)
 RESULTS = config["results"]

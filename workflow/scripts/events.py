@@ -6,6 +6,7 @@ from burstcast import durations
 from burstcast.dataset import component_scales, observe
 from burstcast.forecast.test_set import SeriesPoints, horizon_events, segments, upward_crossings
 from burstcast_workflow.job import run_job
+from burstcast_workflow.series_fit import check_horizon, check_kept_series
 from burstcast_workflow.storage import Variable, read_netcdf, read_rows, write_json, write_netcdf
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
@@ -14,8 +15,18 @@ def main(inputs, outputs, settings, provenance):
     """Write the events, with what was observed and what was true before each of them."""
     lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = settings["training"]
+    kept = read_netcdf(inputs.ensemble, "series")["series"].size
+    check_kept_series(kept, {"training.series": training["series"]})
     scales = component_scales(read_rows(inputs.ensemble, "state", 0, training["series"]))
     observable = read_netcdf(inputs.ensemble, "observable")["observable"]
+    check_horizon(
+        observable.shape[1], lyapunov_time, settings["washout_lt"], settings["longest_start_lt"]
+    )
+    if not settings["event_threshold"] > observable.mean():
+        raise ValueError(
+            f"event_threshold is {settings['event_threshold']}, but it must exceed the mean of the "
+            f"observable over all data, {observable.mean():.4g}"
+        )
     crossings = upward_crossings(observable, settings["event_threshold"])
     unseen = crossings.series >= training["series"]
     before = (

@@ -11,13 +11,16 @@ from burstcast.systems.lyapunov import (
 )
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import run_job
-from burstcast_workflow.storage import read_rows, write_json
+from burstcast_workflow.series_fit import check_kept_series
+from burstcast_workflow.storage import read_netcdf, read_rows, write_json
 
 
 def main(inputs, outputs, settings, provenance):
     """Write the exponents with their 95 % confidence intervals."""
     system = make_system(settings["system"], settings["parameters"])
     ensemble, lyapunov = settings["ensemble"], settings["lyapunov"]
+    kept = read_netcdf(inputs.ensemble, "series")["series"].size
+    check_kept_series(kept, {"lyapunov.series": lyapunov["series"]})
     states = read_rows(inputs.ensemble, "state", 0, lyapunov["series"])
     start = np.ascontiguousarray(states[:, 0].T)
     # along the kept series, which are known not to laminarise

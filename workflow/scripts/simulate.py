@@ -32,6 +32,11 @@ def main(inputs, outputs, settings, provenance):
         )
     )
     index = np.concatenate([batch.index for batch in batches])
+    if index.size == 0:
+        raise ValueError(
+            f"all {ensemble['series']} series exceeded laminarisation_threshold, "
+            f"{settings['laminarisation_threshold']}: raise it, or ensemble.series"
+        )
     states = np.concatenate([batch.states for batch in batches])
     observable = np.stack([system.observable(series.T) for series in states])
     interval = ensemble["time_step"] * ensemble["sampling_stride"]

@@ -8,7 +8,8 @@ from burstcast.forecast.test_set import segments, starting_points
 from burstcast.forecast.windows import summarise, window_boundaries
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import run_job
-from burstcast_workflow.storage import Variable, read_rows, write_netcdf
+from burstcast_workflow.series_fit import check_classification, check_kept_series
+from burstcast_workflow.storage import Variable, read_netcdf, read_rows, write_netcdf
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
@@ -18,8 +19,21 @@ def main(inputs, outputs, settings, provenance):
     lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = settings["training"]
     first, last = training["series"], training["series"] + settings["test_series"]
+    check_kept_series(
+        read_netcdf(inputs.ensemble, "series")["series"].size,
+        {"training.series": training["series"], "test_series": settings["test_series"]},
+    )
     scales = component_scales(read_rows(inputs.ensemble, "state", 0, training["series"]))
     states = read_rows(inputs.ensemble, "state", first, last)
+    windows = settings["windows"]
+    check_classification(
+        states.shape[1],
+        lyapunov_time,
+        settings["washout_lt"],
+        settings["start_spacing_lt"],
+        windows["resolution_lt"],
+        (windows["count"] + 1) * windows["resolution_lt"],
+    )
     observed = observe(
         states,
         first,
@@ -30,7 +44,6 @@ def main(inputs, outputs, settings, provenance):
         settings["case"],
     )
     washout = durations.steps(settings["washout_lt"], lyapunov_time)
-    windows = settings["windows"]
     boundaries = window_boundaries(windows["resolution_lt"], windows["count"], lyapunov_time)
     points = starting_points(
         len(states),

@@ -97,7 +97,11 @@ def collect(
     wanted = sorted(set(keep))
     if washout < 1:
         raise ValueError(f"the washout must have at least one step, not {washout}")
-    if (wanted and not washout <= wanted[0] <= wanted[-1] <= end) or not washout < end:
+    outside = [
+        *(step for step in wanted if not washout <= step <= end),
+        *(step for step in (snapshot,) if step is not None and not washout < step <= end),
+    ]
+    if outside or not washout < end <= training.length - 1:
         raise ValueError("the steps asked for lie outside of the training series")
     # inputs 0 .. end - 1 lead to the states at steps 1 .. end
     inputs = np.ascontiguousarray(training.observed[:, :end].transpose(1, 2, 0))

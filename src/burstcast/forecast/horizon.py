@@ -3,6 +3,7 @@
 Source: section "Prediction horizon of extreme events" of the paper.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -51,7 +52,7 @@ class HorizonSearch:
         Raises
         ------
         ValueError
-            If a duration or the tolerance is not positive.
+            If a duration or the tolerance is not positive, or all starts are shorter than a step.
         """
         if not self.tolerance > 0:
             raise ValueError(
@@ -60,12 +61,22 @@ class HorizonSearch:
             )
         if not 0 < self.start_step_lt <= self.longest_start_lt:
             raise ValueError("horizon.start_step_lt must lie in (0, horizon.longest_start_lt]")
+        if not self.starts_lt:
+            raise ValueError(
+                f"horizon.longest_start_lt is {self.longest_start_lt}, which is shorter than one "
+                f"step of the network: a Lyapunov time has {self.steps_per_lyapunov_time}"
+            )
 
     @property
     def starts_lt(self) -> list[float]:
         """All tau_e in the order in which they are tried, in Lyapunov times."""
-        count = int(self.longest_start_lt / self.start_step_lt + 1e-9)
-        return [self.longest_start_lt - index * self.start_step_lt for index in range(count)]
+        # down to the last one that is positive
+        count = math.ceil(self.longest_start_lt / self.start_step_lt - 1e-9)
+        starts = [self.longest_start_lt - index * self.start_step_lt for index in range(count)]
+        # a start less than a step before the event leaves nothing to forecast
+        return [
+            start for start in starts if durations.steps(start, self.steps_per_lyapunov_time) > 0
+        ]
 
     @property
     def longest_start(self) -> int:
@@ -169,6 +180,8 @@ def prediction_horizons(
     event = observed.shape[1] - 1
     undecided = np.arange(len(truth))
     for start_lt in search.starts_lt:
+        if undecided.size == 0:
+            break
         start = event - durations.steps(start_lt, search.steps_per_lyapunov_time)
         accurate = np.concatenate(
             [
@@ -188,8 +201,6 @@ def prediction_horizons(
         predicted = accurate == event - start
         horizons[undecided[predicted]] = start_lt
         undecided = undecided[~predicted]
-        if undecided.size == 0:
-            break
     return horizons
 
 

@@ -27,8 +27,8 @@ class WindowSummaries:
     Attributes
     ----------
     first
-        Observable at the window's first step, ``(points, windows)``; not a number where the
-        forecast has diverged.
+        Observable at the window's first step, ``(points, windows)``; not finite where the forecast
+        no longer is.
     largest
         Largest observable in the window, both ends included, ``(points, windows)``; likewise.
     """
@@ -83,7 +83,7 @@ def crosses(
     """Whether the observable crosses the threshold in a prediction window.
 
     It does if it is below the threshold at the window's first step and at or above it later on. A
-    forecast that has diverged (not a number) crosses nothing.
+    forecast that does not stay finite in the window crosses nothing.
 
     Parameters
     ----------
@@ -102,8 +102,8 @@ def crosses(
     if first_window < 0 or first_window + windows > summaries.first.shape[1]:
         raise IndexError("the prediction window reaches beyond the forecast")
     below_at_first = summaries.first[:, first_window] < threshold
-    above_later = summaries.largest[:, span].max(axis=1) >= threshold
-    return np.asarray(below_at_first & above_later)
+    largest = summaries.largest[:, span].max(axis=1)
+    return np.asarray(below_at_first & (largest >= threshold) & np.isfinite(largest))
 
 
 def forecast_summaries(

@@ -1,6 +1,7 @@
 """The searched hyperparameters, the space they are searched in, and the grid that covers it."""
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,6 +60,16 @@ class SearchSpace:
                 np.geomspace(*self.input_scaling, points),
             )
         ]
+
+    def point(self, logarithm: Sequence[float]) -> HyperparameterPoint:
+        """Point with these decimal logarithms, moved onto the bounds where rounding left them."""
+        rho, sigma = (
+            float(np.clip(10.0**exponent, *bounds))
+            for exponent, bounds in zip(
+                logarithm, (self.spectral_radius, self.input_scaling), strict=True
+            )
+        )
+        return HyperparameterPoint(rho, sigma)
 
     def logarithm(self, point: HyperparameterPoint) -> list[float]:
         """Decimal logarithms of a point, moved onto the bounds where rounding has left them."""

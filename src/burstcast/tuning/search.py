@@ -62,6 +62,6 @@ def bayesian_search(
     )
     for remaining in reversed(range(points)):
         logarithm = optimizer.ask()
-        objective = evaluate(HyperparameterPoint(10.0 ** logarithm[0], 10.0 ** logarithm[1]))
+        objective = evaluate(space.point(logarithm))
         # the last fit would propose a point that nobody evaluates
         optimizer.tell(logarithm, objective, fit=remaining > 0)
