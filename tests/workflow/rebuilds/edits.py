@@ -1,0 +1,275 @@
+"""Edits of settings and of code: one for every leaf of the config and every module."""
+
+import ast
+import copy
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+from dependencies import and_what_follows, readers
+from helpers_rebuilds import ROOT, TINY
+
+NETWORK_RULES = {"scan", "tune", "train", "forecast", "horizon", "climate"}
+CONTROL_RULES = {"control", "control_random", "control_equations", "control_table"}
+TABLES_OF_CASES = {"control_table", "dataset_table", "data_generation_parameters"}
+TABLES_OF_NETWORKS = {"hyperparameters_table", "classify", "horizon_table", "statistics_table"}
+
+
+@dataclass(frozen=True)
+class ConfigEdit:
+    """Another value of one setting, and the rules that must run again.
+
+    Attributes
+    ----------
+    path
+        The setting.
+    value
+        What it becomes.
+    with_it
+        What must change with it for the config to stay valid.
+    expected
+        Rules that run again for the tables.
+    """
+
+    path: tuple[str, ...]
+    value: Any
+    expected: frozenset[str]
+    with_it: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return ".".join(self.path)
+
+    def overlay(self) -> dict[str, Any]:
+        """Config that is laid over the preset."""
+        result: dict[str, Any] = copy.deepcopy(self.with_it)
+        if self.path[0] == "campaign":
+            campaign = copy.deepcopy(tiny_config()["campaign"])
+            if self.value is None:
+                campaign[0].pop(self.path[2])
+            else:
+                campaign[0][self.path[2]] = self.value
+            return merged(result, {"campaign": campaign})
+        node: Any = self.value
+        for key in reversed(self.path):
+            node = {key: node}
+        return merged(result, node)
+
+
+def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    """Lay one config over another, as Snakemake does."""
+    result = copy.deepcopy(below)
+    for key, value in above.items():
+        if isinstance(value, dict) and isinstance(result.get(key), dict):
+            result[key] = merged(result[key], value)
+        else:
+            result[key] = copy.deepcopy(value)
+    return result
+
+
+def tiny_config() -> dict[str, Any]:
+    """The tiny preset laid over config.yaml."""
+    texts = [(ROOT / name).read_text() for name in ("config.yaml", TINY)]
+    return merged(*(yaml.safe_load(text) for text in texts))
+
+
+def leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """All leaves of a config: lists are leaves, except that of the campaign's blocks."""
+    if path == ("campaign",):
+        for number, block in enumerate(node):
+            yield from leaves(block, (*path, str(number)))
+    elif isinstance(node, dict) and node:
+        for key, value in node.items():
+            yield from leaves(value, (*path, key))
+    else:
+        yield path, node
+
+
+# -- values: a default rule, and what it does not fit ----------------------------------------------
+
+_VALUES: dict[str, Any] = {
+    "results": "results/elsewhere",
+    "campaign.0.reynolds": [400, 500],
+    "campaign.0.neurons": [30, 40, 35],
+    "campaign.0.validation": ["RV"],
+    "case_defaults.system": "lorenz63",
+    "case_defaults.laminarisation_threshold": 0.3,
+    "case_defaults.ensemble.initial_state": [1, 0, 0.07, -0.07, 0, 0, 0, 0, 0],
+    "case_defaults.ensemble.time_step": 0.25,
+    "case_defaults.ensemble.sampling_stride": 1,
+    "case_defaults.ensemble.transient": 220,
+    "case_defaults.ensemble.duration": 420,
+    "case_defaults.lyapunov.time_unit": "computed",
+    "case_defaults.lyapunov.published_exponent": 0.02,
+    "case_defaults.lyapunov.orthonormalisation_interval": 10,
+    "case_defaults.lyapunov.perturbation": 1e-7,
+    "case_defaults.lyapunov.saturation": 2e-2,
+    "case_defaults.density.range": [0.015, 0.4],
+    "case_defaults.controlled_density.range": [0.012, 0.4],
+    "case_defaults.actuation.parameters.reynolds": 1500,
+    "case_defaults.actuation.force": [0.001, 0, 0, 0, 0, 0, 0, 0, 0],
+    "case_defaults.actuation.start_lt": -0.5,
+    "cases.Re400.recycle_validation.series": 3,
+    "cases.Re400.lyapunov.published_exponent": 0.0174,
+    "network.kernel": "compiled",
+    "search.spectral_radius": [0.2, 1],
+    "search.input_scaling": [0.2, 10],
+    "search.tikhonov": [1e-6, 1e-9],
+    "search.grid": 3,
+    "search.interval_lt": 1.5,
+    "classification.window_lt": 1.5,
+    "classification.resolution_lt": 0.25,
+    "classification.longest_prediction_time_lt": 3.5,
+    "classification.prediction_times_lt": [1, 2, 3, 2.5],
+    "horizon.start_step_lt": 0.25,
+    "statistics.validation": ["RV", "SSV"],
+    "statistics.duration": 220,
+    "control.neurons": [30, 40],
+    "control.validation": ["RV", "SSV"],
+    "control.prediction_times_lt": [1, 2],
+    "control.references": ["equations"],
+    "control.sweep.cases": ["Re400"],
+    "control.sweep.prediction_times_lt": [1, 2],
+    "bootstrap.confidence": 0.9,
+    "figures.example_case": "Re400",  # the only one there is: the same again
+    "figures.example_neurons": 30,
+    "figures.example_validation": "SSV",
+    "figures.example_seed": 0,
+    "figures.fixed_neurons": 30,
+    "figures.example_prediction_time_lt": 3,
+    "figures.fixed_prediction_time_lt": 2,
+    "figures.control_prediction_time_lt": 1,
+    "figures.reynolds_prediction_times_lt": [1],
+}
+_WITH: dict[str, dict[str, Any]] = {
+    "campaign.0.reynolds": {
+        "cases": {
+            "Re500": {
+                "test_series": 12,
+                "lyapunov": {"published_exponent": 0.015},
+                "recycle_validation": {"series": 2, "intervals_per_series": 2},
+            }
+        }
+    },
+    # a sweep is only made for cases that are controlled
+    "control.sweep.cases": {"control": {"sweep": {"prediction_times_lt": [2], "seeds": 1}}},
+}
+
+_NEW_NETWORKS = NETWORK_RULES | TABLES_OF_NETWORKS
+_EXPECTED: dict[str, set[str]] = {
+    "campaign.0.neurons": _NEW_NETWORKS,
+    "campaign.0.seeds": _NEW_NETWORKS | {"control", "control_random", "control_table"},
+    "campaign.0.validation": TABLES_OF_NETWORKS - {"statistics_table"},
+    "campaign.0.reynolds": set(readers("case.system"))
+    | {"events", "train"}
+    | TABLES_OF_NETWORKS
+    | TABLES_OF_CASES,
+    "statistics.validation": {"climate", "statistics_table"},
+    "control.neurons": {"control", "control_random", "control_table"},
+    "control.validation": {"control", "control_random", "control_table"},
+    "control.prediction_times_lt": CONTROL_RULES,
+    "control.references": {"control_table"},
+    "control.sweep.cases": CONTROL_RULES,
+}
+# settings that say nothing where they are: another one hides them, or nothing uses them here
+_WITHOUT_EFFECT = ("figures.", "control.sweep.seeds", "control.sweep.prediction_times_lt")
+
+
+def config_edits() -> list[ConfigEdit]:
+    """One edit for every leaf of the tiny preset."""
+    config = tiny_config()
+    own = {".".join(path) for path, _ in leaves(config["cases"]["Re400"])}
+    edits = []
+    for path, value in leaves(config):
+        name = ".".join(path)
+        if name in ("results", "case_defaults.system", "case_defaults.parameters"):
+            continue  # tested apart: nothing is there, or nothing fits it
+        new = _VALUES[name] if name in _VALUES else _another(value)
+        if name in _EXPECTED:
+            # of the networks' own rules, only the jobs of new networks: nothing follows from them
+            rules = _EXPECTED[name]
+            expected = rules | and_what_follows(rules & (TABLES_OF_NETWORKS | TABLES_OF_CASES))
+        elif name.startswith(_WITHOUT_EFFECT):
+            expected = set()
+        elif path[0] == "cases":
+            expected = and_what_follows(readers("case." + ".".join(path[2:])))
+            if path[1] != "Re400":
+                expected = set()
+        elif path[0] == "case_defaults":
+            below = ".".join(path[1:])
+            expected = set() if below in own else and_what_follows(readers(f"case.{below}"))
+        else:
+            expected = and_what_follows(readers(name))
+        edits.append(ConfigEdit(path, new, frozenset(expected), _WITH.get(name, {})))
+    return edits
+
+
+def _another(value: Any) -> Any:
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, int):
+        return value + 1
+    if isinstance(value, float):
+        return value * 1.25
+    if isinstance(value, list) and value and all(isinstance(item, int | float) for item in value):
+        return [_another(value[0]), *value[1:]]
+    raise AssertionError(f"say in _VALUES what {value!r} becomes")
+
+
+# -- code ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class CodeEdit:
+    """An edit of a module or a script: a number in it, or else a statement that is added."""
+
+    path: str  # from the project's root
+    text: str  # what the file becomes
+    what: str
+
+    @property
+    def name(self) -> str:
+        return self.path
+
+    @property
+    def module(self) -> str:
+        """Name of the module; of a script its file name."""
+        path = Path(self.path)
+        if path.parts[0] != "src":
+            return path.name
+        parts = [*path.parts[1:-1], path.stem]
+        return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def code_files() -> list[str]:
+    """All modules and scripts."""
+    return [
+        str(path.relative_to(ROOT))
+        for directory in ("src", "workflow/scripts")
+        for path in sorted((ROOT / directory).rglob("*.py"))
+    ]
+
+
+def added_statement(path: str) -> CodeEdit:
+    """An edit that changes no result: what the code is, is something else all the same."""
+    return CodeEdit(path, (ROOT / path).read_text() + "\n_EDITED = 1\n", "a constant added")
+
+
+def changed_numbers(path: str) -> Iterator[CodeEdit]:
+    """Edits of one fractional number each, the first ones first."""
+    text = (ROOT / path).read_text()
+    lines = text.splitlines(keepends=True)
+    for node in ast.walk(ast.parse(text)):
+        if not (isinstance(node, ast.Constant) and type(node.value) is float):
+            continue
+        if node.lineno != node.end_lineno or not 0 < abs(node.value) < 1e300:
+            continue
+        line = lines[node.lineno - 1].encode()
+        start, end = node.col_offset, node.end_col_offset
+        new = repr(node.value * 1.0625)
+        changed = line[:start] + new.encode() + line[end:]
+        edited = [*lines[: node.lineno - 1], changed.decode(), *lines[node.lineno :]]
+        what = f"line {node.lineno}: {line[start:end].decode()} -> {new}"
+        yield CodeEdit(path, "".join(edited), what)

@@ -1,0 +1,217 @@
+"""Working copies of the project in which the tests edit and run the workflow."""
+
+import hashlib
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).parents[3]
+HERE = Path(__file__).parent
+PARTS = ("Snakefile", "config.yaml", "profiles", "resources", "src", "workflow")
+TINY = "workflow/presets/tiny.yaml"
+RESULTS = "results/tiny"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run of Snakemake ended, and what it said."""
+
+    status: int
+    text: str
+
+    @property
+    def jobs(self) -> dict[str, int]:
+        """Jobs of each rule in a dry run, without the targets."""
+        found = re.search(r"^job +count\n[- ]+\n(.*?)^total ", self.text, re.M | re.S)
+        if found is None:
+            assert "Nothing to be done" in self.text, self.text
+            return {}
+        counts = dict(line.split() for line in found[1].splitlines())
+        return {
+            rule: int(count)
+            for rule, count in counts.items()
+            if rule not in ("all", "tables", "figures", "report")
+        }
+
+
+class JobServer:
+    """The process that runs scripts, and Snakemake itself, without importing libraries anew."""
+
+    def __init__(self, directory: Path) -> None:
+        self.address = str(directory / "server")
+
+    @contextmanager
+    def running(self) -> Iterator["JobServer"]:
+        environment = {**os.environ, **THREADS}
+        with subprocess.Popen(
+            [sys.executable, str(HERE / "job_server.py"), self.address],
+            stdout=subprocess.PIPE,
+            env=environment,
+        ) as process:
+            assert process.stdout is not None
+            assert process.stdout.readline() == b"ready\n"
+            try:
+                yield self
+            finally:
+                process.kill()
+
+
+THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+
+
+@dataclass(frozen=True)
+class Project:
+    """A working copy.
+
+    Attributes
+    ----------
+    directory
+        Where it is.
+    server
+        What runs its jobs; None for processes of their own, as users run them.
+    """
+
+    directory: Path
+    server: JobServer | None = None
+
+    @classmethod
+    def create(cls, directory: Path, server: JobServer | None = None) -> "Project":
+        """Copy the project's sources, with their time stamps."""
+        directory.mkdir(parents=True)
+        for part in PARTS:
+            source = ROOT / part
+            if source.is_dir():
+                shutil.copytree(
+                    source, directory / part, ignore=shutil.ignore_patterns("__pycache__")
+                )
+            else:
+                shutil.copy2(source, directory / part)
+        return cls(directory, server)
+
+    def copy(self, directory: Path) -> "Project":
+        """Copy everything with its time stamps: results and Snakemake's records, too."""
+        shutil.rmtree(directory, ignore_errors=True)
+        subprocess.run(["cp", "-a", self.directory, directory], check=True)
+        return Project(directory, self.server)
+
+    def without_results(self, directory: Path) -> "Project":
+        """Copy the sources only."""
+        copy = self.copy(directory)
+        shutil.rmtree(copy.directory / "results", ignore_errors=True)
+        shutil.rmtree(copy.directory / ".snakemake", ignore_errors=True)
+        return copy
+
+    def environment(self) -> dict[str, str]:
+        paths = [str(self.directory / "src")]
+        variables = {name: value for name, value in os.environ.items() if name != "BURSTCAST_CACHE"}
+        paths.append(str(HERE / "server"))
+        if self.server is not None:
+            variables["BURSTCAST_TEST_JOB_SERVER"] = self.server.address
+        return {**variables, **THREADS, "PYTHONPATH": ":".join(paths)}
+
+    def snakemake(self, *arguments: str, overlay: dict | None = None, **variables: str) -> Outcome:
+        """Run Snakemake with the tiny preset and what is laid over it."""
+        options = self.options(*arguments, overlay=overlay)
+        environment = {**self.environment(), **variables}
+        if self.server is None:
+            command = [sys.executable, "-m", "snakemake", *options]
+            result = subprocess.run(
+                command,
+                cwd=self.directory,
+                env=environment,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+                check=False,
+            )
+            return Outcome(result.returncode, result.stdout)
+        return self._request({"arguments": options}, environment)
+
+    def _request(self, request: dict, environment: dict[str, str]) -> Outcome:
+        """Let the server run something, and wait for it."""
+        assert self.server is not None
+        read, write = os.pipe()
+        with socket.socket(socket.AF_UNIX) as connection, open(os.devnull) as nothing:
+            connection.connect(self.server.address)
+            request = {**request, "directory": str(self.directory), "environment": environment}
+            text = json.dumps(request).encode() + b"\n"
+            socket.send_fds(connection, [text], [nothing.fileno(), write, write])
+            os.close(write)
+            with open(read, errors="replace") as stream:
+                said = stream.read()
+            status = connection.recv(1)
+        return Outcome(status[0] if status else 137, said)
+
+    def loaded_modules(self) -> dict[str, set[str]]:
+        """Modules of the project that importing each script loads, by rule."""
+        outcome = self._request({"script": str(HERE / "loaded_modules.py")}, self.environment())
+        assert outcome.status == 0, outcome.text
+        return {rule: set(modules) for rule, modules in json.loads(outcome.text).items()}
+
+    def options(self, *arguments: str, overlay: dict | None = None) -> list[str]:
+        """Options of Snakemake; the overlay becomes a file."""
+        configs = [TINY]
+        if overlay:
+            (self.directory / "overlay.yaml").write_text(yaml.safe_dump(overlay))
+            configs.append("overlay.yaml")
+        cores = (
+            [] if "-n" in arguments else ["--cores", os.environ.get("BURSTCAST_TEST_CORES", "2")]
+        )
+        return [*arguments, *cores, "--configfile", *configs]
+
+    def dry_run(self, *arguments: str, overlay: dict | None = None) -> dict[str, int]:
+        """Jobs of each rule that would run."""
+        outcome = self.snakemake("--quiet", "rules", "-n", *arguments, overlay=overlay)
+        assert outcome.status == 0, outcome.text
+        return outcome.jobs
+
+    @property
+    def results(self) -> Path:
+        return self.directory / RESULTS
+
+    def tables(self) -> dict[str, str]:
+        """Digests of all tables."""
+        return digests(self.results / "tables")
+
+    def logs(self) -> dict[str, int]:
+        """When each job's log was written: a job writes it when it runs."""
+        logs = self.results / "logs"
+        return {
+            str(path.relative_to(logs)): path.stat().st_mtime_ns for path in logs.rglob("*.log")
+        }
+
+    def edit(self, name: str, old: str, new: str) -> None:
+        """Replace the one place of a text in a file."""
+        path = self.directory / name
+        text = path.read_text()
+        assert text.count(old) == 1, f"{name} has {text.count(old)} of {old!r}"
+        path.write_text(text.replace(old, new))
+
+
+def digests(directory: Path) -> dict[str, str]:
+    """Digests of all files of a directory."""
+    return {
+        str(path.relative_to(directory)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(directory.rglob("*"))
+        if path.is_file()
+    }
+
+
+def jobs_since(before: dict[str, int], after: dict[str, int]) -> set[str]:
+    """Logs of the jobs that ran between two looks at the logs."""
+    return {name for name, time in after.items() if before.get(name) != time}
+
+
+def rules_of(logs: set[str]) -> set[str]:
+    """Rules that logs belong to: their directories, or their names."""
+    return {name.split("/")[0].removesuffix(".log") for name in logs}

@@ -1,0 +1,92 @@
+"""Run Python scripts in forks of a process that has the libraries loaded.
+
+Modules of the project are not loaded here: each script imports them anew from its own
+working copy.
+"""
+
+import json
+import os
+import runpy
+import signal
+import socket
+import sys
+import traceback
+
+# what scripts import, without the project's modules
+import matplotlib.figure
+import matplotlib.tri
+import netCDF4
+import numpy
+import pandas
+import scipy.linalg
+import scipy.signal
+import scipy.sparse
+import scipy.stats
+import skimage.measure
+import skopt
+import snakemake.cli
+import snakemake.dag
+import snakemake.scheduling.job_scheduler
+import snakemake.script
+import snakemake.workflow
+
+LOADED = (matplotlib, netCDF4, numpy, pandas, scipy, skimage, skopt, snakemake)
+
+
+def serve(address: str) -> None:
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the forks
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(address)
+        listener.listen(64)
+        print("ready", flush=True)
+        while True:
+            connection, _ = listener.accept()
+            if os.fork() == 0:
+                listener.close()
+                _handle(connection)
+            connection.close()
+
+
+def _handle(connection: socket.socket) -> None:
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    text, descriptors, _, _ = socket.recv_fds(connection, 2**16, 3)
+    while not text.endswith(b"\n"):
+        text += connection.recv(2**16)
+    request = json.loads(text)
+    for number, descriptor in enumerate(descriptors):
+        os.dup2(descriptor, number)
+        os.close(descriptor)
+    os.chdir(request["directory"])
+    os.environ.clear()
+    os.environ.update(request["environment"])
+    sys.path[:0] = [path for path in os.environ.get("PYTHONPATH", "").split(":") if path]
+    sys.stdin, sys.stdout, sys.stderr = (
+        open(number, mode, buffering=1, closefd=False)  # noqa: SIM115
+        for number, mode in enumerate(["r", "w", "w"])
+    )
+    status = _run(request)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    connection.send(bytes([status]))
+    os._exit(0)
+
+
+def _run(request: dict) -> int:
+    try:
+        if "script" in request:
+            sys.argv = [request["script"]]
+            sys.path.insert(0, os.path.dirname(request["script"]))
+            runpy.run_path(request["script"], run_name="__main__")
+        else:
+            sys.argv = ["snakemake", *request["arguments"]]
+            snakemake.cli.main(request["arguments"])
+    except SystemExit as leave:
+        return leave.code if isinstance(leave.code, int) else int(leave.code is not None)
+    except BaseException:
+        traceback.print_exc()
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    serve(sys.argv[1])

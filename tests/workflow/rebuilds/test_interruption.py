@@ -1,0 +1,139 @@
+"""After an interruption the next run completes, with the bits of a run that was not interrupted."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from helpers_rebuilds import RESULTS, Project, digests
+
+# the jobs up to these files take a few seconds, in processes of their own as users run them
+TARGETS = [f"{RESULTS}/Re400/{name}" for name in ("lyapunov.json", "test_set.nc", "events.json")]
+MEGABYTE = 2**20
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """Run that nothing interrupts: what it wrote."""
+    project = Project.create(tmp_path_factory.mktemp("undisturbed") / "project")
+    outcome = project.snakemake(*TARGETS)
+    assert outcome.status == 0, outcome.text[-3000:]
+    return results(project)
+
+
+@pytest.fixture
+def project(tmp_path):
+    return Project.create(tmp_path / "project")
+
+
+def results(project: Project) -> dict[str, str]:
+    """Digests of all results but logs and benchmarks, which have times in them."""
+    return {
+        name: digest
+        for name, digest in digests(project.results).items()
+        if name.split("/")[0] not in ("logs", "benchmarks")
+    }
+
+
+def start(project: Project, *arguments: str) -> subprocess.Popen:
+    return subprocess.Popen(
+        [sys.executable, "-m", "snakemake", *project.options(*arguments)],
+        cwd=project.directory,
+        env=project.environment(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
+def wait_for_log(project: Project, rule: str, seconds: float = 60) -> None:
+    end = time.monotonic() + seconds
+    while not list((project.results / "logs").glob(f"{rule}*/*.log")):
+        assert time.monotonic() < end, f"{rule} never began"
+        time.sleep(0.02)
+
+
+def jobs_of(workflow: subprocess.Popen) -> list[int]:
+    """Process numbers of the scripts that a workflow runs."""
+    found = subprocess.run(
+        ["pgrep", "-s", str(workflow.pid), "-f", r"python[^ ]* .*\.snakemake/scripts/tmp"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return [int(number) for number in found.stdout.split()]
+
+
+def complete(project: Project, targets: list[str]) -> dict[str, str]:
+    """What a user does after an interruption."""
+    project.snakemake("--unlock")
+    outcome = project.snakemake(*targets)
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert not list(project.results.rglob("*.partial"))
+    return results(project)
+
+
+def test_the_workflow_is_killed(project, undisturbed):
+    workflow = start(project, *TARGETS)
+    wait_for_log(project, "lyapunov")
+    workflow.kill()  # its jobs run on
+    workflow.wait()
+    assert complete(project, TARGETS) == undisturbed
+
+
+def test_a_job_is_killed(project, undisturbed):
+    workflow = start(project, *TARGETS)
+    wait_for_log(project, "lyapunov")
+    for job in jobs_of(workflow):
+        os.kill(job, signal.SIGKILL)
+    assert workflow.wait() != 0
+    assert complete(project, TARGETS) == undisturbed
+
+
+def test_jobs_run_out_of_memory(project, undisturbed):
+    outcome = project.snakemake(*TARGETS, BURSTCAST_TEST_JOB_MEMORY=str(150 * MEGABYTE))
+    assert outcome.status != 0
+    assert results(project) == {}
+    assert complete(project, TARGETS) == undisturbed
+
+
+def test_the_disk_is_full(project, undisturbed):
+    disk = project.directory / "results"
+    disk.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=1m", "none", disk], capture_output=True, check=False
+    )
+    if mounted.returncode != 0:
+        pytest.skip("a disk of a given size needs the right to mount one")
+    try:
+        assert project.snakemake(*TARGETS).status != 0
+        assert not (project.results / "Re400" / "ensemble.nc").exists()
+        subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
+        assert complete(project, TARGETS) == undisturbed
+    finally:
+        subprocess.run(["umount", "-l", disk], check=True)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("victim", ["workflow", "jobs", "everything"])
+@pytest.mark.parametrize("moment", [3, 5, 8, 12, 17, 23, 30, 40])
+def test_killed_at_any_moment(project, whole, victim, moment):
+    workflow = start(project, "tables")
+    time.sleep(moment)
+    if victim in ("jobs", "everything"):
+        for job in jobs_of(workflow):
+            os.kill(job, signal.SIGKILL)
+    if victim in ("workflow", "everything"):
+        workflow.kill()
+    workflow.wait()
+    assert complete(project, ["tables"]) == whole
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    project = Project.create(tmp_path_factory.mktemp("whole") / "project")
+    outcome = project.snakemake("tables")
+    assert outcome.status == 0, outcome.text[-3000:]
+    return results(project)

@@ -1,0 +1,122 @@
+"""What must run again after an edit does, nothing else does, and the results have the same bits.
+
+The long tests make every edit: pytest -m long tests/workflow/rebuilds. They go on where they were
+stopped if BURSTCAST_TRIALS names a directory; ``python trial.py DIRECTORY`` prints the table that
+docs/selective_rebuilds.md shows.
+"""
+
+import os
+from pathlib import Path
+
+import pytest
+import yaml
+from dependencies import ALL
+from edits import code_files, config_edits
+from helpers_rebuilds import ROOT, TINY
+from trial import TABLE_SCRIPTS, laboratory
+
+CONFIG_EDITS = {edit.name: edit for edit in config_edits()}
+
+
+@pytest.fixture(scope="module")
+def sample_lab(tmp_path_factory):
+    with laboratory(tmp_path_factory.mktemp("trials"), figures=False) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def whole_lab(tmp_path_factory):
+    directory = os.environ.get("BURSTCAST_TRIALS")
+    with laboratory(Path(directory) if directory else tmp_path_factory.mktemp("trials")) as made:
+        yield made
+
+
+# -- a sample --------------------------------------------------------------------------------------
+
+
+def test_a_setting_and_a_module_of_the_scores(sample_lab):
+    trial = sample_lab.config_trial(CONFIG_EDITS["classification.prediction_times_lt"])
+    assert trial.problems == []
+    assert trial.tables_changed > 0
+    trial = sample_lab.code_trial("src/burstcast/forecast/classification.py")
+    assert trial.problems == []
+
+
+def test_edits_that_mean_nothing_run_nothing(sample_lab):
+    work = sample_lab.base.copy(sample_lab.directory / "nothing")
+    for path in [
+        *(work.directory / "src").rglob("*.py"),
+        *work.directory.glob("workflow/scripts/*"),
+    ]:
+        if path.is_file() and path.stat().st_size > 0:
+            path.write_text(_reformatted(path.read_text()))
+    for name in ("config.yaml", TINY):
+        path = work.directory / name
+        config = yaml.safe_load(path.read_text())
+        path.write_text("# another comment\n" + yaml.safe_dump(_otherwise(config)))
+    (work.directory / "Snakefile").touch()
+    for path in work.directory.glob("workflow/rules/*.smk"):
+        path.touch()
+    assert work.dry_run("tables") == {}
+    # a result that is touched is compared by its content, since it is small
+    (work.results / "Re400" / "dataset.json").touch()
+    assert work.dry_run("tables") == {}
+
+
+def test_an_edit_of_meaning_beside_those_without(sample_lab):
+    work = sample_lab.base.copy(sample_lab.directory / "meaning")
+    path = work.directory / "src/burstcast/forecast/horizon.py"
+    path.write_text(path.read_text() + "\nEDITED = 1\n")
+    assert {"horizon", "horizon_table"} <= work.dry_run("tables").keys()
+
+
+def test_changed_settings_beside_the_outputs_of_other_networks(sample_lab):
+    edit = CONFIG_EDITS["campaign.0.seeds"]
+    work = sample_lab.base.copy(sample_lab.directory / "seeds")
+    jobs = work.dry_run("tables", overlay=edit.overlay())
+    sizes, strategies = 2, 2
+    assert jobs["scan"] == sizes
+    assert jobs["train"] == jobs["forecast"] == sizes * strategies
+    assert "simulate" not in jobs
+
+
+def test_the_oracle_knows_every_rule_of_the_tables(sample_lab):
+    ran = {name.split("/")[0].removesuffix(".log") for name in sample_lab.base.logs()}
+    assert ran == TABLE_SCRIPTS == {name.split("/")[0] for name in ALL}
+
+
+def test_every_module_is_in_some_trial():
+    assert {str(path.relative_to(ROOT)) for path in (ROOT / "src").rglob("*.py")} <= {*code_files()}
+
+
+def _reformatted(text: str) -> str:
+    """Another text of the same code: comments, a docstring's words, blank lines."""
+    lines = text.replace("\n\n\n", "\n\n\n\n# a comment\n").splitlines(keepends=True)
+    if lines[0].startswith('"""'):
+        lines[0] = '"""Other words. ' + lines[0].removeprefix('"""')
+    return "".join(lines) + "# the end\n"
+
+
+def _otherwise(value):
+    """Equal settings, written otherwise: keys in another order, whole numbers with a point."""
+    if isinstance(value, dict):
+        return {key: _otherwise(value[key]) for key in reversed(value)}
+    if isinstance(value, list):
+        return [_otherwise(item) for item in value]
+    # where the schema wants a whole number, 3.0 is one, too
+    return float(value) if type(value) is int else value
+
+
+# -- everything ------------------------------------------------------------------------------------
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", CONFIG_EDITS)
+def test_every_setting(whole_lab, name):
+    assert whole_lab.config_trial(CONFIG_EDITS[name]).problems == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("path", code_files())
+def test_every_module_and_script(whole_lab, path):
+    assert whole_lab.code_trial(path).problems == []

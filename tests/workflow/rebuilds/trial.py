@@ -1,0 +1,281 @@
+"""Trials: an edit, a run that goes on from finished results, and a run from scratch."""
+
+import hashlib
+import json
+import os
+import shutil
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from dependencies import COMES_FROM, and_what_follows, may_be_found_otherwise
+from edits import CodeEdit, ConfigEdit, added_statement, changed_numbers, merged, tiny_config
+from helpers_rebuilds import PARTS, ROOT, JobServer, Outcome, Project, jobs_since
+
+# rules whose every job belongs to a case, and so to its system's module
+RULES_OF_A_CASE = {
+    *("simulate", "lyapunov", "test_set", "events", "reference_statistics", "control_equations"),
+    *("scan", "tune", "train", "forecast", "horizon", "climate", "control", "control_random"),
+    *("examples", "flow_event", "suppressed_event"),
+}
+_BY_TABLE = ("percentiles", "latex")
+_NUMBERS_TRIED = 3
+
+
+@dataclass
+class Trial:
+    """What came of an edit."""
+
+    name: str
+    what: str
+    rerun: list[str]  # rules (and tables) that ran again for the tables
+    jobs: int
+    figures: int  # jobs of the figures that would run again
+    tables: int
+    tables_changed: int
+    seconds: float
+    problems: list[str] = field(default_factory=list)
+
+
+class Laboratory:
+    """Finished results of the tiny preset, from which trials start.
+
+    Parameters
+    ----------
+    directory
+        Where everything is kept. Trials and runs from scratch that are there already are not made
+        again, as long as the project's sources stay the same.
+    figures
+        Whether the figures are drawn once, so that trials count those that would be drawn again.
+    """
+
+    def __init__(self, directory: Path, server: JobServer, *, figures: bool) -> None:
+        self.directory, self.server = directory, server
+        (directory / "trials").mkdir(parents=True, exist_ok=True)
+        (directory / "scratch").mkdir(exist_ok=True)
+        self.fingerprint = source_digest()
+        note = directory / "sources"
+        if not note.exists() or note.read_text() != self.fingerprint:
+            for name in ("base", "work", "trials", "scratch"):
+                shutil.rmtree(directory / name, ignore_errors=True)
+            (directory / "trials").mkdir()
+            (directory / "scratch").mkdir()
+            base = Project.create(directory / "base", server)
+            outcome = base.snakemake("tables")
+            assert outcome.status == 0, outcome.text[-3000:]
+            if figures:
+                base.snakemake()  # whether they can be drawn is tested elsewhere
+            note.write_text(self.fingerprint)
+        self.base = Project(directory / "base", server)
+
+    @cached_property
+    def base_tables(self) -> dict[str, str]:
+        return self.base.tables()
+
+    @cached_property
+    def loaded(self) -> dict[str, set[str]]:
+        """Modules that each rule's script loads."""
+        return self.base.loaded_modules()
+
+    def config_trial(self, edit: ConfigEdit) -> Trial:
+        """Change a setting."""
+        return self._remembered(edit.name, lambda: self._config_trial(edit))
+
+    def _config_trial(self, edit: ConfigEdit) -> Trial:
+        start = time.monotonic()
+        overlay = edit.overlay()
+        work = self.base.copy(self.directory / "work")
+        scratch = self._from_scratch(overlay)
+        return self._judged(
+            work, overlay, scratch, f"-> {edit.value}", edit, set(edit.expected), None, start
+        )
+
+    def code_trial(self, path: str) -> Trial:
+        """Change a module or a script."""
+        return self._remembered(path, lambda: self._code_trial(path))
+
+    def _code_trial(self, path: str) -> Trial:
+        start = time.monotonic()
+        edit, scratch = self._edit_that_runs(path)
+        work = self.base.copy(self.directory / "work")
+        (work.directory / path).write_text(edit.text)
+        least, most = self.rules_with(edit.module)
+        return self._judged(work, {}, scratch, edit.what, edit, least, most, start)
+
+    def rules_with(self, module: str) -> tuple[set[str], set[str]]:
+        """Rules that must run again when a module has changed, and those that may."""
+        least, most = set(), set()
+        for rule, loaded in self.loaded.items():
+            if module in loaded or module == f"{rule}.py":
+                least.add(rule)
+            elif may_be_found_otherwise(module, rule in RULES_OF_A_CASE, loaded):
+                most.add(rule)
+        if module == "burstcast.systems.mfe":  # the system of the preset
+            least, most = least | most, set()
+        elif module.startswith("burstcast.systems.") and "mfe" in module:
+            # what the system's module itself imports
+            least, most = least | (most if self._imports(module) else set()), set()
+        elif module.startswith("burstcast.systems."):
+            most = set()
+        expanded = [and_what_follows(_by_table(rules)) for rules in (least, least | most)]
+        return expanded[0], expanded[1]
+
+    def _imports(self, module: str) -> bool:
+        text = (ROOT / "src/burstcast/systems/mfe.py").read_text()
+        return module.rpartition(".")[2] in text
+
+    def _edit_that_runs(self, path: str) -> tuple[CodeEdit, dict[str, str]]:
+        """Find an edit that changes tables, if there is one among the first few."""
+        added = added_statement(path)
+        _, most = self.rules_with(added.module)
+        if not most & TABLE_RULES:
+            return added, self.base_tables
+        found = added, self.base_tables
+        for number, edit in enumerate(changed_numbers(path)):
+            if number == _NUMBERS_TRIED:
+                break
+            work = self.base.without_results(self.directory / "scratch-work")
+            (work.directory / path).write_text(edit.text)
+            if work.snakemake("tables").status == 0:
+                found = edit, work.tables()
+                if found[1] != self.base_tables:
+                    break
+        return found
+
+    def _from_scratch(self, overlay: dict[str, Any]) -> dict[str, str]:
+        """Tables of a run from scratch; configs that differ in figures only share one."""
+        config = merged(tiny_config(), overlay)
+        relevant = {key: value for key, value in config.items() if key != "figures"}
+        relevant["cases"] = {
+            name: record
+            for name, record in config["cases"].items()
+            if any(name == f"Re{value:g}" for value in config["campaign"][0]["reynolds"])
+        }
+        digest = hashlib.sha256(json.dumps(relevant, sort_keys=True).encode()).hexdigest()
+        memory = self.directory / "scratch" / f"{digest[:20]}.json"
+        if not memory.exists():
+            work = self.base.without_results(self.directory / "scratch-work")
+            outcome = work.snakemake("tables", overlay=overlay)
+            assert outcome.status == 0, outcome.text[-3000:]
+            memory.write_text(json.dumps(work.tables()))
+        return dict(json.loads(memory.read_text()))
+
+    def _judged(
+        self,
+        work: Project,
+        overlay: dict[str, Any],
+        scratch: dict[str, str],
+        what: str,
+        edit: ConfigEdit | CodeEdit,
+        least: set[str],
+        most: set[str] | None,
+        start: float,
+    ) -> Trial:
+        """Run the edited copy, and compare."""
+        least, most = least & TABLE_RULES, (least if most is None else most) & TABLE_RULES
+        problems = []
+        would = work.dry_run(overlay=overlay)
+        before = work.logs()
+        outcome: Outcome = work.snakemake("tables", overlay=overlay)
+        if outcome.status != 0:
+            problems.append(f"the run failed: {outcome.text[-2000:]}")
+        ran = jobs_since(before, work.logs())
+        rerun = {_rule(name) for name in ran}
+        if missed := least - rerun:
+            problems.append(f"did not run again: {', '.join(sorted(missed))}")
+        if extra := rerun - most:
+            problems.append(f"ran again for nothing: {', '.join(sorted(extra))}")
+        tables = work.tables()
+        different = sorted(name for name in scratch if tables.get(name) != scratch[name])
+        if different:
+            problems.append(f"differs from a run from scratch: {', '.join(different)}")
+        if again := work.dry_run("tables", overlay=overlay):
+            problems.append(f"is not finished afterwards: {again}")
+        planned = sum(count for rule, count in would.items() if rule in TABLE_SCRIPTS)
+        if planned != len(ran):
+            problems.append(f"{planned} jobs were announced, {len(ran)} ran")
+        return Trial(
+            name=edit.name,
+            what=what,
+            rerun=sorted(rerun),
+            jobs=len(ran),
+            figures=sum(count for rule, count in would.items() if rule not in TABLE_SCRIPTS),
+            tables=len(scratch),
+            tables_changed=sum(self.base_tables.get(name) != scratch[name] for name in scratch),
+            seconds=round(time.monotonic() - start, 1),
+            problems=problems,
+        )
+
+    def _remembered(self, name: str, make: Any) -> Trial:
+        memory = self.directory / "trials" / f"{name.replace('/', '+')}.json"
+        if memory.exists():
+            return Trial(**json.loads(memory.read_text()))
+        trial: Trial = make()
+        memory.write_text(json.dumps(asdict(trial), indent=1))
+        return trial
+
+
+TABLE_RULES = {*COMES_FROM, *COMES_FROM["control_table"].split(), "simulate"} | {
+    "network_hyperparameters"
+}
+TABLE_SCRIPTS = {name.partition("/")[0] for name in TABLE_RULES}
+
+
+def _rule(log: str) -> str:
+    """Rule of a log: with the table, where a rule makes each of them."""
+    rule, _, job = log.removesuffix(".log").partition("/")
+    return f"{rule}/{job}" if rule in _BY_TABLE else rule
+
+
+def _by_table(rules: set[str]) -> set[str]:
+    """Replace rules that make several tables by one entry for each."""
+    return {rule for rule in rules if rule not in _BY_TABLE} | {
+        name for name in COMES_FROM if name.partition("/")[0] in rules & set(_BY_TABLE)
+    }
+
+
+def source_digest() -> str:
+    """Digest of the project's sources, without what Python has compiled."""
+    digest = hashlib.sha256()
+    for part in PARTS:
+        for path in sorted([ROOT / part, *(ROOT / part).rglob("*")]):
+            if path.is_file() and path.suffix != ".pyc":
+                digest.update(f"{path.relative_to(ROOT)}\n".encode() + path.read_bytes())
+    return digest.hexdigest()
+
+
+@contextmanager
+def laboratory(directory: Path, *, figures: bool = True) -> Iterator[Laboratory]:
+    """A laboratory with its server."""
+    directory.mkdir(parents=True, exist_ok=True)
+    server = JobServer(directory)
+    Path(server.address).unlink(missing_ok=True)
+    with server.running():
+        yield Laboratory(directory, server, figures=figures)
+
+
+def summary(directory: Path) -> str:
+    """Results of all trials as a table in Markdown."""
+    lines = [
+        "| edit | what | jobs | rules run again | figure jobs | tables changed | verdict |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for path in sorted((directory / "trials").glob("*.json")):
+        trial = Trial(**json.loads(path.read_text()))
+        rules = ", ".join(sorted({name.partition("/")[0] for name in trial.rerun})) or "none"
+        what = trial.what.replace("|", "\\|")
+        verdict = "; ".join(trial.problems).replace("|", "\\|")[:200] or "equal bits"
+        lines.append(
+            f"| `{trial.name}` | {what} | {trial.jobs} | {rules} | {trial.figures} "
+            f"| {trial.tables_changed} of {trial.tables} | {verdict} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    print(summary(Path(sys.argv[1] if len(sys.argv) > 1 else os.environ["BURSTCAST_TRIALS"])))
