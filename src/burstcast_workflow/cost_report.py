@@ -128,9 +128,8 @@ def _ratio(measured: float, prediction: float) -> str:
     return f"{ratio:.2f}" + (" " if 0.5 <= ratio <= 2 else "!")
 
 
-def forecast_lines(campaign: Campaign) -> list[str]:
+def forecast_lines(campaign: Campaign, model: CostModel) -> list[str]:
     """Lines with the predicted time of a campaign, rule by rule and in total."""
-    model = CostModel(campaign)
     seconds: dict[str, list[float]] = defaultdict(list)
     for rule, wildcards in jobs(campaign):
         seconds[rule].append(model.predicted(rule, wildcards).seconds)
@@ -176,7 +175,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     campaign = read_campaign([Path("config.yaml"), *options.configfile])
     if options.results is None:
-        print("\n".join(forecast_lines(campaign)))
+        print("\n".join(forecast_lines(campaign, CostModel(campaign))))
     else:
         print("\n".join(compare(campaign, records(options.results))))
 

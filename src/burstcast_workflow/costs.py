@@ -459,10 +459,13 @@ class CostModel:
     ----------
     campaign
         The campaign that the jobs belong to.
+    seconds_per
+        Seconds that a unit of work takes.
     """
 
-    def __init__(self, campaign: Campaign) -> None:
+    def __init__(self, campaign: Campaign, seconds_per: Mapping[str, float] = SECONDS_PER) -> None:
         self._campaign = campaign
+        self._seconds_per = seconds_per
         self._known: dict[tuple[str, ...], Cost] = {}
 
     def predicted(self, rule: str, wildcards: Wildcards) -> Cost:
@@ -490,7 +493,7 @@ class CostModel:
             guess = _single_forecasts if "neurons" in wildcards else _control_random
             account = _OF_A_CASE.get(rule, guess)
             (start_up, held), work, memory = account(_Sizes(self._campaign, case), wildcards)
-        seconds = start_up + sum(SECONDS_PER[unit] * count for unit, count in work.items())
+        seconds = start_up + sum(self._seconds_per[unit] * count for unit, count in work.items())
         return Cost(seconds, held + memory)
 
     def memory_mib(self, rule: str, wildcards: Wildcards, attempt: int) -> int:

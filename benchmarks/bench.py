@@ -1,0 +1,651 @@
+"""What each stage costs on this machine, one thread, and what the whole campaign would.
+
+::
+
+    python benchmarks/bench.py [--sizes 500 1000 2000 3000] [--quick] [--write]
+
+Each stage is timed at the size that ``config.yaml`` gives it for Re = 400, or at a part of it and
+extrapolated; with how much of the machine's peak it reaches (dgemm, measured in between); and
+against the same work in the textbook implementation (``textbook.py``) and with the numpy/scipy
+kernel, in the same run. Times are the processor's, the least of several repetitions: other programs
+on the machine disturb them little. ``--write`` puts the tables into docs/performance.md.
+"""
+
+import argparse
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import textbook
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from burstcast import durations
+from burstcast.dataset import component_scales, generate_ensemble, initial_states, observe
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.network import EchoStateNetwork
+from burstcast.esn.readout import MomentsAccumulator, solve_ridge
+from burstcast.esn.reservoir import make_reservoir
+from burstcast.esn.training import TrainingSeries, collect
+from burstcast.forecast.forecasters import Forecaster, NetworkForecaster
+from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
+from burstcast.forecast.test_set import (
+    horizon_events,
+    segments,
+    starting_points,
+    upward_crossings,
+)
+from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.statistics.climate import ClimateSettings, climate_starting_points, run_climate
+from burstcast.systems.registry import make_system
+from burstcast.tuning.plan import ValidationPlan
+from burstcast.tuning.validation import STRATEGIES, validate
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.cost_report import forecast_lines, read_campaign
+from burstcast_workflow.costs import SECONDS_PER, CostModel
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCUMENT = ROOT / "docs" / "performance.md"
+CASE = "Re400"
+SPECTRAL_RADIUS, INPUT_SCALING, TIKHONOV = 0.6, 1.0, 1e-9
+CORES = 2  # of the machine that the campaign's duration is predicted for
+# Operations of one hyperbolic tangent in the compiled kernel, and of what joins its argument.
+TANH_OPERATIONS = 33
+
+
+# --- The machine ---------------------------------------------------------------------------------
+
+
+def pin_to_one_core() -> None:
+    """Keep this process, and the threads of BLAS, on one core (where the system can do that)."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    threadpool_limits(1)
+    threads = {pool["internal_api"]: pool["num_threads"] for pool in threadpool_info()}
+    if any(number != 1 for number in threads.values()):
+        raise SystemExit(f"a library keeps several threads: {threads}")
+
+
+def machine() -> str:
+    """Processor, cores and BLAS in words."""
+    processor = platform.processor() or platform.machine()
+    information = Path("/proc/cpuinfo")
+    extensions = ""
+    if information.exists():
+        lines = dict(
+            (part.strip() for part in line.split(":", 1))
+            for line in information.read_text().splitlines()
+            if ":" in line
+        )
+        processor = lines.get("model name", processor)
+        flags = lines.get("flags", "").split()
+        extensions = ", AVX-512" if "avx512f" in flags else ", AVX2" if "avx2" in flags else ""
+    blas = next(pool for pool in threadpool_info() if pool["user_api"] == "blas")
+    return (
+        f"{processor}{extensions}, {os.cpu_count()} cores; {blas['internal_api']} "
+        f"{blas['version']} for {blas.get('architecture', 'this processor')}; "
+        f"Python {platform.python_version()}, NumPy {np.__version__}"
+    )
+
+
+@dataclass
+class Clock:
+    """Times functions, and looks now and then at what the machine can do at best."""
+
+    repeats: int
+    peak: float = 0.0  # GFLOP/s of dgemm
+
+    def seconds(self, function: Callable[[], object], repeats: int | None = None) -> float:
+        """Least processor time of several calls."""
+        self._look_at_peak()
+        return min(_processor_time(function) for _ in range(repeats or self.repeats))
+
+    def _look_at_peak(self) -> None:
+        size = 1000
+        matrix = np.ones((size, size))
+        product = np.empty_like(matrix)
+        # two different matrices: the product of one with its own transpose is not dgemm
+        other = matrix + 1.0
+        seconds = min(_processor_time(lambda: np.matmul(matrix, other, product)) for _ in range(3))
+        self.peak = max(self.peak, 2e-9 * size**3 / seconds)
+
+
+def _processor_time(function: Callable[[], object]) -> float:
+    start = time.process_time()
+    function()
+    return time.process_time() - start
+
+
+# --- What is measured ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measured stage; seconds are those of the stage's whole work."""
+
+    stage: str
+    work: str
+    neurons: int | None
+    seconds: float
+    textbook: float | None = None
+    scipy: float | None = None
+    neuron_steps: float | None = None
+    operations: float | None = None
+
+    def cells(self, peak: float) -> list[str]:
+        """Cells of the table."""
+        rate = None if self.operations is None else 1e-9 * self.operations / self.seconds
+        return [
+            self.stage,
+            self.work,
+            "" if self.neurons is None else str(self.neurons),
+            f"{self.seconds:.3g}",
+            "" if self.neuron_steps is None else f"{1e9 * self.seconds / self.neuron_steps:.2f}",
+            "" if rate is None else f"{rate:.1f}",
+            "" if rate is None else f"{100 * rate / peak:.0f} %",
+            "" if self.textbook is None else f"{self.textbook / self.seconds:.3g}",
+            "" if self.scipy is None else f"{self.scipy / self.seconds:.2g}",
+        ]
+
+
+HEAD = [
+    *("stage", "work", "neurons", "seconds", "ns per neuron-step", "GFLOP/s", "of dgemm"),
+    *("textbook x", "numpy/scipy x"),
+]
+
+
+@dataclass
+class CountingForecaster(Forecaster):
+    """A forecaster that counts the steps of all its trajectories."""
+
+    forecaster: NetworkForecaster
+    steps: int = field(default=0)
+
+    def start(self, washout: np.ndarray) -> np.ndarray:
+        """Count and pass on."""
+        self.steps += washout.shape[0] * washout.shape[2]
+        return self.forecaster.start(washout)
+
+    def advance(self, memory: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
+        """Count and pass on."""
+        self.steps += steps * memory.shape[-1]
+        return self.forecaster.advance(memory, steps)
+
+    def diverged(self, outputs: np.ndarray) -> np.ndarray:
+        """Pass on."""
+        return self.forecaster.diverged(outputs)
+
+
+class Data:
+    """A small ensemble of the campaign's first case, and its settings in steps."""
+
+    def __init__(self, campaign: Campaign, series: int) -> None:
+        self.config = campaign.config
+        self.case = campaign.cases[CASE]
+        self.system = make_system(self.case["system"], self.case["parameters"])
+        self.lyapunov_time = campaign.steps_per_lyapunov_time(CASE)
+        self.states = np.concatenate([kept.states for kept in self.ensemble(series)])
+        self.truth = self.system.observable(np.moveaxis(self.states, -1, 0))
+        training = self.states[: self.case["training"]["series"]]
+        scales = component_scales(training)
+        self.observed = observe(
+            self.states, 0, self.case["training"]["noise"], scales, 1, "benchmark"
+        )
+        self.training = TrainingSeries(self.observed[: len(training)], scales.range)
+        recycle = self.case["recycle_validation"]
+        self.plan = ValidationPlan(
+            washout=self.steps(self.config["network"]["washout_lt"]),
+            interval=self.steps(self.config["search"]["interval_lt"]),
+            recycle_series=recycle["series"],
+            recycle_intervals=recycle["intervals_per_series"],
+        )
+
+    def steps(self, duration_lt: float) -> int:
+        """Lyapunov times in steps."""
+        return durations.steps(duration_lt, self.lyapunov_time)
+
+    def ensemble(self, series: int) -> Iterator:
+        """Integrate an ensemble."""
+        setting = self.case["ensemble"]
+        return generate_ensemble(
+            self.system,
+            initial_states(
+                np.array(setting["initial_state"], dtype=float),
+                setting["perturbed_component"] - 1,
+                setting["perturbation"],
+                series,
+                np.random.default_rng(1),
+            ),
+            time_step=setting["time_step"],
+            sampling_stride=setting["sampling_stride"],
+            transient_steps=round(setting["transient"] / setting["time_step"]),
+            kept_steps=round(setting["duration"] / setting["time_step"]),
+            laminarisation_threshold=self.case["laminarisation_threshold"],
+        )
+
+    @property
+    def test(self) -> slice:
+        """Series that are not trained on."""
+        return slice(self.training.series, None)
+
+
+# --- The stages ----------------------------------------------------------------------------------
+
+
+class Stages:
+    """All stages of one reservoir size."""
+
+    def __init__(self, data: Data, neurons: int, clock: Clock, *, quick: bool) -> None:
+        self._data, self._neurons, self._clock, self._quick = data, neurons, clock, quick
+        network = data.config["network"]
+        reservoir = make_reservoir(
+            neurons,
+            data.system.dimension,
+            network["connectivity"],
+            network["input_bias"],
+            np.random.default_rng(neurons),
+        )
+        self._compiled = Dynamics(reservoir, SPECTRAL_RADIUS, INPUT_SCALING, "compiled")
+        self._scipy = replace(self._compiled, kernel="scipy")
+        self._textbook = textbook.TextbookNetwork(self._compiled)
+        # per neuron and step: products with the matrix, the input, the hyperbolic tangent
+        self._open_operations = 2 * reservoir.recurrent.nnz / neurons + 2 + TANH_OPERATIONS
+        self._closed_operations = self._open_operations + 2 * data.system.dimension
+        self._batch = 64
+        observed = data.training.observed / data.training.input_range
+        self._inputs = np.ascontiguousarray(observed[:, :-1].transpose(1, 2, 0))
+        self._collected = collect(self._compiled, data.training, washout=data.plan.washout)
+        self._readout = solve_ridge(self._collected.moments, TIKHONOV)
+
+    def rows(self) -> list[Row]:
+        """Measure everything."""
+        return [
+            self._closed_loop(),
+            self._open_loop(),
+            self._gram(),
+            self._ridge(),
+            self._trial(),
+            self._forecasts(),
+            self._horizon(),
+            self._climate(),
+        ]
+
+    @cached_property
+    def _closed_states(self) -> np.ndarray:
+        states = self._compiled.open_loop(self._inputs[:100])
+        return np.tile(states, (1, self._batch))[:, : self._batch]
+
+    @cached_property
+    def _closed_rates(self) -> dict[str, float]:
+        """Seconds per step of one trajectory: compiled, scipy, textbook."""
+        arguments = self._readout.weights, self._data.training.input_range
+        steps = 20 if self._quick else 100
+        rates = {
+            name: self._clock.seconds(
+                lambda dynamics=dynamics: dynamics.closed_loop(
+                    *arguments, self._closed_states, steps
+                )
+            )
+            / (steps * self._batch)
+            for name, dynamics in (("compiled", self._compiled), ("scipy", self._scipy))
+        }
+        state = self._closed_states[:, 0]
+        rates["textbook"] = (
+            self._clock.seconds(lambda: self._textbook.closed_loop(*arguments, state, steps))
+            / steps
+        )
+        return rates
+
+    @cached_property
+    def _open_rates(self) -> dict[str, float]:
+        """Seconds per step of one of ten trajectories: compiled, scipy, textbook."""
+        inputs = self._inputs[: 100 if self._quick else 400]
+        steps, _, batch = inputs.shape
+        rates = {
+            name: self._clock.seconds(lambda dynamics=dynamics: dynamics.open_loop(inputs))
+            / (steps * batch)
+            for name, dynamics in (("compiled", self._compiled), ("scipy", self._scipy))
+        }
+        zero = np.zeros(self._neurons)
+        rates["textbook"] = (
+            self._clock.seconds(lambda: self._textbook.open_loop(inputs[:100, :, 0], zero)) / 100
+        )
+        return rates
+
+    def _row(self, stage: str, work: str, seconds: float, **more: float | None) -> Row:
+        return Row(stage, work, self._neurons, seconds, **more)
+
+    def _of_loop(self, stage: str, work: str, steps: float, rates: dict[str, float]) -> Row:
+        operations = self._closed_operations
+        if rates is self._open_rates:
+            operations = self._open_operations
+        return self._row(
+            stage,
+            work,
+            steps * rates["compiled"],
+            textbook=steps * rates["textbook"],
+            scipy=steps * rates["scipy"],
+            neuron_steps=steps * self._neurons,
+            operations=steps * self._neurons * operations,
+        )
+
+    def _closed_loop(self) -> Row:
+        return self._of_loop("closed loop", "1e5 trajectory-steps", 1e5, self._closed_rates)
+
+    def _open_loop(self) -> Row:
+        steps = self._inputs.shape[0] * self._inputs.shape[2]
+        return self._of_loop("open loop", "the ten training series", steps, self._open_rates)
+
+    @cached_property
+    def _gram_seconds(self) -> tuple[float, float]:
+        """Our and the textbook's time for the moments of all training rows."""
+        panel = next(self._compiled.state_panels(self._inputs[200:])).columns
+        targets = self._data.training.observed[:, 201 : 201 + panel.shape[1] // 10]
+        targets = targets.transpose(2, 1, 0).reshape(targets.shape[2], -1)
+        panels = 2 if self._quick else 4
+        accumulator = MomentsAccumulator(self._neurons, len(targets))
+        accumulator.add(panel, targets)  # the first call touches fresh memory
+
+        def accumulate() -> None:
+            for _ in range(panels):
+                accumulator.add(panel, targets)
+
+        share = self._rows / (panels * panel.shape[1])
+        states, wanted = np.tile(panel, panels), np.tile(targets, panels)
+        return (
+            share * self._clock.seconds(accumulate),
+            share * self._clock.seconds(lambda: textbook.products(states, wanted)),
+        )
+
+    @property
+    def _rows(self) -> int:
+        return self._collected.moments.count
+
+    def _gram(self) -> Row:
+        seconds, plain = self._gram_seconds
+        return self._row(
+            "Gram matrix",
+            f"{self._rows} rows",
+            seconds,
+            textbook=plain,
+            # of a symmetric product, half
+            operations=float(self._rows) * self._neurons * (self._neurons + 1),
+        )
+
+    @cached_property
+    def _ridge_seconds(self) -> tuple[float, float]:
+        moments = self._collected.moments
+        gram = np.tril(moments.gram) + np.tril(moments.gram, -1).T
+        return (
+            self._clock.seconds(lambda: solve_ridge(moments, TIKHONOV)),
+            self._clock.seconds(lambda: textbook.ridge(gram, moments.cross, TIKHONOV)),
+        )
+
+    def _ridge(self) -> Row:
+        seconds, plain = self._ridge_seconds
+        return self._row(
+            "ridge regression",
+            "one beta",
+            seconds,
+            textbook=plain,
+            operations=self._neurons**3 / 3,
+        )
+
+    def _trial(self) -> Row:
+        data, betas = self._data, self._data.config["search"]["tikhonov"]
+
+        def trial(dynamics: Dynamics) -> None:
+            validate(dynamics, data.training, data.system.observable, data.plan, betas, STRATEGIES)
+
+        intervals = data.training.series + data.plan.recycle_series * data.plan.recycle_intervals
+        closed = len(betas) * intervals * data.plan.interval
+        opened = self._inputs.shape[0] * self._inputs.shape[2]
+        plain = (
+            # each strategy by itself: nothing is shared
+            len(STRATEGIES) * (opened * self._open_rates["textbook"] + self._gram_seconds[1])
+            + closed * self._closed_rates["textbook"]
+            + len(STRATEGIES) * len(betas) * self._ridge_seconds[1]
+        )
+        return self._row(
+            "hyperparameter trial",
+            f"SSV and RV, {len(betas)} betas",
+            self._clock.seconds(lambda: trial(self._compiled), 2),
+            textbook=plain,
+            scipy=self._clock.seconds(lambda: trial(self._scipy), 1),
+        )
+
+    def _forecaster(self) -> CountingForecaster:
+        network = EchoStateNetwork(self._compiled, self._readout, self._data.training.input_range)
+        return CountingForecaster(
+            NetworkForecaster(network, self._data.config["network"]["divergence_bound"])
+        )
+
+    def _of_forecaster(
+        self, stage: str, work: str, run: Callable[[Forecaster], object], factor: float
+    ) -> Row:
+        counter = self._forecaster()
+        run(counter)
+        steps = factor * counter.steps
+        return self._row(
+            stage,
+            work,
+            factor * self._clock.seconds(lambda: run(self._forecaster()), 2),
+            textbook=steps * self._closed_rates["textbook"],
+            scipy=steps * self._closed_rates["scipy"],
+            neuron_steps=steps * self._neurons,
+            operations=steps * self._neurons * self._closed_operations,
+        )
+
+    def _forecasts(self) -> Row:
+        data, setting = self._data, self._data.config["classification"]
+        resolution = setting["resolution_lt"]
+        reach = setting["longest_prediction_time_lt"] + setting["window_lt"]
+        boundaries = window_boundaries(
+            resolution, round(reach / resolution) - 1, data.lyapunov_time
+        )
+        series = 1 if self._quick else 4
+        observed = data.observed[data.test][:series]
+        points = starting_points(
+            series,
+            observed.shape[1],
+            data.steps(setting["start_spacing_lt"]),
+            data.plan.washout,
+            data.steps(reach),
+        )
+        washouts = segments(observed, points, data.plan.washout - 1, 0)
+        whole = data.case["test_series"]
+        return self._of_forecaster(
+            "forecasts",
+            f"{whole} series, {whole * len(points) // series} starts",
+            lambda forecaster: forecast_summaries(
+                forecaster, data.system.observable, washouts, boundaries
+            ),
+            whole / series,
+        )
+
+    def _horizon(self) -> Row:
+        data, setting = self._data, self._data.config["horizon"]
+        threshold = data.case["event_threshold"]
+        search = HorizonSearch(
+            longest_start_lt=setting["longest_start_lt"],
+            start_step_lt=setting["start_step_lt"],
+            tolerance=setting["tolerance"] * (threshold - data.truth.mean()),
+            washout=data.plan.washout,
+            steps_per_lyapunov_time=data.lyapunov_time,
+        )
+        truth = data.truth[data.test]
+        events = horizon_events(
+            upward_crossings(truth, threshold),
+            search.steps_before_event,
+            16 if self._quick else 128,
+        )
+        observed = segments(data.observed[data.test], events, search.steps_before_event, 0)
+        true = segments(truth, events, search.steps_before_event, 0)
+        return self._of_forecaster(
+            "prediction horizon",
+            f"{setting['events']} events",
+            lambda forecaster: prediction_horizons(
+                forecaster, data.system.observable, observed, true, search
+            ),
+            setting["events"] / len(events),
+        )
+
+    def _climate(self) -> Row:
+        data, setting = self._data, self._data.config["statistics"]
+        points = climate_starting_points(
+            data.training.series,
+            data.training.length,
+            data.steps(setting["start_spacing_lt"]),
+            data.plan.washout,
+            64,
+        )
+        washouts = segments(data.training.observed, points, data.plan.washout - 1, 0)
+        density = data.case["density"]
+        run = ClimateSettings(
+            steps=100 if self._quick else 300,
+            edges=np.linspace(*density["range"], density["bins"] + 1),
+            laminarisation_threshold=None,
+            stuck=None,
+        )
+        interval = data.case["ensemble"]["time_step"] * data.case["ensemble"]["sampling_stride"]
+        steps = setting["duration"] / interval
+        return self._of_forecaster(
+            "long-term statistics",
+            f"{setting['starting_points']} runs of {steps:.0f} steps",
+            lambda forecaster: run_climate(forecaster, data.system.observable, washouts, run),
+            setting["starting_points"] / len(points) * steps / run.steps,
+        )
+
+    def connection_seconds(self) -> float:
+        """Seconds per neuron-step of one more connection in the closed loop."""
+        reservoir = self._compiled.reservoir
+        network = self._data.config["network"]
+        sparse = make_reservoir(
+            self._neurons,
+            reservoir.dimension,
+            network["connectivity"] / 2,
+            network["input_bias"],
+            np.random.default_rng(self._neurons),
+        )
+        dynamics = Dynamics(sparse, SPECTRAL_RADIUS, INPUT_SCALING, "compiled")
+        arguments = self._readout.weights, self._data.training.input_range
+        seconds = self._clock.seconds(
+            lambda: dynamics.closed_loop(*arguments, self._closed_states, 100)
+        ) / (100 * self._batch)
+        connections = reservoir.recurrent.nnz - sparse.recurrent.nnz
+        return (self._closed_rates["compiled"] - seconds) / connections
+
+    def rates(self) -> dict[str, float]:
+        """Measured constants of the cost model."""
+        connection = self.connection_seconds()
+        connectivity = self._compiled.reservoir.recurrent.nnz / self._neurons
+        return {
+            "neuron step": self._closed_rates["compiled"] / self._neurons
+            - connectivity * connection,
+            "connection step": connection,
+            "gram product": self._gram_seconds[0] / (self._rows * float(self._neurons) ** 2),
+            "solve product": self._ridge_seconds[0] / float(self._neurons) ** 3,
+        }
+
+
+def integration(data: Data, clock: Clock, *, quick: bool) -> tuple[Row, dict[str, float]]:
+    """The ensemble of the case, and the constants of the cost model that belong to it."""
+    setting = data.case["ensemble"]
+    steps = (setting["duration"] + setting["transient"]) / setting["time_step"]
+    few, many = 16, 128 if quick else 512
+    seconds = {
+        series: clock.seconds(lambda series=series: list(data.ensemble(series)), 1 if quick else 2)
+        for series in (few, many)
+    }
+    per_series_step = (seconds[many] - seconds[few]) / (many - few) / steps
+    per_call = seconds[few] / steps - few * per_series_step
+    batches = -(-setting["series"] // 1000)
+    whole = steps * (batches * per_call + setting["series"] * per_series_step)
+    state = data.states[0, 0]
+    plain = clock.seconds(
+        lambda: textbook.integrate(data.system.right_hand_side, state, setting["time_step"], 200)
+    )
+    row = Row(
+        "integration",
+        f"{setting['series']} series of {steps:.0f} steps",
+        None,
+        whole,
+        textbook=plain / 200 * steps * setting["series"],
+    )
+    return row, {"integration call": per_call, "integration step": per_series_step}
+
+
+# --- The report ----------------------------------------------------------------------------------
+
+
+def table(head: list[str], rows: list[list[str]]) -> list[str]:
+    """Lines of a markdown table."""
+    return ["| " + " | ".join(cells) + " |" for cells in (head, ["---"] * len(head), *rows)]
+
+
+def prediction(campaign: Campaign, rates: dict[str, float]) -> list[str]:
+    """Lines with the predicted cost of the whole campaign, by rule."""
+    by_rule = forecast_lines(campaign, CostModel(campaign, {**SECONDS_PER, **rates}))
+    minutes = float(by_rule[-1].split()[-1])
+    return [
+        "```",
+        *by_rule,
+        "```",
+        "",
+        f"On {CORES} cores: **{minutes / 60 / CORES:.1f} hours**.",
+    ]
+
+
+def write(section: str, lines: list[str]) -> None:
+    """Put lines between the marks of a section of the document."""
+    begin, end = f"<!-- {section}: begin -->", f"<!-- {section}: end -->"
+    before, rest = DOCUMENT.read_text(encoding="utf-8").split(begin)
+    _, after = rest.split(end)
+    text = "\n".join([before + begin, *lines, end + after])
+    DOCUMENT.write_text(text, encoding="utf-8")
+
+
+def main() -> None:
+    """Measure, print, and write where asked to."""
+    parser = argparse.ArgumentParser(
+        description="What each stage costs on this machine, and what the whole campaign would."
+    )
+    parser.add_argument("--sizes", type=int, nargs="+", default=[500, 1000, 2000, 3000])
+    parser.add_argument("--quick", action="store_true", help="one size, little of everything")
+    parser.add_argument("--write", action="store_true", help="write docs/performance.md")
+    options = parser.parse_args()
+    sizes = [1000] if options.quick else options.sizes
+    pin_to_one_core()
+    clock = Clock(repeats=2 if options.quick else 3)
+    campaign = read_campaign([ROOT / "config.yaml"])
+    data = Data(campaign, series=24 if options.quick else 80)
+    rows, rates = [], {}
+    for neurons in sizes:
+        stages = Stages(data, neurons, clock, quick=options.quick)
+        rows += stages.rows()
+        rates = stages.rates()  # those of the last size
+        print(f"{neurons} neurons measured", flush=True)
+    row, integration_rates = integration(data, clock, quick=options.quick)
+    rates |= integration_rates
+    measured = [
+        f"{machine()}. One thread; dgemm reaches {clock.peak:.1f} GFLOP/s.",
+        "",
+        *table(HEAD, [row.cells(clock.peak) for row in (row, *rows)]),
+    ]
+    constants = table(
+        ["unit", "measured", "in `costs.py`"],
+        [[unit, f"{rate:.2g}", f"{SECONDS_PER[unit]:.2g}"] for unit, rate in rates.items()],
+    )
+    predicted = [*constants, "", *prediction(campaign, rates)]
+    print("\n".join(["", *measured, "", *predicted]))
+    if options.write:
+        write("measured", measured)
+        write("predicted", predicted)
+
+
+if __name__ == "__main__":
+    main()
