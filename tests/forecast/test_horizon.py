@@ -1,0 +1,233 @@
+"""Prediction horizons against the paper's procedure, one event and one start at a time."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from burstcast.forecast import horizon
+from burstcast.forecast.forecasters import EquationsForecaster, Forecaster
+from burstcast.forecast.horizon import HorizonSearch, accurate_steps, prediction_horizons
+from burstcast.systems.integration import integrate
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+SEARCH = HorizonSearch(
+    longest_start_lt=4.0, start_step_lt=0.5, tolerance=0.1, washout=5, steps_per_lyapunov_time=13
+)
+
+
+def first(states):
+    return states[0]
+
+
+class Drifting(Forecaster):
+    """A forecast of zeros that drifts off at a speed which the last observation tells.
+
+    It also hides in its memory how far it is, as a reservoir's state does.
+    """
+
+    def start(self, washout):
+        assert washout.shape[0] == SEARCH.washout
+        return np.stack([washout[-1, 1], np.zeros(washout.shape[2])])
+
+    def advance(self, memory, steps):
+        ahead = memory[1] + np.arange(1, steps + 1, dtype=np.float64)[:, np.newaxis]
+        speed = memory[0]
+        drift = np.where(speed < 0, np.where(ahead > -speed, np.nan, 0.0), speed * ahead)
+        outputs = np.stack([drift, np.full_like(drift, 0.0)], axis=1)
+        return outputs, np.stack([speed, memory[1] + steps])
+
+
+def events(speeds, search=SEARCH):
+    """Events of a signal that is zero, observed with the forecaster's speed of drift."""
+    observed = np.zeros((*speeds.shape, 2))
+    observed[..., 1] = speeds
+    return observed, np.zeros(speeds.shape)
+
+
+def horizon_by_hand(speeds, search):
+    """One event: start by start, step by step, in whole steps until the last line."""
+    event = len(speeds) - 1
+    tau = search.longest_start_lt
+    while True:
+        start = event - math.floor(tau * search.steps_per_lyapunov_time + 1e-9)
+        accurate = 0
+        for step in range(start + 1, event + 1):
+            speed, ahead = speeds[start], step - start
+            error = (math.nan if ahead > -speed else 0.0) if speed < 0 else speed * ahead
+            if not abs(error) < search.tolerance:
+                break
+            accurate += 1
+        if accurate == event - start:
+            return tau
+        shorter = tau - search.start_step_lt
+        if shorter * search.steps_per_lyapunov_time < 1 - 1e-6:
+            return accurate / search.steps_per_lyapunov_time
+        tau = shorter
+
+
+SPEEDS = st.one_of(
+    st.sampled_from([0.0, 0.1, 1.0, -1.0, -2.0]),
+    st.floats(0, 0.02),
+    st.integers(-60, -1).map(float),
+)
+
+
+@settings(max_examples=80, deadline=None)
+@given(
+    st.data(),
+    st.sampled_from([(4.0, 0.5), (2.0, 2.0), (2.0, 0.75), (0.5, 0.5), (1.0, 0.3)]),
+    st.integers(1, 20),
+    st.integers(0, 7),
+)
+def test_horizons_are_those_of_the_papers_procedure(data, starts, between_checks, count):
+    search = replace(SEARCH, longest_start_lt=starts[0], start_step_lt=starts[1])
+    length = search.steps_before_event + 1
+    speeds = np.array(
+        [data.draw(st.lists(SPEEDS, min_size=length, max_size=length)) for _ in range(count)]
+    ).reshape(count, length)
+    expected = [horizon_by_hand(row.tolist(), search) for row in speeds]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(horizon, "STEPS_BETWEEN_CHECKS", between_checks)
+        patch.setattr(horizon, "EVENTS_PER_BATCH", data.draw(st.integers(1, 5)))
+        found = prediction_horizons(Drifting(), first, *events(speeds), search)
+    np.testing.assert_allclose(found, expected, rtol=1e-13)
+
+
+def horizon_of(speed, search=SEARCH):
+    speeds = np.full((1, search.steps_before_event + 1), speed)
+    return float(prediction_horizons(Drifting(), first, *events(speeds), search)[0])
+
+
+def test_a_perfect_forecast_has_the_longest_horizon():
+    assert horizon_of(0.0) == 4.0
+
+
+def test_a_hopeless_forecast_has_the_horizon_of_the_shortest_start():
+    assert horizon_of(1.0) == 0.0
+    assert horizon_of(0.03) == pytest.approx(3 / 13)  # of the six steps of half a Lyapunov time
+    assert horizon_of(-2.0) == pytest.approx(2 / 13)  # lost after two steps
+
+
+def test_the_horizon_is_the_first_start_that_reaches_the_event():
+    # accurate for 32 steps: 2.5 Lyapunov times are 32 steps, 3 of them 39
+    assert horizon_of(0.1 / 32.5) == 2.5
+    # the error must stay below the tolerance at the event, too
+    assert horizon_of(0.1 / 31.5) == 2.0
+
+
+def test_an_error_that_reaches_the_tolerance_is_too_large():
+    outputs = np.array([0.0, 0.05, 0.1, 0.0, 0.0])
+
+    class Given(Drifting):
+        def advance(self, memory, steps):
+            return outputs[:steps].reshape(steps, 1, 1), memory
+
+    washouts = np.zeros((SEARCH.washout, 2, 1))
+    assert accurate_steps(Given(), first, washouts, np.zeros((5, 1)), 0.1).tolist() == [2]
+
+
+@pytest.fixture(scope="module")
+def flow():
+    """Chaotic shear flow: (series, time, 9), one sample per time unit."""
+    system = MoehlisFaisstEckhardt(reynolds=400.0)
+    start = np.array([1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0])[:, np.newaxis]
+    perturbed = start + 0.01 * np.random.default_rng(2).random((9, 12))
+    states = integrate(system, perturbed, 0.25, 4 * 420, stride=4)[200:]
+    return system, np.ascontiguousarray(states.transpose(2, 0, 1))
+
+
+def flow_horizons(flow, noise):
+    system, states = flow
+    search = HorizonSearch(3.0, 0.5, 0.01, washout=5, steps_per_lyapunov_time=61)
+    window = states[:, : search.steps_before_event + 1]
+    generator = np.random.default_rng(1)
+    observed = window + noise * generator.normal(size=window.shape)
+    truth = system.observable(window.transpose(2, 0, 1))
+    forecaster = EquationsForecaster(system, 0.25, 4)
+    return search, forecaster, observed, truth, system
+
+
+def test_the_equations_predict_from_as_far_as_one_looks(flow):
+    search, forecaster, observed, truth, system = flow_horizons(flow, 0.0)
+    found = prediction_horizons(forecaster, system.observable, observed, truth, search)
+    assert found.tolist() == [3.0] * 12
+
+
+def test_noisy_equations_one_event_at_a_time(flow, monkeypatch):
+    search, forecaster, observed, truth, system = flow_horizons(flow, 1e-3)
+    found = prediction_horizons(forecaster, system.observable, observed, truth, search)
+    assert 0 < found.min() < found.max()
+    few = slice(0, 3)
+    for checks, batch in ((7, 1), (1000, 2)):
+        monkeypatch.setattr(horizon, "STEPS_BETWEEN_CHECKS", checks)
+        monkeypatch.setattr(horizon, "EVENTS_PER_BATCH", batch)
+        again = prediction_horizons(
+            forecaster, system.observable, observed[few], truth[few], search
+        )
+        np.testing.assert_array_equal(again, found[few])
+
+
+def test_a_forecast_is_given_up_once_it_is_lost(monkeypatch):
+    monkeypatch.setattr(horizon, "STEPS_BETWEEN_CHECKS", 4)
+
+    class Watched(Drifting):
+        def __init__(self):
+            self.work = []
+
+        def advance(self, memory, steps):
+            self.work.append((steps, memory.shape[-1]))
+            return super().advance(memory, steps)
+
+    forecaster = Watched()
+    washouts = np.zeros((SEARCH.washout, 2, 3))
+    washouts[-1, 1] = [-3, -6, 1.0]
+    truth = np.zeros((50, 3))
+    assert accurate_steps(forecaster, first, washouts, truth, 0.1).tolist() == [3, 6, 0]
+    assert forecaster.work == [(4, 3), (4, 1)]
+
+
+def test_starts_of_the_paper():
+    search = HorizonSearch(10, 0.5, 0.01, washout=30, steps_per_lyapunov_time=61)
+    assert search.starts_lt == [10 - 0.5 * index for index in range(20)]
+    assert search.longest_start == 610
+    assert search.steps_before_event == 639  # and 640 observations up to the event
+
+
+@pytest.mark.parametrize(
+    ("longest", "step", "starts"),
+    [
+        (2.0, 0.75, [2.0, 1.25, 0.5]),  # not a multiple: on to the last that is positive
+        (0.3, 0.1, [0.3, 0.2, 0.1]),
+        (1.0, 1.0, [1.0]),
+        (1.0, 0.97, [1.0]),  # 0.03 Lyapunov times are less than a step
+    ],
+)
+def test_starts_go_down_to_the_last_that_is_a_step(longest, step, starts):
+    search = replace(SEARCH, longest_start_lt=longest, start_step_lt=step)
+    np.testing.assert_allclose(search.starts_lt, starts)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"tolerance": 0.0}, "event threshold must exceed the mean"),
+        ({"tolerance": -0.01}, "event threshold must exceed the mean"),
+        ({"tolerance": math.nan}, "event threshold must exceed the mean"),
+        ({"start_step_lt": 0.0}, r"start_step_lt must lie in"),
+        ({"start_step_lt": 4.5}, r"start_step_lt must lie in"),
+        ({"longest_start_lt": 0.05, "start_step_lt": 0.05}, "shorter than one step"),
+    ],
+)
+def test_impossible_searches_are_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        replace(SEARCH, **change)
+
+
+def test_segments_of_another_length_are_refused():
+    observed, truth = events(np.zeros((2, SEARCH.steps_before_event)))
+    with pytest.raises(ValueError, match="do not fit the search"):
+        prediction_horizons(Drifting(), first, observed, truth, SEARCH)

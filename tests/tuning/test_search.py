@@ -1,0 +1,114 @@
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
+from burstcast.tuning.search import bayesian_search
+
+PAPER = SearchSpace(spectral_radius=(0.1, 1.0), input_scaling=(0.1, 10.0))
+BEST = (-0.3, 0.4)  # decimal logarithms
+
+
+def bowl(point):
+    """A smooth objective of the size of ours, whose minimum lies between the points of the grid."""
+    rho, sigma = math.log10(point.spectral_radius), math.log10(point.input_scaling)
+    return -6 + 4 * (rho - BEST[0]) ** 2 + (sigma - BEST[1]) ** 2
+
+
+def search(space=PAPER, points=5, seed=1, objective=bowl):
+    """Points of the Bayesian search after a 4 x 4 grid."""
+    found = []
+
+    def evaluate(point):
+        found.append(point)
+        return objective(point)
+
+    grid = [(point, objective(point)) for point in space.grid(4)]
+    bayesian_search(space, grid, points, evaluate, seed)
+    return found
+
+
+def test_the_papers_grid():
+    grid = PAPER.grid(4)
+    assert len(set(grid)) == 16
+    assert grid[0] == HyperparameterPoint(0.1, 0.1)
+    assert {(point.spectral_radius, point.input_scaling) for point in grid} >= set(
+        itertools.product((0.1, 1.0), (0.1, 10.0))
+    )
+    rho = sorted({point.spectral_radius for point in grid})
+    sigma = sorted({point.input_scaling for point in grid})
+    np.testing.assert_allclose(rho, 10 ** np.array([-1, -2 / 3, -1 / 3, 0]))
+    np.testing.assert_allclose(sigma, 10 ** np.array([-1, -1 / 3, 1 / 3, 1]))
+
+
+BOUNDS = st.tuples(
+    st.floats(1e-6, 1e6, allow_subnormal=False), st.floats(1.001, 1e6, allow_subnormal=False)
+).map(lambda pair: (pair[0], pair[0] * pair[1]))
+
+
+@given(BOUNDS, BOUNDS, st.integers(2, 5))
+def test_grids_and_logarithms_stay_within_the_bounds(rho, sigma, points):
+    space = SearchSpace(rho, sigma)
+    grid = space.grid(points)
+    assert len(grid) == points**2
+    for name, (low, high) in (("spectral_radius", rho), ("input_scaling", sigma)):
+        values = [getattr(point, name) for point in grid]
+        assert min(values) == low
+        assert max(values) == high
+    for point in grid:
+        logarithm = space.logarithm(point)
+        for value, (low, high) in zip(logarithm, (rho, sigma), strict=True):
+            assert np.log10(low) <= value <= np.log10(high)
+        back = space.point(logarithm)
+        assert rho[0] <= back.spectral_radius <= rho[1]
+        assert sigma[0] <= back.input_scaling <= sigma[1]
+        assert back.spectral_radius == pytest.approx(point.spectral_radius)
+        assert back.input_scaling == pytest.approx(point.input_scaling)
+
+
+@pytest.mark.parametrize("bounds", [(0.0, 1.0), (-1.0, 1.0), (1.0, 1.0), (2.0, 1.0)])
+def test_impossible_bounds_are_refused(bounds):
+    with pytest.raises(ValueError, match=r"search\.spectral_radius"):
+        SearchSpace(bounds, (0.1, 1.0))
+    with pytest.raises(ValueError, match=r"search\.input_scaling"):
+        SearchSpace((0.1, 1.0), bounds)
+
+
+@pytest.fixture(scope="module")
+def nine():
+    """The paper's nine points on the bowl."""
+    return search(points=9)
+
+
+def test_the_search_finds_what_the_grid_misses(nine):
+    assert len(nine) == 9
+    assert len({(point.spectral_radius, point.input_scaling) for point in nine}) == 9
+    best_of_grid = min(bowl(point) for point in PAPER.grid(4))
+    assert min(map(bowl, nine)) < -6 + 0.1 * (best_of_grid + 6)
+    for point in nine:
+        assert 0.1 <= point.spectral_radius <= 1
+        assert 0.1 <= point.input_scaling <= 10
+
+
+def test_the_same_seed_finds_the_same_points(nine):
+    # what comes later does not change what came before
+    assert search(points=3) == nine[:3]
+
+
+def test_points_depend_on_the_objective(nine):
+    assert search(points=2, objective=lambda point: -bowl(point)) != nine[:2]
+
+
+def test_bounds_of_any_size_are_respected():
+    space = SearchSpace((0.37, 0.3701), (123.4, 56789.1))
+    for point in search(space, points=2, objective=lambda point: point.input_scaling):
+        assert 0.37 <= point.spectral_radius <= 0.3701
+        assert 123.4 <= point.input_scaling <= 56789.1
+
+
+def test_no_points_are_no_search():
+    assert search(points=0) == []

@@ -1,0 +1,246 @@
+"""Both validation strategies against a textbook implementation: dense matrices and plain loops."""
+
+import numpy as np
+import pytest
+
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.reservoir import make_reservoir
+from burstcast.esn.training import TrainingSeries
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.tuning import validation
+from burstcast.tuning.plan import ValidationPlan
+from burstcast.tuning.validation import DIVERGED_ERROR, Validation, best, validate
+
+NEURONS, DIMENSION = 40, 3
+SERIES, LENGTH = 4, 260
+PLAN = ValidationPlan(washout=15, interval=24, recycle_series=3, recycle_intervals=5)
+
+
+def chaotic_series():
+    """Noisy series of the Lorenz system."""
+    generator = np.random.default_rng(6)
+    start = np.array([1.0, 1.0, 20.0])[:, np.newaxis] + generator.random((3, SERIES))
+    states = integrate(Lorenz63(), start, 0.01, 5 * (LENGTH + 40), stride=5)[41:]
+    series = np.ascontiguousarray(states.transpose(2, 0, 1)) / 20
+    return series + 0.005 * generator.normal(size=series.shape)
+
+
+OBSERVED = chaotic_series()
+RANGE = np.ptp(OBSERVED, axis=(0, 1))
+TRAINING = TrainingSeries(OBSERVED, RANGE)
+DYNAMICS = Dynamics(
+    make_reservoir(NEURONS, DIMENSION, 6, 0.1, np.random.default_rng(2)), 0.6, 0.9, "scipy"
+)
+
+
+def observable(states):
+    return 0.5 * (states**2).sum(axis=0)
+
+
+class Textbook:
+    """The paper's network, one series and one step at a time."""
+
+    def __init__(self, dynamics, observed, input_range, washout):
+        reservoir = dynamics.reservoir
+        self.observed, self.range, self.washout = observed, input_range, washout
+        self.bias = reservoir.input_bias
+        self.recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray()
+        self.inputs = np.zeros((reservoir.neurons, observed.shape[2] + 1))
+        for neuron, column in enumerate(reservoir.input_column):
+            self.inputs[neuron, column] = dynamics.input_scaling * reservoir.input_weight[neuron]
+
+    def step(self, state, value):
+        driven = self.inputs @ np.append(value / self.range, self.bias)
+        return np.tanh(driven + self.recurrent @ state)
+
+    def open_loop(self, series, stop):
+        """State that predicts step ``stop``: it has seen all the steps before."""
+        state = np.zeros(len(self.recurrent))
+        for step in range(stop):
+            state = self.step(state, self.observed[series, step])
+        return state
+
+    def rows(self, stop):
+        """States with bias, and targets, from the washout to step ``stop - 1``."""
+        states, targets = [], []
+        for series in range(len(self.observed)):
+            state = self.open_loop(series, self.washout)
+            for step in range(self.washout, stop):
+                states.append(np.append(state, 1.0))
+                targets.append(self.observed[series, step])
+                state = self.step(state, self.observed[series, step])
+        return np.array(states), np.array(targets)
+
+    def weights(self, stop, tikhonov, solver):
+        states, targets = self.rows(stop)
+        if solver == "normal equations":
+            matrix = states.T @ states + tikhonov * np.eye(states.shape[1])
+            return np.linalg.solve(matrix, states.T @ targets)
+        stacked = np.vstack([states, np.sqrt(tikhonov) * np.eye(states.shape[1])])
+        padded = np.vstack([targets, np.zeros((states.shape[1], targets.shape[1]))])
+        q, r = np.linalg.qr(stacked)
+        return np.linalg.solve(r, q.T @ padded)
+
+    def log_error(self, weights, series, start, interval):
+        """log10 of the mean square error of k over one closed loop from step ``start`` on."""
+        state = self.open_loop(series, start)
+        errors = []
+        for step in range(start, start + interval):
+            prediction = np.append(state, 1.0) @ weights
+            truth = self.observed[series, step]
+            errors.append((0.5 * prediction @ prediction - 0.5 * truth @ truth) ** 2)
+            state = self.step(state, prediction)
+        return np.log10(sum(errors) / interval)
+
+
+def textbook_objective(strategy, tikhonov, solver, plan=PLAN):
+    length = OBSERVED.shape[1]
+    network = Textbook(DYNAMICS, OBSERVED, RANGE, plan.washout)
+    if strategy == "SSV":
+        cut = length - plan.interval
+        weights = network.weights(cut, tikhonov, solver)
+        return network.log_error(weights, 0, cut, plan.interval)
+    weights = network.weights(length, tikhonov, solver)
+    errors = [
+        network.log_error(weights, series, plan.washout + number * plan.interval, plan.interval)
+        for series in range(plan.recycle_series)
+        for number in range(plan.recycle_intervals)
+    ]
+    return sum(errors) / len(errors)
+
+
+def validations(tikhonov=(1e-6,), strategies=("SSV", "RV"), plan=PLAN, training=TRAINING):
+    return validate(DYNAMICS, training, observable, plan, tikhonov, strategies)
+
+
+@pytest.mark.parametrize("strategy", ["SSV", "RV"])
+def test_objective_of_the_textbook(strategy):
+    (found,) = [result for result in validations() if result.strategy == strategy]
+    expected = textbook_objective(strategy, 1e-6, "normal equations")
+    assert found.objective == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("strategy", ["SSV", "RV"])
+def test_objective_without_regularisation_is_that_of_the_states_themselves(strategy):
+    (found,) = [result for result in validations((1e-12,)) if result.strategy == strategy]
+    expected = textbook_objective(strategy, 1e-12, "QR of the states")
+    assert found.objective == pytest.approx(expected, abs=1e-3)
+
+
+def test_each_strategy_alone_is_what_it_is_in_the_shared_loop():
+    beta = (1e-6, 1e-9)
+    shared = validations(beta)
+    assert [(result.strategy, result.tikhonov) for result in shared] == [
+        ("SSV", 1e-6),
+        ("SSV", 1e-9),
+        ("RV", 1e-6),
+        ("RV", 1e-9),
+    ]
+    assert validations(beta, ["SSV"]) == shared[:2]
+    assert validations(beta, ["RV", "SSV"]) == shared[2:] + shared[:2]
+    # without the snapshot the panels are others, and so is the rounding
+    for alone, together in zip(validations(beta, ["RV"]), shared[2:], strict=True):
+        assert alone.objective == pytest.approx(together.objective, abs=1e-6)
+
+
+def test_single_shot_validation_does_not_see_what_it_is_validated_on():
+    changed = OBSERVED.copy()
+    changed[1:, -PLAN.interval :] += 1.0  # the end of the other series: neither trained nor scored
+    (original,) = validations(strategies=["SSV"])
+    (same,) = validations(strategies=["SSV"], training=TrainingSeries(changed, RANGE))
+    assert same == original
+    changed[0, -PLAN.interval :] *= 1.01  # its own interval changes the score, not the network
+    (other,) = validations(strategies=["SSV"], training=TrainingSeries(changed, RANGE))
+    assert other.objective != original.objective
+    assert other.reciprocal_condition == original.reciprocal_condition
+
+
+def test_recycle_validation_trains_on_everything_and_scores_the_first_series():
+    changed = OBSERVED.copy()
+    changed[-1, -1] += 0.5  # the very last target, which no state has seen
+    results = [
+        validations(strategies=["RV"], training=TrainingSeries(observed, RANGE))[0]
+        for observed in (OBSERVED, changed)
+    ]
+    assert results[0].reciprocal_condition == results[1].reciprocal_condition  # same states ...
+    assert results[0].objective != results[1].objective  # ... other targets
+
+
+def test_intervals_may_reach_the_very_end():
+    length = OBSERVED.shape[1]
+    plan = ValidationPlan(20, 30, 2, 8)
+    assert plan.recycle_starts()[-1] + plan.interval == length
+    (found,) = validations(strategies=["RV"], plan=plan)
+    expected = textbook_objective("RV", 1e-6, "normal equations", plan)
+    assert found.objective == pytest.approx(expected, abs=1e-6)
+
+
+def test_the_papers_intervals():
+    at_400 = ValidationPlan(washout=30, interval=122, recycle_series=3, recycle_intervals=30)
+    at_400.check(10, 4001)
+    assert len(at_400.recycle_starts()) * at_400.recycle_series == 90
+    assert np.diff(at_400.recycle_starts()).tolist() == [122] * 29
+    assert at_400.recycle_starts()[0] == 30
+    assert at_400.single_shot_start(4001) == 4001 - 122
+    for steps in (74, 79, 82):
+        plan = ValidationPlan(steps // 2, 2 * steps, recycle_series=4, recycle_intervals=22)
+        plan.check(10, 4001)
+        assert len(plan.recycle_starts()) * plan.recycle_series == 88
+
+
+@pytest.mark.parametrize(
+    ("plan", "message"),
+    [
+        (ValidationPlan(15, 24, 5, 5), r"recycle_validation.series is 5, but there are only 4"),
+        (ValidationPlan(15, 24, 3, 11), r"intervals_per_series is 11, but only 10"),
+        (ValidationPlan(100, 160, 1, 1), "leave nothing to train on"),
+    ],
+)
+def test_plans_that_do_not_fit_name_the_setting(plan, message):
+    with pytest.raises(ValueError, match=message):
+        validations(plan=plan)
+
+
+def test_unknown_strategies_are_refused():
+    with pytest.raises(ValueError, match=r"unknown validation strategies \['KCV'\]"):
+        validations(strategies=["RV", "KCV"])
+
+
+def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
+    def lost(self, weights, input_range, states, steps):
+        outputs = np.full((steps, DIMENSION, states.shape[1]), 1.0)
+        outputs[:, :, 0] = np.nan
+        outputs[:, :, 1] = 1e200
+        return outputs, states
+
+    monkeypatch.setattr(Dynamics, "closed_loop", lost)
+    (found,) = validations(strategies=["RV"])
+    starts = PLAN.recycle_starts()
+    truth = [
+        [0.5 * (step**2).sum() for step in OBSERVED[series, start : start + PLAN.interval]]
+        for start in starts
+        for series in range(PLAN.recycle_series)
+    ]
+    logs = np.log10(((1.5 - np.array(truth)) ** 2).mean(axis=1))
+    logs[:2] = np.log10(DIVERGED_ERROR)
+    assert found.objective == pytest.approx(logs.mean(), rel=1e-12)
+
+
+def result(strategy, tikhonov, objective):
+    return Validation(strategy, tikhonov, objective, "cholesky", 1e-9)
+
+
+def test_the_best_is_the_first_of_the_smallest_of_its_strategy():
+    results = [
+        result("SSV", 1e-6, -9.0),
+        result("RV", 1e-6, -2.0),
+        result("RV", 1e-9, -3.0),
+        result("RV", 1e-12, -3.0),
+    ]
+    assert best(results, "RV") is results[2]
+    assert best(results, "SSV") is results[0]
+
+
+def test_the_strategies_are_those_of_the_paper():
+    assert validation.STRATEGIES == ("SSV", "RV")
