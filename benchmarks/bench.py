@@ -31,7 +31,8 @@ from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import MomentsAccumulator, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.training import TrainingSeries, collect
-from burstcast.forecast.forecasters import Forecaster, NetworkForecaster
+from burstcast.forecast.base import Forecaster
+from burstcast.forecast.forecasters import NetworkForecaster
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecast.test_set import (
     horizon_events,

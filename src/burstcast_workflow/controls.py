@@ -15,7 +15,8 @@ from burstcast.control.flows import ControlledFlows, follow
 from burstcast.control.monitor import ForecastMonitor, Monitor, RandomMonitor, most_forecasts
 from burstcast.control.timing import Timing
 from burstcast.dataset import component_scales, observe
-from burstcast.forecast.forecasters import EquationsForecaster, Forecaster
+from burstcast.forecast.base import Forecaster
+from burstcast.forecast.forecasters import EquationsForecaster
 from burstcast.systems.base import DynamicalSystem, FloatArray
 from burstcast.systems.registry import make_system
 from burstcast_workflow.statistics_files import bin_edges

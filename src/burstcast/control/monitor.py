@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from burstcast.control.timing import Timing
 from burstcast.forecast import windows
-from burstcast.forecast.forecasters import Forecaster
+from burstcast.forecast.base import Forecaster
 from burstcast.systems.base import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.forecast.forecasters import Forecaster
+from burstcast.forecast.base import Forecaster
 from burstcast.forecast.test_set import SeriesPoints, segments
 from burstcast.systems.base import FloatArray
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast import durations
-from burstcast.forecast.forecasters import Forecaster
+from burstcast.forecast.base import Forecaster
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.systems.base import FloatArray

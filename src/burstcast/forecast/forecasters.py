@@ -1,50 +1,14 @@
-"""Who forecasts: anything that turns an observed washout into a continuation of it.
+"""The forecasters: an echo state network, and the equations themselves."""
 
-Scoring, prediction horizon and control know only this interface. A forecaster's memory is an array
-whose last axis is the batch, so that forecasts can be picked out and put aside at any step.
-"""
-
-import abc
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from burstcast.esn.network import EchoStateNetwork
+from burstcast.forecast.base import Forecaster
 from burstcast.systems.base import DynamicalSystem, FloatArray
 from burstcast.systems.integration import integrate
-
-
-class Forecaster(abc.ABC):
-    """Continues many observed series at once."""
-
-    @abc.abstractmethod
-    def start(self, washout: FloatArray) -> FloatArray:
-        """Memory after an observed washout.
-
-        Parameters
-        ----------
-        washout
-            Observed states up to and including the starting point, ``(steps, dimension, batch)``.
-
-        Returns
-        -------
-        Memory, ``(..., batch)``.
-        """
-
-    @abc.abstractmethod
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-        """Forecast the next steps.
-
-        Returns
-        -------
-        Forecast states ``(steps, dimension, batch)``, the first one step after the starting point
-        or after the last forecast state, and the memory from which the forecast goes on.
-        """
-
-    def diverged(self, outputs: FloatArray) -> npt.NDArray[np.bool_]:
-        """Tell which forecasts ``(steps, dimension, batch)`` have left the finite numbers."""
-        return np.asarray(~np.isfinite(outputs).all(axis=(0, 1)))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from burstcast import durations
-from burstcast.forecast.forecasters import Forecaster
+from burstcast.forecast.base import Forecaster
 from burstcast.systems.base import FloatArray
 
 STEPS_BETWEEN_CHECKS = 16

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from burstcast.forecast.forecasters import Forecaster
+from burstcast.forecast.base import Forecaster
 from burstcast.forecast.test_set import SeriesPoints, starting_points
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator
 from burstcast.systems.base import FloatArray
