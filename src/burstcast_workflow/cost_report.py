@@ -128,8 +128,17 @@ def _ratio(measured: float, prediction: float) -> str:
     return f"{ratio:.2f}" + (" " if 0.5 <= ratio <= 2 else "!")
 
 
-def forecast_lines(campaign: Campaign, model: CostModel) -> list[str]:
-    """Lines with the predicted time of a campaign, rule by rule and in total."""
+def forecast_lines(campaign: Campaign, model: CostModel | None = None) -> list[str]:
+    """Lines with the predicted time of a campaign, rule by rule and in total.
+
+    Parameters
+    ----------
+    campaign
+        The campaign.
+    model
+        Its costs; None: those of `burstcast_workflow.costs.SECONDS_PER`.
+    """
+    model = CostModel(campaign) if model is None else model
     seconds: dict[str, list[float]] = defaultdict(list)
     for rule, wildcards in jobs(campaign):
         seconds[rule].append(model.predicted(rule, wildcards).seconds)
@@ -175,7 +184,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     campaign = read_campaign([Path("config.yaml"), *options.configfile])
     if options.results is None:
-        print("\n".join(forecast_lines(campaign, CostModel(campaign))))
+        print("\n".join(forecast_lines(campaign)))
     else:
         print("\n".join(compare(campaign, records(options.results))))
 

@@ -1,0 +1,117 @@
+"""A script loads only what it needs: starting up is most of what many jobs do."""
+
+import ast
+import subprocess
+import sys
+from fnmatch import fnmatch
+from pathlib import Path
+
+import pytest
+
+from burstcast_workflow.fingerprint import fingerprint
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCE = ROOT / "src"
+SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
+
+# Libraries that take long to load, and the scripts that cannot do without them.
+NEEDED_BY = {
+    "numba": [],
+    "skopt": ["tune.py"],
+    "sklearn": [],  # by scikit-optimize only
+    "skimage": ["figure_vorticity_isosurfaces.py"],
+    "matplotlib": ["figure_*.py"],
+    "jsonschema": [],
+    "snakemake": [],
+    "yaml": [],
+}
+# Modules of ours that load much, and those who have nothing to do with networks.
+NETWORK = "burstcast.esn.reservoir"
+WITHOUT_NETWORKS = [
+    "classify.py",
+    "dataset_table.py",
+    "horizon_table.py",
+    "hyperparameters_table.py",
+    "statistics_table.py",
+    "data_generation_parameters.py",
+    "events.py",
+    "latex.py",
+    "lyapunov.py",
+    "percentiles.py",
+    "reference_statistics.py",
+    "simulate.py",
+    "test_set.py",
+]
+
+
+def libraries(path: Path) -> set[str]:
+    """Packages that the imports at the top of a file name."""
+    found = set()
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found.add(node.module.partition(".")[0])
+    return found
+
+
+def modules(script: Path) -> list[str]:
+    """Modules of ours that a script reaches through imports, at the top or in a function."""
+    names = [entry.partition("@")[0] for entry in fingerprint(script, SOURCE)]
+    return [name for name in names if name != script.name]
+
+
+def place(module: str) -> Path:
+    path = SOURCE.joinpath(*module.split("."))
+    return path / "__init__.py" if path.is_dir() else path.with_name(path.name + ".py")
+
+
+def loaded(script: Path) -> set[str]:
+    """Packages that a script and our modules load; the compiled kernel is loaded on demand."""
+    reached = [module for module in modules(script) if module != "burstcast.esn.kernels_compiled"]
+    return libraries(script).union(*(libraries(place(module)) for module in reached))
+
+
+def allowed(script: Path, patterns: list[str]) -> bool:
+    return any(fnmatch(script.name, pattern) for pattern in patterns)
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_a_script_loads_no_library_that_it_does_not_need(script):
+    needless = [
+        library
+        for library in loaded(script)
+        if library in NEEDED_BY and not allowed(script, NEEDED_BY[library])
+    ]
+    assert not needless
+
+
+@pytest.mark.parametrize(
+    "script",
+    [script for script in SCRIPTS if allowed(script, WITHOUT_NETWORKS)],
+    ids=lambda path: path.stem,
+)
+def test_a_script_without_networks_does_not_load_them(script):
+    assert NETWORK not in modules(script)
+
+
+@pytest.mark.parametrize("library", ["skopt", "skimage", "matplotlib"])
+def test_the_libraries_are_found_where_they_are_needed(library):
+    users = [script for script in SCRIPTS if allowed(script, NEEDED_BY[library])]
+    assert users
+    assert all(library in loaded(script) for script in users)
+
+
+def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_with():
+    script = ROOT / "workflow" / "scripts" / "forecast.py"
+    imports = [
+        ast.unparse(node)
+        for node in ast.parse(script.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    ]
+    code = "\n".join([*imports, "import sys", "print(*sys.modules)"])
+    output = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    heavy = {"numba", "pandas", "matplotlib", "skopt", "sklearn", "scipy.stats", "scipy.optimize"}
+    assert not heavy & set(output.stdout.split())
