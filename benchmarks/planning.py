@@ -2,7 +2,7 @@
 
 ::
 
-    python benchmarks/planning.py [seeds ...] [options of snakemake]
+    python benchmarks/planning.py [--seeds 1,10,50] [targets and options of snakemake]
 
 A campaign of Reynolds numbers x sizes x seeds is generated, and ``snakemake -n`` plans it in an
 empty directory. Nothing is computed. With 50 seeds it has 50,000 jobs.
@@ -51,9 +51,9 @@ def plan(overlay: dict[str, object], arguments: list[str]) -> tuple[int, float, 
         config.write_text(yaml.safe_dump(overlay))
         output = Path(directory) / "plan.txt"
         command = [
-            *(sys.executable, "-m", "snakemake", "--dry-run", "--quiet", "rules"),
+            *(sys.executable, "-m", "snakemake", "--dry-run", *arguments, "--quiet", "rules"),
             *("--snakefile", str(ROOT / "Snakefile"), "--directory", directory),
-            *("--configfile", str(ROOT / "config.yaml"), str(config), *arguments),
+            *("--configfile", str(ROOT / "config.yaml"), str(config)),
         ]
         start = time.perf_counter()
         with output.open("w") as stream:
@@ -71,15 +71,17 @@ def plan(overlay: dict[str, object], arguments: list[str]) -> tuple[int, float, 
 
 def main() -> None:
     """Plan campaigns of growing size and print what that takes."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("seeds", type=int, nargs="*", default=[1, 10, 50])
+    parser = argparse.ArgumentParser(
+        description="Time and memory of planning; further arguments go to snakemake."
+    )
+    parser.add_argument("--seeds", default="1,10,50", help="of each size: 50 make 50,000 jobs")
     parser.add_argument("--reynolds", type=int, default=20, help="Reynolds numbers")
     parser.add_argument("--sizes", type=int, default=10, help="reservoir sizes")
     options, others = parser.parse_known_args()
     # on a machine that is busy otherwise, the processor's time is what planning takes
     print(f"{'jobs':>8} {'seconds':>8} {'of processor':>13} {'MiB':>6}")
-    for seeds in options.seeds:
-        overlay = campaign(options.reynolds, options.sizes, seeds)
+    for seeds in options.seeds.split(","):
+        overlay = campaign(options.reynolds, options.sizes, int(seeds))
         jobs, seconds, processor, memory = plan(overlay, others)
         print(f"{jobs:8d} {seconds:8.1f} {processor:13.1f} {memory:6.0f}", flush=True)
 

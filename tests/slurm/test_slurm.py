@@ -159,7 +159,7 @@ def run(slurm, tmp_path_factory):
 
 def test_campaign_finishes_in_spite_of_two_killed_jobs(run):
     assert run.status == 0, run.log[-6000:]
-    for group in ("case", "network", "report"):
+    for group in ("case", "network", "tables"):
         assert run.of_group(group)[-1].state == "COMPLETED"
 
 
