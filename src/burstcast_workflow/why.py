@@ -357,7 +357,9 @@ def report(jobs: Sequence[Job], known: Mapping[str, Sequence[Mapping[str, str]]]
     found = causes(jobs, known)
     for cause in found:
         cases = f" ({', '.join(sorted(cause.cases, key=_natural_case))})" if cause.cases else ""
-        lines.append(f"{cause.text}{cases}: {_counted(jobs[number] for number in cause.jobs)}")
+        lines.append(
+            f"{cause.text}{cases}: {_counted(jobs[number] for number in sorted(cause.jobs))}"
+        )
     rules = f": {_counted(jobs)}" if len(found) > 1 else ""
     lines.append(f"\nIn all {len(jobs)} jobs{rules}")
     return "\n".join(lines)

@@ -133,6 +133,7 @@ class Project:
                 stderr=subprocess.STDOUT,
                 text=True,
                 check=False,
+                timeout=900,
             )
             return Outcome(result.returncode, result.stdout)
         return self._request({"arguments": options}, environment)
@@ -174,6 +175,19 @@ class Project:
         outcome = self.snakemake("--quiet", "rules", "-n", *arguments, overlay=overlay)
         assert outcome.status == 0, outcome.text
         return outcome.jobs
+
+    def why(self, overlay: dict | None = None) -> str:
+        """What the project itself says would run again, and why."""
+        options = self.options("-n", overlay=overlay)[1:]
+        result = subprocess.run(
+            [sys.executable, "-m", "burstcast_workflow.why", "tables", *options],
+            cwd=self.directory,
+            env=self.environment(),
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        return result.stdout
 
     @property
     def results(self) -> Path:

@@ -80,6 +80,42 @@ def test_changed_settings_beside_the_outputs_of_other_networks(sample_lab):
     assert "simulate" not in jobs
 
 
+def test_why_says_it_in_words(sample_lab):
+    work = sample_lab.base.copy(sample_lab.directory / "why")
+    assert work.why() == "Nothing would run: all results are up to date.\n"
+    path = work.directory / "src/burstcast/forecast/classification.py"
+    path.write_text(path.read_text() + "\nEDITED = 1\n")
+    said = work.why({"case_defaults": {"event_threshold": 0.08}}).splitlines()
+    (threshold,) = [
+        line for line in said if line.startswith("event_threshold 0.07 -> 0.08 (Re400)")
+    ]
+    assert "events (1), " in threshold
+    assert "horizon (4), " in threshold
+    (code,) = [line for line in said if "classification" in line]
+    assert code.startswith("code of burstcast.forecast.classification changed: classify (1), latex")
+
+
+def test_another_campaign_takes_from_the_cache_what_it_shares(sample_lab, tmp_path):
+    network = "Re400/N30/RV/seed0/network.nc"
+    first, second = (
+        sample_lab.base.without_results(sample_lab.directory / name) for name in ("one", "other")
+    )
+    store = {"BURSTCAST_CACHE": str(tmp_path / "cache")}
+    assert first.snakemake(f"results/tiny/{network}", **store).status == 0
+    # elsewhere, with another threshold, which the networks do not depend on, and another noise
+    for noise, hits in ((0.01, 4), (0.02, 1)):
+        overlay = {
+            "results": f"results/noise{noise}",
+            "case_defaults": {"event_threshold": 0.08, "training": {"noise": noise}},
+        }
+        target = f"results/noise{noise}/{network}"
+        assert second.snakemake(target, overlay=overlay, **store).status == 0
+        logs = [path.read_text() for path in (second.directory / target).parents[4].rglob("*.log")]
+        assert sum("taken from the cache" in text for text in logs) == hits
+        same = (second.directory / target).read_bytes() == (first.results / network).read_bytes()
+        assert same == (noise == 0.01)
+
+
 def test_the_oracle_knows_every_rule_of_the_tables(sample_lab):
     ran = {name.split("/")[0].removesuffix(".log") for name in sample_lab.base.logs()}
     assert ran == TABLE_SCRIPTS == {name.split("/")[0] for name in ALL}
