@@ -36,7 +36,7 @@ def main(inputs, outputs, settings, provenance):
         interval,
         alignment_steps=alignment,
     )
-    size = attractor_size(states)
+    size = attractor_size(states.reshape(-1, states.shape[2]).T)
     growth = perturbation_growth(
         system,
         start,

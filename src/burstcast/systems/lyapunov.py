@@ -312,7 +312,15 @@ def perturbation_growth(
 
 
 def attractor_size(states: FloatArray) -> float:
-    """Root-mean-square distance of states ``(dimension, count)`` from their mean."""
+    """Root-mean-square distance of states ``(dimension, count)`` from their mean.
+
+    Raises
+    ------
+    ValueError
+        If the states have another shape.
+    """
+    if states.ndim != 2:
+        raise ValueError(f"states must have the shape (dimension, count), not {states.shape}")
     deviation = states - states.mean(axis=1, keepdims=True)
     return float(np.sqrt(np.mean(np.sum(np.square(deviation), axis=0))))
 
