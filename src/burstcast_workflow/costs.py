@@ -17,8 +17,8 @@ Wildcards = Mapping[str, str]
 
 SECONDS_PER = {
     # one Runge-Kutta step: of a whole batch (what Python takes), and of one trajectory in it
-    "integration call": 1.5e-4,
-    "integration step": 4.0e-7,
+    "integration call": 1.7e-4,
+    "integration step": 2.5e-7,
     # the same with nine perturbations and their Jacobians
     "tangent call": 4.0e-4,
     "tangent step": 1.3e-6,
@@ -26,10 +26,10 @@ SECONDS_PER = {
     "neuron step": 1.6e-9,
     "connection step": 1.0e-10,
     # a Gram matrix: per row and squared neuron; a ridge regression: per cubed neuron
-    "gram product": 1.4e-11,
-    "solve product": 1.2e-10,
+    "gram product": 2.9e-11,
+    "solve product": 2.0e-11,
     # one fit of the Gaussian process, with the proposal of the next point
-    "surrogate fit": 0.5,
+    "surrogate fit": 0.2,
     # a number read or written, one with noise, one that goes into histograms and moments
     "number": 4.0e-9,
     "noisy number": 3.0e-8,
@@ -340,9 +340,9 @@ def _forecast(sizes: _Sizes, wildcards: Wildcards) -> _Account:
 def _horizon(sizes: _Sizes, wildcards: Wildcards) -> _Account:
     neurons = int(wildcards["neurons"])
     horizon = sizes.campaign.config["horizon"]
-    # half of the starts fail, and a forecast that fails is given up on the way
-    starts = horizon["longest_start_lt"] / horizon["start_step_lt"] / 2
-    steps = starts * (sizes.washout + sizes.steps(horizon["longest_start_lt"]) / 3)
+    # three fifths of the starts are tried, and a forecast that fails is given up on the way
+    starts = 0.6 * horizon["longest_start_lt"] / horizon["start_step_lt"]
+    steps = starts * (sizes.washout + 0.4 * sizes.steps(horizon["longest_start_lt"]))
     work = _network_steps(sizes.events * steps, neurons, sizes.campaign)
     segments = 2 * sizes.events * sizes.event_steps * sizes.dimension * _MIB_PER_NUMBER
     return _KERNEL, work, segments + _running_mib(sizes, neurons, sizes.events, 16)
