@@ -20,6 +20,9 @@ include: "workflow/rules/report.smk"
 rule all:
     default_target: True
     input:
+        # what tables are made from is asked for, too: Snakemake does not miss a file that only
+        # something up to date depends on
+        rules.networks.input,
         rules.tables.input,
         rules.figures.input,
     localrule: True

@@ -91,6 +91,13 @@ def test_edges(values, expected):
     assert one_window(*values) is expected
 
 
+def test_the_largest_value_may_be_the_first_or_the_last():
+    falling = summarise(np.array([[9.0], [5.0], [4.0], [3.0]]), (2, 4))
+    assert (falling.first.tolist(), falling.largest.tolist()) == ([[5.0]], [[5.0]])
+    rising = summarise(np.array([[0.0], [1.0], [2.0], [3.0], [9.0]]), (2, 4))
+    assert (rising.first.tolist(), rising.largest.tolist()) == ([[1.0]], [[3.0]])
+
+
 def test_windows_share_their_common_step():
     # the rise ends on the boundary: both windows see it, only the first one crosses there
     summaries = summarise(np.array([[0.0], [0.0], [0.2], [0.0], [0.3]]), (1, 3, 5))

@@ -4,6 +4,7 @@
 rule networks:
     # all that is computed network by network: the target for planning a large campaign in batches
     input:
+        of_networks("network.nc"),
         of_networks("forecast.nc"),
         of_networks("horizon.csv"),
         of_networks("climate.nc", campaign.climate_networks),

@@ -13,14 +13,17 @@ import yaml
 from dependencies import ALL
 from edits import code_files, config_edits
 from helpers_rebuilds import ROOT, TINY
-from trial import TABLE_SCRIPTS, laboratory
+from trial import TABLE_SCRIPTS, laboratory, source_digest
 
 CONFIG_EDITS = {edit.name: edit for edit in config_edits()}
 
 
 @pytest.fixture(scope="module")
-def sample_lab(tmp_path_factory):
-    with laboratory(tmp_path_factory.mktemp("trials"), figures=False) as made:
+def sample_lab(tmp_path_factory, finished):
+    directory = tmp_path_factory.mktemp("trials")
+    finished.project.copy(directory / "base")
+    (directory / "sources").write_text(source_digest())
+    with laboratory(directory, figures=False) as made:
         yield made
 
 

@@ -1,0 +1,467 @@
+"""The tiny preset from the equations to the figures, as Snakemake runs it."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+import yaml
+from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
+
+from burstcast_workflow.storage import read_attributes, read_netcdf
+from burstcast_workflow.table_files import read_table
+
+KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]
+COLUMNS = {
+    "dataset": [
+        "case",
+        "reynolds",
+        "series_generated",
+        "series_kept",
+        "laminarised_fraction",
+        "mean_kinetic_energy",
+        "events_per_series",
+        "lyapunov_exponent",
+        "lyapunov_exponent_low",
+        "lyapunov_exponent_high",
+        "lyapunov_exponent_paper",
+        "steps_per_lyapunov_time",
+    ],
+    "hyperparameters": [
+        *KEYS,
+        "spectral_radius",
+        "input_scaling",
+        "tikhonov",
+        "objective",
+        "solver",
+    ],
+    "classification": [
+        *KEYS,
+        "prediction_time_lt",
+        "true_positive",
+        "false_positive",
+        "false_negative",
+        "true_negative",
+        "precision",
+        "recall",
+        "f_score",
+    ],
+    "horizon": [*KEYS, "events", "mean_horizon_lt", "median_horizon_lt"],
+    "statistics": [
+        *KEYS,
+        "discarded_fraction",
+        "kantorovich",
+        "mean_log_error",
+        "nrmse_u",
+        "nrmse_uu",
+        "nrmse_uv",
+    ],
+    "control": [
+        *KEYS,
+        "prediction_time_lt",
+        "exceedance_uncontrolled",
+        "exceedance_controlled",
+        "reduction",
+        "alarms",
+        "false_alarms",
+        "missed_events",
+        "unsuppressed_events",
+        "control_fraction",
+    ],
+}
+NETWORKS = {(neurons, validation) for neurons in (30, 40) for validation in ("SSV", "RV")}
+
+
+def table(run, name):
+    return read_table(run.project.results / "tables" / f"{name}.csv")
+
+
+def results(project):
+    """Digests of all that a run computes; logs and benchmarks tell the time."""
+    return {
+        name: digest
+        for name, digest in digests(project.results).items()
+        if name.split("/")[0] not in ("logs", "benchmarks")
+    }
+
+
+# -- what comes out --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_tables_have_the_columns_that_the_design_promises(finished, name):
+    columns = table(finished, name).columns.tolist()
+    if name == "control":  # the rest of its accounting follows
+        columns = columns[: len(COLUMNS[name])]
+    assert columns == COLUMNS[name]
+
+
+@pytest.mark.parametrize("name", sorted(set(COLUMNS) - {"dataset"}))
+def test_percentiles_have_the_keys_without_the_seed(finished, name):
+    columns = table(finished, f"{name}_percentiles").columns.tolist()
+    assert columns[:5] == KEYS[:5]
+    assert columns[-5:] == ["metric", "p25", "p50", "p75", "networks"]
+    assert "seed" not in columns
+
+
+@pytest.mark.parametrize("name", ["hyperparameters", "classification", "horizon"])
+def test_tables_have_every_network(finished, name):
+    rows = table(finished, name)
+    assert set(zip(rows["neurons"], rows["validation"], strict=True)) == NETWORKS
+    assert set(rows["case"]) == {"Re400"}
+    assert set(rows["reynolds"]) == {400}
+    assert set(rows["forecaster"]) == {"esn"}
+    times = 3 if name == "classification" else 1
+    assert len(rows) == times * len(NETWORKS)
+
+
+def test_dataset(finished):
+    (row,) = table(finished, "dataset").to_dict("records")
+    states = read_netcdf(finished.project.results / "Re400" / "ensemble.nc")
+    energy = 0.5 * (states["state"] ** 2).sum(axis=2)
+    assert row["series_generated"] == 40
+    assert row["series_kept"] == len(energy)
+    assert row["laminarised_fraction"] == pytest.approx(1 - len(energy) / 40)
+    assert row["mean_kinetic_energy"] == pytest.approx(energy.mean())
+    rises = (energy[:, :-1] < 0.07) & (energy[:, 1:] >= 0.07)
+    assert row["events_per_series"] == pytest.approx(rises.sum() / len(energy))
+    assert row["lyapunov_exponent_paper"] == 0.0163
+    assert row["steps_per_lyapunov_time"] == 61
+    assert row["lyapunov_exponent_low"] < row["lyapunov_exponent"] < row["lyapunov_exponent_high"]
+
+
+def test_classification_is_counted_from_the_series_themselves(finished):
+    """Counts of one network at every prediction time, from the ensemble and its forecasts."""
+    case = finished.project.results / "Re400"
+    ensemble = read_netcdf(case / "ensemble.nc")
+    test_set = read_netcdf(case / "test_set.nc")
+    forecast = read_netcdf(case / "N40" / "RV" / "seed0" / "forecast.nc")
+    rows = table(finished, "classification")
+    rows = rows[(rows["neurons"] == 40) & (rows["validation"] == "RV")]
+    energy = 0.5 * (ensemble["state"][3:15] ** 2).sum(axis=2)  # after the training series
+    for row in rows.to_dict("records"):
+        time = row["prediction_time_lt"]
+        counts = dict.fromkeys(["tp", "fp", "fn", "tn"], 0)
+        for point, (series, step) in enumerate(
+            zip(test_set["series"], test_set["step"], strict=True)
+        ):
+            observed = 0.5 * (test_set["washout"][point] ** 2).sum(axis=1)
+            assert len(observed) == 30
+            if observed.max() >= 0.07:
+                continue
+            window = energy[series, step + math.floor(61 * time) : step + 61 * (time + 1) + 1]
+            happened = window[0] < 0.07 <= window.max()
+            first, last = round(2 * time) - 1, round(2 * time) + 1
+            largest = forecast["largest"][point, first:last].max()
+            predicted = forecast["first"][point, first] < 0.07 <= largest
+            counts[("t" if predicted == happened else "f") + ("p" if predicted else "n")] += 1
+        names = ("true_positive", "false_positive", "false_negative", "true_negative")
+        assert [row[name] for name in names] == list(counts.values())
+        assert sum(counts.values()) > 20
+
+
+def test_noise_is_in_what_is_observed_and_not_in_the_truth(finished):
+    case = finished.project.results / "Re400"
+    states = read_netcdf(case / "ensemble.nc", "state")["state"]
+    events = read_netcdf(case / "events.nc")
+    sigma = states[:3].reshape(-1, 9).std(axis=0)
+    assert len(events["step"]) == 8
+    for number in range(8):
+        series, step = events["series"][number], events["step"][number]
+        assert series >= 3
+        true = states[series, step - 2 * 61 - 29 : step + 1]
+        energy = 0.5 * (true**2).sum(axis=1)
+        np.testing.assert_allclose(events["truth"][number], energy, rtol=1e-14)
+        noise = (events["observed"][number] - true) / sigma
+        assert noise.std() == pytest.approx(0.01, rel=0.1)
+
+
+def test_the_search_keeps_its_whole_trace(finished):
+    network = finished.project.results / "Re400" / "N40" / "SSV" / "seed0"
+    trace = read_table(network / "search.csv")
+    assert trace["source"].tolist() == ["grid"] * 12 + ["bayesian"] * 3
+    assert set(trace["validation"]) == {"SSV"}
+    assert sorted(set(trace["tikhonov"])) == [1e-12, 1e-9, 1e-6]
+    assert trace["evaluation"].tolist() == sorted([*range(5)] * 3)
+    chosen = json.loads((network / "hyperparameters.json").read_text())
+    assert chosen["objective"] == trace["objective"].min()
+    attributes = read_attributes(network / "network.nc")
+    for name in ("spectral_radius", "input_scaling", "tikhonov"):
+        assert attributes[name] == chosen[name]
+
+
+def test_files_say_what_made_them(finished):
+    found = 0
+    for path in finished.project.results.rglob("*"):
+        if path.suffix == ".nc":
+            record = read_attributes(path)
+        elif path.suffix == ".json":
+            record = json.loads(path.read_text())["provenance"]
+        else:
+            continue
+        found += 1
+        assert set(record) >= {"source", "rule", "settings", "numpy", "scipy", "numba"}, path
+        assert str(finished.project.directory) not in json.dumps(record)
+    assert found > 20
+
+
+def test_nothing_is_written_outside_of_the_results(finished):
+    before = {path.name for path in finished.project.directory.iterdir()}
+    assert before == {
+        *("Snakefile", "config.yaml", "profiles", "resources", "src", "workflow"),
+        *("results", ".snakemake"),
+    }
+    assert [path.name for path in finished.project.results.parent.iterdir()] == ["tiny"]
+
+
+# -- running it again ------------------------------------------------------------------------------
+
+
+def test_a_second_run_does_nothing(finished):
+    logs = finished.project.logs()
+    outcome = finished.project.snakemake("networks", "tables")
+    assert outcome.status == 0
+    assert "Nothing to be done" in outcome.text
+    assert finished.project.logs() == logs
+
+
+def test_everything_is_all_of_that_and_the_figures(finished):
+    jobs = finished.project.dry_run()
+    assert {*jobs} - {"examples", "flow_event"} == {
+        rule for rule in jobs if rule.startswith("figure_") or rule == "suppressed_event"
+    }
+    assert len(jobs) > 15
+
+
+@pytest.mark.long
+def test_figures_and_a_second_run_of_everything(finished, tmp_path):
+    project = finished.project.copy(tmp_path / "project")
+    outcome = project.snakemake()
+    assert outcome.status == 0, outcome.text[-3000:]
+    figures = {path.name for path in (project.results / "figures").iterdir()}
+    stems = {name.rsplit(".", 1)[0] for name in figures}
+    assert figures == {f"{stem}.{suffix}" for stem in stems for suffix in ("pdf", "png")}
+    assert {"observable_and_density", "classification_scores", "horizon_by_size"} <= stems
+    assert "Nothing to be done" in project.snakemake().text
+
+
+def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
+    project = finished.project.copy(tmp_path / "project")
+    before, logs = results(project), project.logs()
+    (project.results / "Re400/N30/SSV/seed0/network.nc").unlink()
+    outcome = project.snakemake("networks", "tables")
+    assert outcome.status == 0, outcome.text[-3000:]
+    ran = jobs_since(logs, project.logs())
+    of_network = {name for name in ran if "Re400" in name}
+    assert of_network == {
+        f"{rule}/Re400-N30-SSV-seed0.log" for rule in ("train", "forecast", "horizon")
+    }
+    assert rules_of(ran - of_network) <= {"classify", "horizon_table", "percentiles", "latex"}
+    assert results(project) == before
+
+
+def test_one_core_gives_the_same_bits_as_two(finished, tmp_path, monkeypatch):
+    monkeypatch.setenv("BURSTCAST_TEST_CORES", "1")
+    project = finished.project.without_results(tmp_path / "project")
+    names = ("dataset", "classification", "horizon")
+    outcome = project.snakemake(*(f"results/tiny/tables/{name}.csv" for name in names))
+    assert outcome.status == 0, outcome.text[-3000:]
+    alone = results(project)
+    together = results(finished.project)
+    assert len(alone) > 30
+    assert alone == {name: together[name] for name in alone}
+
+
+def test_a_target_builds_what_it_needs_and_no_server_is_needed_for_it(finished, tmp_path):
+    # jobs in processes of their own, as users run them
+    project = Project(finished.project.without_results(tmp_path / "project").directory)
+    outcome = project.snakemake("results/tiny/tables/data_generation_parameters.csv")
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert rules_of({*project.logs()}) == {"simulate", "data_generation_parameters"}
+    alone, together = results(project), results(finished.project)
+    assert len(alone) == 3
+    assert alone == {name: together[name] for name in alone}
+
+
+# -- mistakes --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("overlay", "message"),
+    [
+        ({"horizon": {"evnts": 3}}, "unknown setting horizon.evnts; did you mean events?"),
+        ({"search": {"grid": 0}}, "search.grid is 0"),
+        (
+            {"cases": {"Re400": {"test_series": 39}}},
+            "case Re400: training.series and test_series are 3 and 39",
+        ),
+    ],
+)
+def test_a_bad_config_stops_before_any_job(finished, tmp_path, overlay, message):
+    project = finished.project.without_results(tmp_path / "project")
+    outcome = project.snakemake(overlay=overlay)
+    assert outcome.status == 1
+    assert outcome.text.count(message) == 1
+    assert "Traceback" not in outcome.text
+    assert "src/burstcast_workflow" not in outcome.text
+    assert not (project.directory / "results").exists()
+
+
+COMPUTED = {"lyapunov": {"published_exponent": None}}
+
+
+@pytest.mark.parametrize(
+    ("rule", "target", "case", "message"),
+    [
+        (
+            "test_set",
+            "Re400/test_set.nc",
+            {"test_series": 37, "laminarisation_threshold": 0.25},
+            r"training.series is 3 and test_series is 37, but only 34 series did not laminarise",
+        ),
+        (
+            "lyapunov",
+            "Re400/lyapunov.json",
+            {"lyapunov": {"series": 35}, "laminarisation_threshold": 0.25},
+            r"lyapunov.series is 35, but only 34 series",
+        ),
+        (
+            "scan",
+            "Re400/N30/scan/seed0/scan.csv",
+            {"training": {"series": 39}, "test_series": 1, "laminarisation_threshold": 0.25},
+            r"training.series is 39, but only 34 series",
+        ),
+        (
+            "scan",
+            "Re400/N30/scan/seed0/scan.csv",
+            {**COMPUTED, "recycle_validation": {"intervals_per_series": 50}},
+            r"recycle_validation.intervals_per_series is 50, but only \d intervals of",
+        ),
+        (
+            "events",
+            "Re400/events.nc",
+            {"event_threshold": 0.02},
+            r"event_threshold is 0.02, but it must exceed the mean of the observable",
+        ),
+        (
+            "simulate",
+            "Re400/ensemble.nc",
+            {"laminarisation_threshold": 0.01, "event_threshold": 0.001},
+            r"all 40 series exceeded laminarisation_threshold, 0.01",
+        ),
+    ],
+)
+def test_the_first_job_that_knows_of_a_mistake_names_the_setting(
+    finished, tmp_path, rule, target, case, message
+):
+    project = finished.project.copy(tmp_path / "project")
+    overlay = {"cases": {"Re400": case}}
+    logs = project.logs()
+    outcome = project.snakemake(f"results/tiny/{target}", overlay=overlay)
+    assert outcome.status == 1
+    failure = re.compile(rf"^{rule} \(.*\) failed: ValueError: {message}", re.M)
+    assert len(failure.findall(outcome.text)) == 1, outcome.text
+    assert rules_of(jobs_since(logs, project.logs())) <= {"simulate", "lyapunov", rule}
+
+
+def test_forecasts_that_do_not_fit_a_computed_lyapunov_time(finished, tmp_path):
+    project = finished.project.copy(tmp_path / "project")
+    overlay = {
+        "cases": {"Re400": COMPUTED},
+        "classification": {"longest_prediction_time_lt": 100},
+        "horizon": {"longest_start_lt": 100},
+    }
+    for rule, file, setting in (
+        ("test_set", "test_set.nc", "classification.longest_prediction_time_lt"),
+        ("events", "events.nc", "horizon.longest_start_lt"),
+    ):
+        outcome = project.snakemake(f"results/tiny/Re400/{file}", overlay=overlay)
+        assert outcome.status == 1
+        (failure,) = re.findall(rf"^{rule} \(.*\) failed: ValueError: (.*)$", outcome.text, re.M)
+        assert setting in failure
+
+
+# -- another system --------------------------------------------------------------------------------
+
+LORENZ = yaml.safe_load("""
+    results: results/lorenz
+    campaign:
+      - {cases: [lorenz63], neurons: [40], validation: [SSV, RV], seeds: 1}
+    cases:
+      lorenz63:
+        system: lorenz63
+        event_threshold: 40
+        laminarisation_threshold: null
+        density: {range: [0, 50]}
+        ensemble:
+          initial_state: [1, 1, 20]
+          perturbed_component: 3
+          perturbation: 5
+          time_step: 0.01
+          transient: 20
+          duration: 30
+        lyapunov: {published_exponent: null, orthonormalisation_interval: 0.2}
+        test_series: 10
+        recycle_validation: {series: 2, intervals_per_series: 3}
+    control: {validation: []}
+    statistics: {duration: 20}
+    figures: {example_case: lorenz63}
+""")
+
+
+@pytest.fixture(scope="module")
+def lorenz(finished, tmp_path_factory):
+    project = finished.project.without_results(tmp_path_factory.mktemp("lorenz") / "project")
+    names = (
+        "dataset",
+        "hyperparameters",
+        "classification",
+        "horizon",
+        "classification_percentiles",
+    )
+    outcome = project.snakemake(
+        *(f"results/lorenz/tables/{name}.csv" for name in names), overlay=LORENZ
+    )
+    assert outcome.status == 0, outcome.text[-3000:]
+    return project.directory / "results" / "lorenz"
+
+
+def test_another_system_is_one_case_in_the_config(lorenz):
+    (dataset,) = read_table(lorenz / "tables" / "dataset.csv").to_dict("records")
+    assert dataset["case"] == "lorenz63"
+    assert math.isnan(dataset["reynolds"])
+    assert dataset["series_kept"] == 40
+    assert math.isnan(dataset["lyapunov_exponent_paper"])
+    assert dataset["lyapunov_exponent"] == pytest.approx(0.906, rel=0.15)
+    assert dataset["mean_kinetic_energy"] == pytest.approx(23.5, rel=0.03)  # the observable's: z
+    steps = dataset["steps_per_lyapunov_time"]
+    assert steps == math.floor(1 / (0.02 * dataset["lyapunov_exponent"]))
+
+    scores = read_table(lorenz / "tables" / "classification.csv")
+    assert scores["reynolds"].isna().all()
+    early = scores[(scores["validation"] == "RV") & (scores["prediction_time_lt"] == 1)]
+    counts = early[["true_positive", "false_positive", "false_negative", "true_negative"]]
+    assert counts.to_numpy().sum() > 50
+    assert early["f_score"].iloc[0] > 0.5  # z of the Lorenz system is easily predicted
+    horizons = read_table(lorenz / "tables" / "horizon.csv")
+    assert horizons["events"].tolist() == [8, 8]
+
+
+def test_the_computed_exponent_is_the_unit_of_time(lorenz):
+    exponent = json.loads((lorenz / "lorenz63" / "lyapunov.json").read_text())["leading"]["mean"]
+    steps = math.floor(1 / (0.02 * exponent))
+    test_set = read_netcdf(lorenz / "lorenz63" / "test_set.nc", "step", "washout")
+    assert test_set["washout"].shape[1:] == (steps // 2, 3)
+    assert set(np.diff(test_set["step"][:4])) == {steps}
+
+
+def test_it_may_stand_beside_the_shear_flow(finished, tmp_path):
+    project = finished.project.without_results(tmp_path / "project")
+    tiny = yaml.safe_load((ROOT / TINY).read_text())
+    overlay = {name: LORENZ[name] for name in ("cases",)}
+    both = [*tiny["campaign"], *LORENZ["campaign"]]
+    jobs = project.dry_run(overlay={**overlay, "campaign": both})
+    assert jobs["simulate"] == 2
+    assert jobs["train"] == 6
+    assert jobs["lyapunov"] == 2
