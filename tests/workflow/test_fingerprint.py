@@ -223,10 +223,13 @@ def test_structure_counts_as_well_as_the_sequence_of_names(tmp_path):
 def test_hash_is_the_same_in_every_version_of_python(tmp_path):
     # computed with Python 3.11; a version with another syntax tree must not rerun whole campaigns.
     # Python 3.12 has empty text in a nested format specification and fields for type parameters.
-    code = CODE + """
+    code = (
+        CODE
+        + """
 def show(value, width, formats):
     return f"{value:{formats[width]}}" rf"{value!r:>{width}}\\pi" "plain" f"{value=}"
 """
+    )
     assert hash_of(code, tmp_path) == "411b9ab40a17"
 
 
