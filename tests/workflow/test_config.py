@@ -398,3 +398,26 @@ def test_least_length_of_a_series(check, arguments, least):
 def test_durations_below_one_step(check, arguments, name):
     with pytest.raises(ValueError, match=f"{name} is 0.05 Lyapunov times"):
         check(1000, 10, *arguments)
+
+
+def test_series_are_counted_together():
+    series_fit.check_kept_series(10, {"training.series": 4, "test_series": 6})
+    with pytest.raises(ValueError, match=r"training.series is 4 and test_series is 7, but only 10"):
+        series_fit.check_kept_series(10, {"training.series": 4, "test_series": 7})
+
+
+def test_a_series_has_a_sample_at_each_end(config):
+    # 0.5 Lyapunov times of 61 steps, and so many intervals that the last step is the 4001st
+    put(config, "cases.Re400.ensemble", {"duration": 30 + 30 * 122 - 1})
+    load(config)
+    put(config, "cases.Re400.ensemble", {"duration": 30 + 30 * 122 - 2})
+    assert "recycle_validation.intervals_per_series" in only_problem(config)
+
+
+def test_the_flow_of_a_system_that_is_none_is_not_looked_at(config):
+    config["cases"]["lorenz"] = lorenz()
+    block = {"cases": ["lorenz"], "neurons": [2000], "validation": ["RV"], "seeds": 1}
+    config["campaign"] = [block]
+    put(config, "figures.example_case", "lorenz")
+    put(config, "control.validation", [])
+    load(config)  # its event threshold, 40, is above figures.flow_event.peak
