@@ -15,7 +15,7 @@ export NUMBA_NUM_THREADS := 1
 demo: $(VENV)/installed
 	$(SNAKEMAKE) --configfile workflow/presets/quick.yaml $(ARGS)
 	@echo
-	@echo "The results are in results/quick: tables/*.csv, figures/*.pdf and *.png, report.html."
+	@echo "The results are in results/quick: tables/*.csv and *.tex, figures/*.pdf and *.png."
 
 paper: $(VENV)/installed
 	$(SNAKEMAKE) $(ARGS)

@@ -1,14 +1,16 @@
 """Score the forecasts of all networks at every prediction time."""
 
+from typing import Any
+
 from burstcast import random_streams
 from burstcast.forecast.classification import bootstrap_interval, score_forecasts, total
 from burstcast.forecast.windows import WindowSummaries
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 from burstcast_workflow.table_files import keyed_table, write_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write counts and scores, and the bootstrap intervals of the scores."""
     test_sets = {
         case: read_netcdf(path, "series", "washout_maximum", "first", "largest")

@@ -1,5 +1,7 @@
 """Let a network run freely from many points of the training set; keep its statistics."""
 
+from typing import Any
+
 from burstcast import durations
 from burstcast.forecast.test_set import segments
 from burstcast.statistics.climate import (
@@ -10,14 +12,14 @@ from burstcast.statistics.climate import (
     run_climate,
 )
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster, training_series
 from burstcast_workflow.statistics_files import bin_edges, write_statistics
 from burstcast_workflow.storage import Variable
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the network's long-term statistics and what became of each closed loop."""
     system = make_system(settings["system"], settings["parameters"])
     lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)

@@ -1,11 +1,13 @@
 """Control the flow of a case by the alarms of one network."""
 
+from typing import Any
+
 from burstcast_workflow.controls import ControlSetting, write_accounting
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write what control achieved."""
     setting = ControlSetting.read(settings, inputs)
     forecaster = read_forecaster(inputs.network, settings["kernel"])

@@ -1,10 +1,12 @@
 """Control the flow of a case by a perfect forecaster: the equations, from the true state."""
 
+from typing import Any
+
 from burstcast_workflow.controls import ControlSetting, write_accounting
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write what control achieved."""
     setting = ControlSetting.read(settings, inputs)
     followed = setting.follow(setting.equations_monitor(), noisy=False)

@@ -1,11 +1,13 @@
 """Actuate the flow of a case at random, as often as a network did."""
 
+from typing import Any
+
 from burstcast_workflow.controls import ControlSetting, write_accounting
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write what control achieved."""
     setting = ControlSetting.read(settings, inputs)
     alarm_rate = read_json(inputs.counts)["alarm_rate"] or 0.0

@@ -1,7 +1,9 @@
 """Gather what control achieved, by networks and by the forecasters to compare with."""
 
+from typing import Any
+
 from burstcast_workflow.controls import SCORES
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.table_files import keyed_table, write_table
 
@@ -17,7 +19,7 @@ COLUMNS = (
 )
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one row for each forecaster, network and prediction time."""
     rows = []
     for keys, path in zip(settings["rows"], inputs.counts, strict=True):

@@ -1,12 +1,14 @@
 """Make the paper's table of the parameters of the data, for all cases."""
 
+from typing import Any
+
 from burstcast.tables import data_parameters, side_by_side
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.table_files import write_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one column of values for each case."""
     tables = {
         case: data_parameters(**parameters, series_kept=read_json(path)["series_kept"])

@@ -1,12 +1,14 @@
 """Gather the summaries of all cases into the table of the dataset."""
 
+from typing import Any
+
 from burstcast import durations
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.table_files import keyed_table, write_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one row for each case."""
     rows = []
     for case, dataset, events, lyapunov in zip(

@@ -1,17 +1,19 @@
 """Find the extreme events of the series that were not used for training."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast import durations
 from burstcast.dataset import component_scales, observe
 from burstcast.forecast.test_set import SeriesPoints, horizon_events, segments, upward_crossings
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.series_fit import check_horizon, check_kept_series
 from burstcast_workflow.storage import Variable, read_netcdf, read_rows, write_json, write_netcdf
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the events, with what was observed and what was true before each of them."""
     lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = settings["training"]

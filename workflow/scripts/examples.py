@@ -1,5 +1,7 @@
 """Single forecasts of one network: one of each outcome, and the last ones before a success."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast import durations
@@ -14,14 +16,14 @@ from burstcast.forecast.examples import (
 from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, read_json, read_netcdf, read_rows, write_netcdf
 from burstcast_workflow.table_files import read_table
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write true and forecast observables of the examples."""
     lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
     observable = make_system(settings["system"], settings["parameters"]).observable

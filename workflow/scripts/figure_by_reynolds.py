@@ -1,13 +1,15 @@
 """Draw prediction horizon and F-score against the Reynolds number."""
 
+from typing import Any
+
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.published import published_percentiles
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.table_files import read_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the networks of one size."""
     tables = [read_table(path) for path in (inputs.horizon, inputs.classification)]
     published = {}

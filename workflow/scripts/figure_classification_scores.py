@@ -1,13 +1,15 @@
 """Draw precision, recall and F-score against prediction time and reservoir size."""
 
+from typing import Any
+
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.published import published_percentiles
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.table_files import read_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the scores of one case."""
     table = read_table(inputs.percentiles)
     published = None

@@ -1,6 +1,7 @@
 """Draw the density of the observable with and without control, averaged over the networks."""
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -8,14 +9,14 @@ from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.statistics.densities import Histogram, mean_density
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 from burstcast_workflow.table_files import keyed_table, write_table
 
 SAMPLES = ("uncontrolled", "controlled", "free")
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw one panel for each case; write all densities, without the time of actuation, too."""
     runs = list(zip(settings["runs"], map(read_netcdf, inputs.histograms), strict=True))
     panels, rows = [], []

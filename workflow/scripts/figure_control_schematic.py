@@ -1,13 +1,15 @@
 """Draw the control strategy on a suppressed event."""
 
+from typing import Any
+
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the event, the forecast and the parts of the strategy."""
     event = read_netcdf(inputs.event)
     if event["mark"].size:

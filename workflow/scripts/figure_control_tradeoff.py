@@ -1,12 +1,14 @@
 """Draw what control achieves against how early it acts and how much it acts."""
 
+from typing import Any
+
 from burstcast.figures.control_tradeoff import control_tradeoff
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.table_files import read_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the networks of one kind, and the forecasters to compare them with."""
     table = read_table(inputs.percentiles)
     of_kind = (table["neurons"] == settings["neurons"]) & (

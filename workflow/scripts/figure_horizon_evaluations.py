@@ -1,13 +1,15 @@
 """Draw the last evaluations of the prediction horizon before an event is predicted."""
 
+from typing import Any
+
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
 from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the forecasts of the example event."""
     data = read_netcdf(inputs.examples)
     time_lt = data["evaluation_time_lt"]

@@ -1,11 +1,13 @@
 """Draw the procedure that yields the prediction horizon of an extreme event."""
 
+from typing import Any
+
 from burstcast.figures.horizon_schematic import horizon_schematic
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw it with the values of the configuration."""
     write_figure(outputs, horizon_schematic(**settings))
 

@@ -1,14 +1,16 @@
 """Draw the velocity in the midplane during an event: data, network and their difference."""
 
+from typing import Any
+
 from burstcast.figures.midplane_planes import midplane_planes
 from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast_workflow.figure_files import write_figure
 from burstcast_workflow.flow_fields import flow_grid
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the event."""
     event = read_netcdf(inputs.event)
     if event["mark"].size:

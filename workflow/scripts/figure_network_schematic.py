@@ -1,12 +1,14 @@
 """Draw the echo state network with its real sizes and hyperparameters."""
 
+from typing import Any
+
 from burstcast.figures.network_schematic import network_schematic
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the example network."""
     chosen = read_json(inputs.hyperparameters)
     figure = network_schematic(

@@ -1,16 +1,18 @@
 """Draw a typical evolution of the observable and its density over all data."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast.figures.observable_and_density import observable_and_density
 from burstcast.statistics.densities import histogram
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the first kept series and the histogram of all of them."""
     observable = read_netcdf(inputs.ensemble, "observable")["observable"]
     density = settings["density"]

@@ -1,14 +1,16 @@
 """Draw a true positive, a false positive and a false negative."""
 
+from typing import Any
+
 from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.forecast.examples import OUTCOMES
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the outcomes that occurred."""
     data = read_netcdf(inputs.examples)
     examples = [

@@ -1,13 +1,15 @@
 """Draw how a forecast is made and scored, on a real one."""
 
+from typing import Any
+
 from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the first example: a true positive, if there was one."""
     data = read_netcdf(inputs.examples)
     if len(data["outcome"]):

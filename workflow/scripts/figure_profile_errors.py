@@ -1,5 +1,7 @@
 """Draw the velocity profiles, and the errors in them against reservoir size."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast.figures.profile_errors import profile_errors
@@ -7,12 +9,12 @@ from burstcast.published import published_percentiles
 from burstcast.statistics.profiles import flow_modes, velocity_profiles
 from burstcast.systems.registry import make_system
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.statistics_files import best_network, read_statistics
 from burstcast_workflow.table_files import read_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the data, the training set and the best network, and the errors of all networks."""
     y = np.linspace(-1.0, 1.0, settings["profile_points"])
     matrices = flow_modes(make_system(settings["system"], settings["parameters"])).profile_matrices(

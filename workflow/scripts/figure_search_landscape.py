@@ -1,14 +1,16 @@
 """Draw what the search for the hyperparameters of one network saw."""
 
+from typing import Any
+
 import pandas as pd
 
 from burstcast.figures.search_landscape import search_landscape
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.table_files import read_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the best Tikhonov parameter of each point, for each strategy."""
     traces = []
     for path in inputs.searches:

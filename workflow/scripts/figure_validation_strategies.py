@@ -1,17 +1,19 @@
 """Draw the validation strategies on the first training series."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast import durations
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.tuning.plan import ValidationPlan
 from burstcast_workflow.figure_files import write_figure
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_rows
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw where each strategy trains and validates."""
     lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
     observable = read_rows(inputs.ensemble, "observable", 0, 1)[0]

@@ -1,19 +1,21 @@
 """Draw vorticity and velocity of the flow before and after an event."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 from burstcast_workflow.figure_files import write_figure
 from burstcast_workflow.flow_fields import flow_grid
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 
 BEFORE, AFTER = 2, 3
 """Of the event's four times: the peak, and when the laminar structure has broken down."""
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the true flow at the event's peak and after its breakdown."""
     event = read_netcdf(inputs.event)
     if event["mark"].size:

@@ -1,18 +1,20 @@
 """Find an event of the test set whose flow is worth seeing, and forecast it with one network."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast import durations
 from burstcast.dataset import component_scales, observe
 from burstcast.forecast.example_events import EventCriterion, isolated_events, predicted_event
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, read_json, read_rows, write_netcdf
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the observable through the event and the states at four times, true and forecast."""
     system = make_system(settings["system"], settings["parameters"])
     lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)

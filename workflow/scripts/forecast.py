@@ -1,14 +1,16 @@
 """Forecast the test set with a network; keep only the window summaries."""
 
+from typing import Any
+
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, read_netcdf, write_netcdf
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the first and largest observable of every window of every forecast."""
     system = make_system(settings["system"], settings["parameters"])
     windows = settings["windows"]

@@ -1,19 +1,21 @@
 """Measure how long before each extreme event a network predicts it."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
 from burstcast import durations
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import read_json, read_netcdf
 from burstcast_workflow.table_files import write_table
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the prediction horizon of every event."""
     system = make_system(settings["system"], settings["parameters"])
     lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)

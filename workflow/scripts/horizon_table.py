@@ -1,10 +1,12 @@
 """Average the prediction horizons of each network over the events."""
 
-from burstcast_workflow.job import run_job
+from typing import Any
+
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.table_files import keyed_table, read_table, write_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one row for each network; the averages are undefined where there is no event."""
     rows = []
     for keys, path in zip(settings["networks"], inputs.horizons, strict=True):

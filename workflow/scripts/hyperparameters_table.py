@@ -1,11 +1,13 @@
 """Gather the hyperparameters of all networks."""
 
-from burstcast_workflow.job import run_job
+from typing import Any
+
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.table_files import keyed_table, write_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one row for each network."""
     names = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
     rows = []

@@ -1,7 +1,9 @@
 """Typeset a table in LaTeX."""
 
+from typing import Any
+
 from burstcast.tables import to_latex
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import write_text
 from burstcast_workflow.table_files import read_table
 from burstcast_workflow.table_layouts import CAPTIONS, FORMATS, PARAMETER_TABLES, head
@@ -9,7 +11,7 @@ from burstcast_workflow.table_layouts import CAPTIONS, FORMATS, PARAMETER_TABLES
 PERCENTILES = "Percentiles over the networks of an ensemble."
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write a table environment with booktabs rules."""
     name, table = settings["table"], read_table(inputs.table)
     results = name.removesuffix("_percentiles")

@@ -1,5 +1,7 @@
 """Lyapunov exponents of a case: the spectrum by QR, the leading one by growth of perturbations."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast import random_streams
@@ -10,12 +12,12 @@ from burstcast.systems.lyapunov import (
     perturbation_growth,
 )
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.series_fit import check_kept_series
 from burstcast_workflow.storage import read_netcdf, read_rows, write_json
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the exponents with their 95 % confidence intervals."""
     system = make_system(settings["system"], settings["parameters"])
     ensemble, lyapunov = settings["ensemble"], settings["lyapunov"]

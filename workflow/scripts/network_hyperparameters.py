@@ -1,11 +1,13 @@
 """Make the paper's table of the hyperparameters of the networks."""
 
+from typing import Any
+
 from burstcast.tables import network_parameters, side_by_side
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.table_files import write_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one column of values, or one for each case where the noise differs."""
     tables = {
         case: network_parameters(**settings["network"], noise=noise)

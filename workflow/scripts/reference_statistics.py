@@ -1,11 +1,13 @@
 """Long-term statistics of all the data and of the training set, and the sampling floor."""
 
+from typing import Any
+
 from burstcast import random_streams
 from burstcast.statistics.measures import sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.statistics_files import bin_edges, write_statistics
 from burstcast_workflow.storage import read_json, read_rows
 from burstcast_workflow.table_files import keyed_table, write_table
@@ -13,7 +15,7 @@ from burstcast_workflow.table_files import keyed_table, write_table
 SERIES_AT_A_TIME = 100
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the statistics of the data and of the training set, and the floor of the measures."""
     system = make_system(settings["system"], settings["parameters"])
     kept = read_json(inputs.summary)["series_kept"]

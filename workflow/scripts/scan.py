@@ -1,15 +1,17 @@
 """Validate a reservoir on the grid of the search, for both strategies."""
 
+from typing import Any
+
 import pandas as pd
 
 from burstcast.tuning.hyperparameters import SearchSpace
 from burstcast.tuning.validation import STRATEGIES
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.searches import PointValidator, trace_rows
 from burstcast_workflow.table_files import write_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the objective at every point, for every strategy and Tikhonov parameter."""
     space = SearchSpace(tuple(settings["spectral_radius"]), tuple(settings["input_scaling"]))
     validator = PointValidator(settings, inputs)

@@ -1,15 +1,17 @@
 """Integrate the ensemble of a case and keep the series that do not laminarise."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast import random_streams
 from burstcast.dataset import generate_ensemble, initial_states
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import Variable, write_json, write_netcdf
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the kept series, their observable, and a summary."""
     system = make_system(settings["system"], settings["parameters"])
     ensemble = settings["ensemble"]

@@ -1,16 +1,18 @@
 """Measure how far the statistics of networks and of the training set are from the data's."""
 
+from typing import Any
+
 from burstcast.statistics.climate import Fate
 from burstcast.statistics.measures import compare
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.statistics_files import read_statistics
 from burstcast_workflow.storage import read_netcdf
 from burstcast_workflow.table_files import keyed_table, read_table, write_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one row for each network, and for each case its training set and sampling floor."""
     rows = []
     references, matrices = {}, {}

@@ -1,11 +1,13 @@
 """Follow the flow whose suppressed event shows best what control by a network does."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast.control.accounting import largest_suppressed_event
 from burstcast.control.example import suppressed_event_times
 from burstcast_workflow.controls import ControlSetting
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, write_netcdf
 
@@ -14,7 +16,7 @@ AFTER_LT = 0.5
 """What is shown before the alarm and after the last of the event's times, if there is as much."""
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the observable with and without control, and the states at four times."""
     setting = ControlSetting.read(settings, inputs)
     forecaster = read_forecaster(inputs.network, settings["kernel"])

@@ -1,5 +1,7 @@
 """Lay out the starting points of the test set: their washouts, and what truly follows."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast import durations
@@ -7,13 +9,13 @@ from burstcast.dataset import component_scales, observe
 from burstcast.forecast.test_set import segments, starting_points
 from burstcast.forecast.windows import summarise, window_boundaries
 from burstcast.systems.registry import make_system
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.series_fit import check_classification, check_kept_series
 from burstcast_workflow.storage import Variable, read_netcdf, read_rows, write_netcdf
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write starting points, observed washouts, and the true window summaries."""
     system = make_system(settings["system"], settings["parameters"])
     lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)

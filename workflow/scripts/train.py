@@ -1,16 +1,18 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
+from typing import Any
+
 from burstcast import durations
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.training import train
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import reservoir, training_series, write_network
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the trained network."""
     training = training_series(settings, inputs.ensemble)
     chosen = read_json(inputs.hyperparameters)

@@ -1,18 +1,20 @@
 """Search on from the grid by Bayesian optimisation, and pick the best hyperparameters."""
 
+from typing import Any
+
 import pandas as pd
 
 from burstcast import random_streams
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
 from burstcast.tuning.search import bayesian_search
 from burstcast.tuning.validation import best
-from burstcast_workflow.job import run_job
+from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.searches import PointValidator, trace_rows
 from burstcast_workflow.storage import write_json
 from burstcast_workflow.table_files import read_table, write_table
 
 
-def main(inputs, outputs, settings, provenance):
+def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the whole trace of the search and its best point."""
     strategy = settings["validation"]
     scan = read_table(inputs.scan)
