@@ -151,11 +151,9 @@ class Laboratory:
         """Tables of a run from scratch; configs that differ in figures only share one."""
         config = merged(tiny_config(), overlay)
         relevant = {key: value for key, value in config.items() if key != "figures"}
-        relevant["cases"] = {
-            name: record
-            for name, record in config["cases"].items()
-            if any(name == f"Re{value:g}" for value in config["campaign"][0]["reynolds"])
-        }
+        used = [f"Re{value:g}" for value in config["campaign"][0]["reynolds"]]
+        defaults = relevant.pop("case_defaults")
+        relevant["cases"] = {name: merged(defaults, config["cases"].get(name, {})) for name in used}
         digest = hashlib.sha256(json.dumps(relevant, sort_keys=True).encode()).hexdigest()
         memory = self.directory / "scratch" / f"{digest[:20]}.json"
         if not memory.exists():
