@@ -13,7 +13,7 @@ import yaml
 from dependencies import ALL
 from edits import code_files, config_edits
 from helpers_rebuilds import ROOT, TINY
-from trial import TABLE_SCRIPTS, laboratory, source_digest
+from trial import TABLE_SCRIPTS, Laboratory, laboratory
 
 CONFIG_EDITS = {edit.name: edit for edit in config_edits()}
 
@@ -21,10 +21,7 @@ CONFIG_EDITS = {edit.name: edit for edit in config_edits()}
 @pytest.fixture(scope="module")
 def sample_lab(tmp_path_factory, finished):
     directory = tmp_path_factory.mktemp("trials")
-    finished.project.copy(directory / "base")
-    (directory / "sources").write_text(source_digest())
-    with laboratory(directory, figures=False) as made:
-        yield made
+    return Laboratory(directory, finished.project.server, base=finished.project)
 
 
 @pytest.fixture(scope="module")

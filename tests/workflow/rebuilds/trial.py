@@ -50,28 +50,32 @@ class Laboratory:
     directory
         Where everything is kept. Trials and runs from scratch that are there already are not made
         again, as long as the project's sources stay the same.
-    figures
-        Whether the figures are drawn once, so that trials count those that would be drawn again.
+    base
+        A working copy with finished tables; None: one is made, its figures included, so that
+        trials count those that would be drawn again.
     """
 
-    def __init__(self, directory: Path, server: JobServer, *, figures: bool) -> None:
+    def __init__(self, directory: Path, server: JobServer, base: Project | None = None) -> None:
         self.directory, self.server = directory, server
         (directory / "trials").mkdir(parents=True, exist_ok=True)
         (directory / "scratch").mkdir(exist_ok=True)
-        self.fingerprint = source_digest()
+        self.base = base if base is not None else self._finished()
+
+    def _finished(self) -> Project:
+        """Finished results of this directory, made anew if the sources have changed."""
+        directory, fingerprint = self.directory, source_digest()
         note = directory / "sources"
-        if not note.exists() or note.read_text() != self.fingerprint:
+        if not note.exists() or note.read_text() != fingerprint:
             for name in ("base", "work", "trials", "scratch"):
                 shutil.rmtree(directory / name, ignore_errors=True)
             (directory / "trials").mkdir()
             (directory / "scratch").mkdir()
-            base = Project.create(directory / "base", server)
+            base = Project.create(directory / "base", self.server)
             outcome = base.snakemake("tables")
             assert outcome.status == 0, outcome.text[-3000:]
-            if figures:
-                base.snakemake()  # whether they can be drawn is tested elsewhere
-            note.write_text(self.fingerprint)
-        self.base = Project(directory / "base", server)
+            base.snakemake()  # whether they can be drawn is tested elsewhere
+            note.write_text(fingerprint)
+        return Project(directory / "base", self.server)
 
     @cached_property
     def base_tables(self) -> dict[str, str]:
@@ -248,13 +252,13 @@ def source_digest() -> str:
 
 
 @contextmanager
-def laboratory(directory: Path, *, figures: bool = True) -> Iterator[Laboratory]:
+def laboratory(directory: Path) -> Iterator[Laboratory]:
     """A laboratory with its server."""
     directory.mkdir(parents=True, exist_ok=True)
     server = JobServer(directory)
     Path(server.address).unlink(missing_ok=True)
     with server.running():
-        yield Laboratory(directory, server, figures=figures)
+        yield Laboratory(directory, server)
 
 
 def summary(directory: Path) -> str:
