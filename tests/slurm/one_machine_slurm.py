@@ -214,6 +214,11 @@ class OneMachineSlurm:
         """Kill a running job."""
         subprocess.run(["scancel", str(job.number)], check=True)
 
+    def cancel_run(self, name: str) -> None:
+        """Kill all jobs of a run of Snakemake, and wait until they are gone."""
+        subprocess.run(["scancel", "--name", name], check=True)
+        self._wait_for(lambda: self._ask("squeue", "--noheader", "--name", name) == "", name)
+
     def logs(self) -> str:
         """Ends of the daemons' logs."""
         return "\n".join(

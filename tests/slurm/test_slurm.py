@@ -6,16 +6,21 @@ on the loopback in a temporary directory (`one_machine_slurm`). The tiny preset 
 asked for, for which Slurm kills it, and a job of networks is cancelled while it runs. Both must be
 submitted again with more memory, and the tables must be those of a run without Slurm, bit for bit.
 
-It takes three to eight minutes on two cores, depending on what else they do.
+Then the figures are submitted, Snakemake is killed while they are being drawn, and the recovery of
+docs/cluster.md must bring the run to its end.
+
+It takes four to nine minutes on two cores, depending on what else they do.
 """
 
 import io
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -86,10 +91,47 @@ def tables(tree: Path) -> list[str]:
 
 
 def command(tree: Path, *arguments: str) -> tuple[list[str], dict[str, str]]:
-    """Call of Snakemake for the tables of the preset, and its environment."""
-    call = [sys.executable, "-m", "snakemake", *tables(tree), "--configfile", PRESET, *arguments]
+    """Call of Snakemake with the preset, and its environment."""
+    call = [sys.executable, "-m", "snakemake", *arguments, "--configfile", PRESET]
     environment = {**os.environ, "PYTHONPATH": str(tree / "src"), "PYTHONUNBUFFERED": "1"}
     return call, environment
+
+
+def here(tree: Path, *arguments: str) -> str:
+    """Call Snakemake without Slurm, and return what it says."""
+    call, environment = command(tree, *arguments)
+    done = subprocess.run(call, cwd=tree, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-6000:]
+    return done.stdout + done.stderr
+
+
+def submit(
+    tree: Path, targets: list[str], watch: Callable[[subprocess.Popen], None]
+) -> tuple[int, str]:
+    """Submit to Slurm, and call ``watch`` every other second; return the status and the log."""
+    call, environment = command(
+        tree,
+        *targets,
+        *("--workflow-profile", "profiles/slurm", "--slurm-no-account"),
+        # a small machine answers at once: no need to wait as long as a cluster's profile does
+        *("--slurm-init-seconds-before-status-checks", "3", "--seconds-between-status-checks", "2"),
+        *("--latency-wait", "5"),
+    )
+    log = tree / "snakemake.log"
+    with log.open("w") as stream:
+        process = subprocess.Popen(
+            call, cwd=tree, env=environment, stdout=stream, stderr=subprocess.STDOUT
+        )
+        deadline = time.monotonic() + LONGEST_RUN
+        try:
+            while process.poll() is None and time.monotonic() < deadline:
+                time.sleep(2)
+                watch(process)
+        finally:
+            if process.poll() is None:
+                process.kill()
+            status = process.wait()
+    return status, log.read_text(errors="replace")
 
 
 def let_test_set_waste_memory(tree: Path) -> None:
@@ -126,35 +168,39 @@ def run(slurm, tmp_path_factory):
     """Submit the campaign, cancel the first job of networks, wait for the end."""
     tree = copy_of_project(tmp_path_factory.mktemp("cluster") / "project")
     let_test_set_waste_memory(tree)
-    call, environment = command(
-        tree,
-        *("--workflow-profile", "profiles/slurm", "--slurm-no-account"),
-        # a small machine answers at once: no need to wait as long as a cluster's profile does
-        *("--slurm-init-seconds-before-status-checks", "3", "--seconds-between-status-checks", "2"),
-        *("--latency-wait", "5"),
-    )
     cancelled: list[int] = []
-    log = tree / "snakemake.log"
-    with log.open("w") as stream:
-        process = subprocess.Popen(
-            call, cwd=tree, env=environment, stdout=stream, stderr=subprocess.STDOUT
-        )
-        deadline = time.monotonic() + LONGEST_RUN
-        try:
-            while process.poll() is None and time.monotonic() < deadline:
-                time.sleep(2)
-                for job in slurm.jobs():
-                    if not cancelled and "rule_network" in job.rules and job.state == "RUNNING":
-                        slurm.cancel(job)
-                        cancelled.append(job.number)
-        finally:
-            if process.poll() is None:
-                process.kill()
-            status = process.wait()
-    result = Run(tree, status, log.read_text(errors="replace"), slurm.jobs(), cancelled)
+
+    def cancel_one(process: subprocess.Popen) -> None:
+        for job in slurm.jobs():
+            if not cancelled and "rule_network" in job.rules and job.state == "RUNNING":
+                slurm.cancel(job)
+                cancelled.append(job.number)
+
+    status, log = submit(tree, tables(tree), cancel_one)
+    result = Run(tree, status, log, slurm.jobs(), cancelled)
     for job in result.jobs:
         print(f"job {job.number}: {job.state}, {job.memory_mib} MiB, {job.rules}")
     return result
+
+
+@pytest.fixture(scope="module")
+def recovered(slurm, run):
+    """Kill Snakemake while figures are being drawn, and go on as docs/cluster.md says."""
+
+    def kill_when_drawing(process: subprocess.Popen) -> None:
+        if any("rule_figures" in job.rules and job.state == "RUNNING" for job in slurm.jobs()):
+            time.sleep(5)
+            process.kill()
+
+    status, log = submit(run.tree, ["figures"], kill_when_drawing)
+    assert status < 0, log[-6000:]
+    found = re.search(r"SLURM run ID: (\S+)", log)
+    assert found is not None, log[-6000:]
+    slurm.cancel_run(found[1])
+    here(run.tree, "--unlock")
+    before = len(slurm.jobs())
+    status, log = submit(run.tree, ["figures"], lambda process: None)
+    return Run(run.tree, status, log, slurm.jobs()[before:])
 
 
 def test_campaign_finishes_in_spite_of_two_killed_jobs(run):
@@ -187,15 +233,17 @@ def test_cancelled_job_is_submitted_again(run):
 
 def test_tables_are_those_of_a_run_on_this_machine(run, tmp_path):
     tree = copy_of_project(tmp_path / "project")
-    call, environment = command(tree, "--cores", "2")
-    done = subprocess.run(call, cwd=tree, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[-6000:]
+    here(tree, *tables(tree), "--cores", "2")
     for table in tables(tree):
         assert (run.tree / table).read_bytes() == (tree / table).read_bytes(), table
         assert io.StringIO((tree / table).read_text()).readlines()[1:], f"{table} is empty"
 
 
 def test_nothing_is_left_to_do_after_the_run(run):
-    call, environment = command(run.tree, "--dry-run")
-    done = subprocess.run(call, cwd=run.tree, env=environment, capture_output=True, text=True)
-    assert "Nothing to be done" in done.stdout + done.stderr
+    assert "Nothing to be done" in here(run.tree, *tables(run.tree), "--dry-run")
+
+
+def test_figures_are_finished_after_snakemake_was_killed(recovered):
+    assert recovered.status == 0, recovered.log[-6000:]
+    assert recovered.of_group("figures")[-1].state == "COMPLETED"
+    assert "Nothing to be done" in here(recovered.tree, "figures", "--dry-run")

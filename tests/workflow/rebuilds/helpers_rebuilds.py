@@ -119,9 +119,11 @@ class Project:
             variables["BURSTCAST_TEST_JOB_SERVER"] = self.server.address
         return {**variables, **THREADS, "PYTHONPATH": ":".join(paths)}
 
-    def snakemake(self, *arguments: str, overlay: dict | None = None, **variables: str) -> Outcome:
-        """Run Snakemake with the tiny preset and what is laid over it."""
-        options = self.options(*arguments, overlay=overlay)
+    def snakemake(
+        self, *arguments: str, overlay: dict | None = None, preset: str = TINY, **variables: str
+    ) -> Outcome:
+        """Run Snakemake with a preset and what is laid over it."""
+        options = self.options(*arguments, overlay=overlay, preset=preset)
         environment = {**self.environment(), **variables}
         if self.server is None:
             command = [sys.executable, "-m", "snakemake", *options]
@@ -159,9 +161,11 @@ class Project:
         assert outcome.status == 0, outcome.text
         return {rule: set(modules) for rule, modules in json.loads(outcome.text).items()}
 
-    def options(self, *arguments: str, overlay: dict | None = None) -> list[str]:
+    def options(
+        self, *arguments: str, overlay: dict | None = None, preset: str = TINY
+    ) -> list[str]:
         """Options of Snakemake; the overlay becomes a file."""
-        configs = [TINY]
+        configs = [preset]
         if overlay:
             (self.directory / "overlay.yaml").write_text(yaml.safe_dump(overlay))
             configs.append("overlay.yaml")

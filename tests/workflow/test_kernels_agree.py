@@ -1,0 +1,71 @@
+"""Both kernels give the same tables, as far as tables are determined by the data.
+
+Over short times the kernels agree to rounding, which the tests of the kernels show. Over long ones
+chaos magnifies rounding: searches may end at neighbouring hyperparameters, and single forecasts
+come out otherwise. Scores must then agree within the intervals that resampling the data gives.
+"""
+
+import numpy as np
+import pandas as pd
+import pytest
+from helpers_rebuilds import Project
+
+pytestmark = pytest.mark.long
+
+QUICK = "workflow/presets/quick.yaml"
+NETWORK = ["neurons", "validation", "seed"]
+SMALL = {
+    "campaign": [{"reynolds": [400], "neurons": [300], "validation": ["RV", "SSV"], "seeds": 2}],
+    "statistics": {"validation": []},
+    "control": {"neurons": []},
+    "figures": {"example_neurons": 300, "fixed_neurons": 300},
+}
+
+
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory):
+    """Tables of the same campaign with each kernel, and the horizons of its networks."""
+    project = Project.create(tmp_path_factory.mktemp("kernels") / "project")
+    made = {}
+    for kernel in ("compiled", "scipy"):
+        directory = f"results/{kernel}"
+        overlay = {**SMALL, "results": directory, "network": {"kernel": kernel}}
+        wanted = [
+            f"{directory}/tables/{name}.csv" for name in ("classification_intervals", "horizon")
+        ]
+        outcome = project.snakemake(*wanted, overlay=overlay, preset=QUICK)
+        assert outcome.status == 0, outcome.text[-3000:]
+        made[kernel] = {
+            "scores": pd.read_csv(project.directory / directory / "tables/classification.csv"),
+            "intervals": pd.read_csv(project.directory / wanted[0]),
+            "horizons": pd.concat(
+                pd.read_csv(path).assign(network=str(path.parent.relative_to(path.parents[3])))
+                for path in sorted((project.directory / directory).glob("Re400/N*/*/*/horizon.csv"))
+            ),
+        }
+    return made
+
+
+def test_scores_agree_within_their_intervals(tables):
+    keys = [*NETWORK, "prediction_time_lt"]
+    scores = tables["scipy"]["scores"].melt(
+        id_vars=keys, value_vars=["precision", "recall", "f_score"], var_name="metric"
+    )
+    intervals = tables["compiled"]["intervals"].dropna(subset=["low", "high"])
+    both = intervals.merge(scores, on=[*keys, "metric"], suffixes=("", "_scipy"))
+    assert len(both) == len(intervals) > 0
+    inside = both["value"].between(both["low"], both["high"])
+    # intervals of 95 %: were the kernels independent samples, more than these would lie outside
+    assert inside.mean() > 0.95, both[~inside].to_string()
+
+
+def test_horizons_agree_within_their_intervals(tables):
+    compiled, scipy = (tables[kernel]["horizons"] for kernel in ("compiled", "scipy"))
+    both = compiled.merge(scipy, on=["network", "event"], suffixes=("", "_scipy"))
+    assert len(both) == len(compiled) > 0
+    generator = np.random.default_rng(1)
+    for network, events in both.groupby("network"):
+        horizons = events["prediction_horizon_lt"].to_numpy()
+        drawn = generator.integers(len(horizons), size=(2000, len(horizons)))
+        low, high = np.percentile(horizons[drawn].mean(axis=1), [2.5, 97.5])
+        assert low <= events["prediction_horizon_lt_scipy"].mean() <= high, network
