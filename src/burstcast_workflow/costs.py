@@ -35,7 +35,7 @@ SECONDS_PER = {
     "noisy number": 3.0e-8,
     "reduced number": 2.0e-8,
     # a bootstrap sample of one series; a file of a network read, a row of a table
-    "resampled series": 5.0e-9,
+    "resampled series": 1.0e-7,
     "file": 0.005,
 }
 """Seconds that a unit of work takes on one core."""
@@ -452,8 +452,7 @@ def _classify(campaign: Campaign) -> _Account:
     times = len(campaign.config["classification"]["prediction_times_lt"])
     resamples = campaign.config["bootstrap"]["resamples"]
     series = sum(of_network.test_series for of_network in sizes)
-    # forecasts are in files of many variables
-    work = {"resampled series": times * resamples * series, "file": 4 * len(sizes)}
+    work = {"resampled series": times * resamples * series, "file": len(sizes)}
     return _PLAIN, work, 20.0
 
 

@@ -174,17 +174,21 @@ class Project:
         )
         return [*arguments, *cores, "--configfile", *configs]
 
-    def dry_run(self, *arguments: str, overlay: dict | None = None) -> dict[str, int]:
+    def dry_run(
+        self, *arguments: str, overlay: dict | None = None, preset: str = TINY
+    ) -> dict[str, int]:
         """Jobs of each rule that would run."""
-        outcome = self.snakemake("--quiet", "rules", "-n", *arguments, overlay=overlay)
+        outcome = self.snakemake(
+            "--quiet", "rules", "-n", *arguments, overlay=overlay, preset=preset
+        )
         assert outcome.status == 0, outcome.text
         return outcome.jobs
 
-    def why(self, overlay: dict | None = None) -> str:
+    def why(self, *targets: str, overlay: dict | None = None, preset: str = TINY) -> str:
         """What the project itself says would run again, and why."""
-        options = self.options("-n", overlay=overlay)[1:]
+        options = self.options("-n", overlay=overlay, preset=preset)[1:]
         result = subprocess.run(
-            [sys.executable, "-m", "burstcast_workflow.why", "tables", *options],
+            [sys.executable, "-m", "burstcast_workflow.why", *targets, *options],
             cwd=self.directory,
             env=self.environment(),
             capture_output=True,

@@ -30,6 +30,7 @@ import snakemake.scheduling.job_scheduler
 import snakemake.script
 import snakemake.workflow
 
+_END_OF_PREAMBLE = "######## snakemake preamble end #########"
 LOADED = (matplotlib, netCDF4, numpy, pandas, scipy, skimage, skopt, snakemake)
 
 
@@ -76,7 +77,10 @@ def _run(request: dict) -> int:
         if "script" in request:
             sys.argv = [request["script"]]
             sys.path.insert(0, os.path.dirname(request["script"]))
-            runpy.run_path(request["script"], run_name="__main__")
+            if os.environ.get("BURSTCAST_TEST_PRETEND"):
+                _pretend(request["script"])
+            else:
+                runpy.run_path(request["script"], run_name="__main__")
         else:
             sys.argv = ["snakemake", *request["arguments"]]
             snakemake.cli.main(request["arguments"])
@@ -86,6 +90,18 @@ def _run(request: dict) -> int:
         traceback.print_exc()
         return 1
     return 0
+
+
+def _pretend(script: str) -> None:
+    """Make empty outputs: all of a job, as Snakemake sees it, but the work."""
+    with open(script) as stream:
+        preamble, marker, _ = stream.read().partition(_END_OF_PREAMBLE)
+    assert marker, "Snakemake begins its scripts differently now"
+    scope: dict = {}
+    exec(preamble, scope)  # what Snakemake says of the job
+    for output in scope["snakemake"].output:
+        with open(output, "w"):
+            pass
 
 
 if __name__ == "__main__":

@@ -82,10 +82,10 @@ def test_changed_settings_beside_the_outputs_of_other_networks(sample_lab):
 
 def test_why_says_it_in_words(sample_lab):
     work = sample_lab.base.copy(sample_lab.directory / "why")
-    assert work.why() == "Nothing would run: all results are up to date.\n"
+    assert work.why("tables") == "Nothing would run: all results are up to date.\n"
     path = work.directory / "src/burstcast/forecast/classification.py"
     path.write_text(path.read_text() + "\nEDITED = 1\n")
-    said = work.why({"case_defaults": {"event_threshold": 0.08}}).splitlines()
+    said = work.why("tables", overlay={"case_defaults": {"event_threshold": 0.08}}).splitlines()
     (threshold,) = [
         line for line in said if line.startswith("event_threshold 0.07 -> 0.08 (Re400)")
     ]
