@@ -350,11 +350,11 @@ def _joined(found: Iterable[Cause]) -> list[Cause]:
 
 
 def report(jobs: Sequence[Job], known: Mapping[str, Sequence[Mapping[str, str]]]) -> str:
-    """What would run again, and why, as text."""
+    """What would run again, and why, as text: what sets off most comes first."""
     if not jobs:
         return "Nothing would run: all results are up to date."
     lines = []
-    found = causes(jobs, known)
+    found = sorted(causes(jobs, known), key=lambda cause: -len(cause.jobs))
     for cause in found:
         cases = f" ({', '.join(sorted(cause.cases, key=_natural_case))})" if cause.cases else ""
         lines.append(

@@ -97,7 +97,7 @@ def _pretend(script: str) -> None:
     with open(script) as stream:
         preamble, marker, _ = stream.read().partition(_END_OF_PREAMBLE)
     assert marker, "Snakemake begins its scripts differently now"
-    scope: dict = {}
+    scope: dict = {"__file__": script}
     exec(preamble, scope)  # what Snakemake says of the job
     for output in scope["snakemake"].output:
         with open(output, "w"):
