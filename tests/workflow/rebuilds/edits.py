@@ -96,6 +96,7 @@ _VALUES: dict[str, Any] = {
     "campaign.0.validation": ["RV"],
     "case_defaults.system": "lorenz63",
     "case_defaults.laminarisation_threshold": 0.3,
+    "case_defaults.parameters.length_x": 13,  # a longer domain has more energy than the threshold
     "case_defaults.ensemble.initial_state": [1, 0, 0.07, -0.07, 0, 0, 0, 0, 0],
     "case_defaults.ensemble.time_step": 0.25,
     "case_defaults.ensemble.sampling_stride": 1,
