@@ -1,13 +1,12 @@
 """Streamwise velocity in the midplane during an event: data, network and their difference."""
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.planes import (
     add_row_bar,
     draw_plane,
-    label_outer_planes,
-    mark_times,
+    frame_evolution,
+    label_planes,
     symmetric_norm,
 )
 from burstcast.figures.style import (
@@ -15,9 +14,7 @@ from burstcast.figures.style import (
     NETWORK,
     TRUTH,
     FloatArray,
-    draw_threshold,
     new_figure,
-    observable_label,
     styled,
 )
 
@@ -58,15 +55,8 @@ def midplane_planes(
     evolution = top.subplots()
     evolution.plot(time_lt, true, label=rf"${symbol}_{{\mathrm{{True}}}}$", **TRUTH)
     evolution.plot(time_lt, forecast, label=rf"${symbol}_{{\mathrm{{ESN}}}}$", **NETWORK)
-    draw_threshold(evolution, threshold, f"${symbol}_e$", at_left=True)
-    mark_times(evolution, plane_times_lt)
-    evolution.set_xlim(float(time_lt[0]), float(time_lt[-1]))
-    # room for the name of the threshold, however low the event is
-    evolution.set_ylim(0, 1.2 * max(threshold, float(np.nanmax([true, forecast]))))
+    frame_evolution(evolution, time_lt, [true, forecast], threshold, plane_times_lt, symbol)
     evolution.set_xlabel("Time from the start of the forecast [LT]")
-    evolution.set_ylabel(observable_label(symbol))
-    evolution.set_title("(a)", loc="left")
-    evolution.legend(loc="upper left")
 
     differences = forecast_planes - true_planes
     velocity = symmetric_norm([true_planes, forecast_planes])
@@ -83,9 +73,5 @@ def midplane_planes(
             mesh = draw_plane(panels[row, column], x, z, plane, norm, colours)
         add_row_bar(figure, mesh, list(panels[row]), label)
         panels[row, 0].set_ylabel("$z$")
-    label_outer_planes(panels)
-    for column, axes in enumerate(panels[0]):
-        axes.set_title(f"$t_{column + 1}$", loc="center")
-    for row, axes in enumerate(panels[:, 0]):
-        axes.set_title(f"({chr(ord('b') + row)})", loc="left")
+    label_planes(panels)
     return figure

@@ -1,4 +1,4 @@
-"""Colour maps of a quantity over a plane of the flow, and the marks of their times."""
+"""Colour maps of a quantity over a plane of the flow, below the observable at their times."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from burstcast.figures.style import BLUE, FloatArray
+from burstcast.figures.style import BLUE, FloatArray, draw_threshold, observable_label
 
 
 def draw_plane(
@@ -60,18 +60,57 @@ def symmetric_norm(fields: Sequence[FloatArray]) -> Normalize:
     return Normalize(-largest or -1.0, largest or 1.0)
 
 
-def label_outer_planes(planes: np.ndarray[tuple[int, int], np.dtype[np.object_]]) -> None:
-    """Leave tick labels and axis labels at the left and the bottom of a grid of planes only."""
+def label_planes(planes: np.ndarray[tuple[int, int], np.dtype[np.object_]]) -> None:
+    """Name a grid of planes: times t_1, t_2, ... above it, rows (b), (c), ..., its outer axes."""
     rows, columns = planes.shape
     for row in range(rows):
         for column in range(columns):
             axes: Axes = planes[row, column]
             axes.tick_params(labelleft=column == 0, labelbottom=row == rows - 1)
+            if row == 0:
+                axes.set_title(f"$t_{column + 1}$", loc="center")
+            if column == 0:
+                axes.set_title(f"({chr(ord('b') + row)})", loc="left")
             if row == rows - 1:
                 axes.set_xlabel("$x$")
 
 
-def mark_times(axes: Axes, times: FloatArray) -> None:
+def frame_evolution(
+    axes: Axes,
+    time_lt: FloatArray,
+    observables: Sequence[FloatArray],
+    threshold: float,
+    plane_times_lt: FloatArray,
+    symbol: str,
+) -> None:
+    """Frame the panel (a) above planes: threshold, times of the planes, limits, names.
+
+    Parameters
+    ----------
+    axes
+        Panel in which the observables are drawn.
+    time_lt
+        Their time, ``(time,)``.
+    observables
+        What is drawn, ``(time,)`` each; may have gaps.
+    threshold
+        Event threshold.
+    plane_times_lt
+        Times of the planes, ``(planes,)``.
+    symbol
+        Of the observable.
+    """
+    draw_threshold(axes, threshold, f"${symbol}_e$", at_left=True)
+    _mark_times(axes, plane_times_lt)
+    axes.set_xlim(float(time_lt[0]), float(time_lt[-1]))
+    # room for the name of the threshold, however low the event is
+    axes.set_ylim(0, 1.2 * max(threshold, float(np.nanmax(observables))))
+    axes.set_ylabel(observable_label(symbol))
+    axes.set_title("(a)", loc="left")
+    axes.legend(loc="upper left")
+
+
+def _mark_times(axes: Axes, times: FloatArray) -> None:
     """Draw vertical lines at the times t_1, t_2, ... and name them above the frame."""
     for index, time in enumerate(times, start=1):
         axes.axvline(float(time), color=BLUE, linewidth=0.8, linestyle=(0, (4.0, 1.5)))

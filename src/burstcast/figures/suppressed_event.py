@@ -1,14 +1,13 @@
 """An event that the control suppresses, and the flow with and without control."""
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.control_schematic import CONTROLLED
 from burstcast.figures.planes import (
     add_row_bar,
     draw_plane,
-    label_outer_planes,
-    mark_times,
+    frame_evolution,
+    label_planes,
     symmetric_norm,
 )
 from burstcast.figures.style import (
@@ -16,9 +15,7 @@ from burstcast.figures.style import (
     GREEN,
     TRUTH,
     FloatArray,
-    draw_threshold,
     new_figure,
-    observable_label,
     styled,
 )
 
@@ -65,15 +62,10 @@ def suppressed_event(
     )
     evolution.plot(time_lt, uncontrolled, label="without control", **TRUTH)
     evolution.plot(time_lt, controlled, label="with control", **CONTROLLED)
-    draw_threshold(evolution, threshold, f"${symbol}_e$", at_left=True)
-    mark_times(evolution, plane_times_lt)
-    evolution.set_xlim(float(time_lt[0]), float(time_lt[-1]))
-    # room for the name of the threshold, however low the event is
-    evolution.set_ylim(0, 1.2 * max(threshold, float(np.nanmax([uncontrolled, controlled]))))
+    frame_evolution(
+        evolution, time_lt, [uncontrolled, controlled], threshold, plane_times_lt, symbol
+    )
     evolution.set_xlabel("Time from the forecast [LT]")
-    evolution.set_ylabel(observable_label(symbol))
-    evolution.set_title("(a)", loc="left")
-    evolution.legend(loc="upper left")
 
     norm = symmetric_norm([uncontrolled_planes, controlled_planes])
     panels = bottom.subplots(2, len(plane_times_lt), squeeze=False)
@@ -83,10 +75,6 @@ def suppressed_event(
         for column, plane in enumerate(planes):
             mesh = draw_plane(panels[row, column], x, z, plane, norm, "RdBu_r")
         panels[row, 0].set_ylabel(f"{label}\n$z$")
-    label_outer_planes(panels)
+    label_planes(panels)
     add_row_bar(figure, mesh, list(panels.flat), "$u$", ticks=5)
-    for column, axes in enumerate(panels[0]):
-        axes.set_title(f"$t_{column + 1}$", loc="center")
-    for row, axes in enumerate(panels[:, 0]):
-        axes.set_title(f"({chr(ord('b') + row)})", loc="left")
     return figure
