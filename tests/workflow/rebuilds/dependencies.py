@@ -119,6 +119,10 @@ def and_what_follows(rules: set[str]) -> set[str]:
         reached |= more
 
 
+# Modules that put values of their own into the settings of a rule whose script does not load them.
+RULES_WITH_VALUES_OF = {"burstcast_workflow.table_layouts": {"data_generation_parameters"}}
+
+
 # What a system's module defines is found by its name; kernels are chosen while a job runs.
 def may_be_found_otherwise(module: str, rule_has_case: bool, loaded: set[str]) -> bool:
     """Whether code may depend on a module that importing the script does not load."""

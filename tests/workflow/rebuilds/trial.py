@@ -1,5 +1,6 @@
 """Trials: an edit, a run that goes on from finished results, and a run from scratch."""
 
+import ast
 import hashlib
 import json
 import os
@@ -13,7 +14,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from dependencies import COMES_FROM, and_what_follows, may_be_found_otherwise
+from dependencies import (
+    COMES_FROM,
+    RULES_WITH_VALUES_OF,
+    and_what_follows,
+    may_be_found_otherwise,
+)
 from edits import CodeEdit, ConfigEdit, added_statement, changed_numbers, merged, tiny_config
 from helpers_rebuilds import PARTS, ROOT, JobServer, Outcome, Project, jobs_since
 
@@ -119,6 +125,7 @@ class Laboratory:
                 least.add(rule)
             elif may_be_found_otherwise(module, rule in RULES_OF_A_CASE, loaded):
                 most.add(rule)
+        most |= RULES_WITH_VALUES_OF.get(module, set())
         if module == "burstcast.systems.mfe":  # the system of the preset
             least, most = least | most, set()
         elif module.startswith("burstcast.systems.") and "mfe" in module:
@@ -130,8 +137,15 @@ class Laboratory:
         return expanded[0], expanded[1]
 
     def _imports(self, module: str) -> bool:
-        text = (ROOT / "src/burstcast/systems/mfe.py").read_text()
-        return module.rpartition(".")[2] in text
+        """Whether the system's module imports another, anywhere in it."""
+        tree = ast.parse((ROOT / "src/burstcast/systems/mfe.py").read_text())
+        names = {
+            f"{node.module}.{alias.name}"
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        }
+        return any(name == module or name.startswith(f"{module}.") for name in names)
 
     def _edit_that_runs(self, path: str) -> tuple[CodeEdit, dict[str, str]]:
         """Find an edit that changes tables, if there is one among the first few."""
@@ -262,13 +276,29 @@ def laboratory(directory: Path) -> Iterator[Laboratory]:
 
 
 def summary(directory: Path) -> str:
-    """Results of all trials as a table in Markdown."""
+    """Results of all trials as a document in Markdown."""
+    trials = [
+        Trial(**json.loads(path.read_text()))
+        for path in sorted((directory / "trials").glob("*.json"))
+    ]
+    failed = sum(bool(trial.problems) for trial in trials)
+    with_effect = sum(trial.tables_changed > 0 for trial in trials)
     lines = [
+        "# Trials of selective rebuilds",
+        "",
+        "Every leaf of the config, module and script of the `tiny` preset was edited in turn, and "
+        "finished results were brought up to date",
+        "([selective_rebuilds.md](selective_rebuilds.md), how it is tested). *Jobs* ran again for "
+        "the tables; *figure jobs* would have. *Equal bits*: all tables",
+        "are those of a run from scratch, no job ran that should not have, none was left out, and "
+        "nothing was left to do.",
+        "",
+        f"{len(trials)} edits, {failed} failed; {with_effect} of them changed tables.",
+        "",
         "| edit | what | jobs | rules run again | figure jobs | tables changed | verdict |",
         "|---|---|---|---|---|---|---|",
     ]
-    for path in sorted((directory / "trials").glob("*.json")):
-        trial = Trial(**json.loads(path.read_text()))
+    for trial in trials:
         rules = ", ".join(sorted({name.partition("/")[0] for name in trial.rerun})) or "none"
         what = trial.what.replace("|", "\\|")
         verdict = "; ".join(trial.problems).replace("|", "\\|")[:200] or "equal bits"
@@ -276,7 +306,7 @@ def summary(directory: Path) -> str:
             f"| `{trial.name}` | {what} | {trial.jobs} | {rules} | {trial.figures} "
             f"| {trial.tables_changed} of {trial.tables} | {verdict} |"
         )
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":
