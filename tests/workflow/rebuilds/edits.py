@@ -258,19 +258,70 @@ def added_statement(path: str) -> CodeEdit:
     return CodeEdit(path, (ROOT / path).read_text() + "\n_EDITED = 1\n", "a constant added")
 
 
-def changed_numbers(path: str) -> Iterator[CodeEdit]:
-    """Edits of one fractional number each, the first ones first."""
+def changed_meanings(path: str) -> Iterator[CodeEdit]:
+    """Edits that mean something else: of a fractional number, a sum, a comparison; one each."""
     text = (ROOT / path).read_text()
+    tree = ast.parse(text)
+    # a loop that never ends would prove nothing
+    loops = {
+        id(node)
+        for loop in ast.walk(tree)
+        if isinstance(loop, ast.While)
+        for node in ast.walk(loop.test)
+    }
+    nodes = [node for node in ast.walk(tree) if id(node) not in loops]
+    for found in (_number, _sum, _comparison):
+        for node in nodes:
+            change = found(node, text.splitlines())
+            if change is not None:
+                yield _edit(path, text, *change)
+
+
+_Change = tuple[int, int, int, str]  # line, first and last column in bytes, what stands there then
+_OTHER_COMPARISONS = {">=": ">", ">": ">=", "<=": "<", "<": "<="}
+_OTHER_SUMS = {"+": "-", "-": "+"}
+
+
+def _number(node: ast.AST, lines: list[str]) -> _Change | None:
+    if not (isinstance(node, ast.Constant) and type(node.value) is float):
+        return None
+    if node.lineno != node.end_lineno or not 0 < abs(node.value) < 1e300:
+        return None
+    assert node.end_col_offset is not None
+    return node.lineno, node.col_offset, node.end_col_offset, repr(node.value * 1.0625)
+
+
+def _comparison(node: ast.AST, lines: list[str]) -> _Change | None:
+    if not (isinstance(node, ast.Compare) and len(node.ops) == 1):
+        return None
+    return _operator(node.left, node.comparators[0], lines, _OTHER_COMPARISONS)
+
+
+def _sum(node: ast.AST, lines: list[str]) -> _Change | None:
+    if not isinstance(node, ast.BinOp):
+        return None
+    return _operator(node.left, node.right, lines, _OTHER_SUMS)
+
+
+def _operator(
+    left: ast.expr, right: ast.expr, lines: list[str], others: dict[str, str]
+) -> _Change | None:
+    """Another operator between two expressions, where it stands on one line with both."""
+    if left.end_lineno != right.lineno:
+        return None
+    start, end = left.end_col_offset, right.col_offset
+    assert start is not None
+    between = lines[right.lineno - 1].encode()[start:end].decode()
+    operator = between.strip()
+    if operator not in others:
+        return None
+    return right.lineno, start, end, between.replace(operator, others[operator])
+
+
+def _edit(path: str, text: str, number: int, start: int, end: int, new: str) -> CodeEdit:
     lines = text.splitlines(keepends=True)
-    for node in ast.walk(ast.parse(text)):
-        if not (isinstance(node, ast.Constant) and type(node.value) is float):
-            continue
-        if node.lineno != node.end_lineno or not 0 < abs(node.value) < 1e300:
-            continue
-        line = lines[node.lineno - 1].encode()
-        start, end = node.col_offset, node.end_col_offset
-        new = repr(node.value * 1.0625)
-        changed = line[:start] + new.encode() + line[end:]
-        edited = [*lines[: node.lineno - 1], changed.decode(), *lines[node.lineno :]]
-        what = f"line {node.lineno}: {line[start:end].decode()} -> {new}"
-        yield CodeEdit(path, "".join(edited), what)
+    line = lines[number - 1].encode()
+    changed = line[:start] + new.encode() + line[end:]
+    edited = "".join([*lines[: number - 1], changed.decode(), *lines[number:]])
+    what = f"line {number}: {line[start:end].decode().strip()} -> {new.strip()}"
+    return CodeEdit(path, edited, what)

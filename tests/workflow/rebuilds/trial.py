@@ -20,7 +20,7 @@ from dependencies import (
     and_what_follows,
     may_be_found_otherwise,
 )
-from edits import CodeEdit, ConfigEdit, added_statement, changed_numbers, merged, tiny_config
+from edits import CodeEdit, ConfigEdit, added_statement, changed_meanings, merged, tiny_config
 from helpers_rebuilds import PARTS, ROOT, JobServer, Outcome, Project, jobs_since
 
 # rules whose every job belongs to a case, and so to its system's module
@@ -30,7 +30,7 @@ RULES_OF_A_CASE = {
     *("examples", "flow_event", "suppressed_event"),
 }
 _BY_TABLE = ("percentiles", "latex")
-_NUMBERS_TRIED = 3
+_EDITS_TRIED = 3
 
 
 @dataclass
@@ -154,8 +154,8 @@ class Laboratory:
         if not most & TABLE_RULES:
             return added, self.base_tables
         found = added, self.base_tables
-        for number, edit in enumerate(changed_numbers(path)):
-            if number == _NUMBERS_TRIED:
+        for number, edit in enumerate(changed_meanings(path)):
+            if number == _EDITS_TRIED:
                 break
             work = self.base.without_results(self.directory / "scratch-work")
             (work.directory / path).write_text(edit.text)
