@@ -25,7 +25,7 @@ SMALL = {
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory):
     """Tables of the same campaign with each kernel, and the horizons of its networks."""
-    project = Project.create(tmp_path_factory.mktemp("kernels") / "project")
+    project = Project.create(tmp_path_factory.mktemp("kernels") / "project", preset=QUICK)
     made = {}
     for kernel in ("compiled", "scipy"):
         directory = f"results/{kernel}"
@@ -33,7 +33,7 @@ def tables(tmp_path_factory):
         wanted = [
             f"{directory}/tables/{name}.csv" for name in ("classification_intervals", "horizon")
         ]
-        outcome = project.snakemake(*wanted, overlay=overlay, preset=QUICK)
+        outcome = project.snakemake(*wanted, overlay=overlay)
         assert outcome.status == 0, outcome.text[-3000:]
         made[kernel] = {
             "scores": pd.read_csv(project.directory / directory / "tables/classification.csv"),

@@ -270,9 +270,10 @@ def changed_meanings(path: str) -> Iterator[CodeEdit]:
         for node in ast.walk(loop.test)
     }
     nodes = [node for node in ast.walk(tree) if id(node) not in loops]
+    lines = text.splitlines()
     for found in (_number, _sum, _comparison):
         for node in nodes:
-            change = found(node, text.splitlines())
+            change = found(node, lines)
             if change is not None:
                 yield _edit(path, text, *change)
 

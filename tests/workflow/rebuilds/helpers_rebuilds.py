@@ -10,7 +10,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import yaml
@@ -79,13 +79,18 @@ class Project:
         Where it is.
     server
         What runs its jobs; None for processes of their own, as users run them.
+    preset
+        The config that its runs lay over config.yaml.
     """
 
     directory: Path
     server: JobServer | None = None
+    preset: str = TINY
 
     @classmethod
-    def create(cls, directory: Path, server: JobServer | None = None) -> "Project":
+    def create(
+        cls, directory: Path, server: JobServer | None = None, preset: str = TINY
+    ) -> "Project":
         """Copy the project's sources, with their time stamps."""
         directory.mkdir(parents=True)
         for part in PARTS:
@@ -96,13 +101,13 @@ class Project:
                 )
             else:
                 shutil.copy2(source, directory / part)
-        return cls(directory, server)
+        return cls(directory, server, preset)
 
     def copy(self, directory: Path) -> "Project":
         """Copy everything with its time stamps: results and Snakemake's records, too."""
         shutil.rmtree(directory, ignore_errors=True)
         subprocess.run(["cp", "-a", self.directory, directory], check=True)
-        return Project(directory, self.server)
+        return replace(self, directory=directory)
 
     def without_results(self, directory: Path) -> "Project":
         """Copy the sources only."""
@@ -119,11 +124,9 @@ class Project:
             variables["BURSTCAST_TEST_JOB_SERVER"] = self.server.address
         return {**variables, **THREADS, "PYTHONPATH": ":".join(paths)}
 
-    def snakemake(
-        self, *arguments: str, overlay: dict | None = None, preset: str = TINY, **variables: str
-    ) -> Outcome:
-        """Run Snakemake with a preset and what is laid over it."""
-        options = self.options(*arguments, overlay=overlay, preset=preset)
+    def snakemake(self, *arguments: str, overlay: dict | None = None, **variables: str) -> Outcome:
+        """Run Snakemake with the preset and what is laid over it."""
+        options = self.options(*arguments, overlay=overlay)
         environment = {**self.environment(), **variables}
         if self.server is None:
             command = [sys.executable, "-m", "snakemake", *options]
@@ -161,11 +164,9 @@ class Project:
         assert outcome.status == 0, outcome.text
         return {rule: set(modules) for rule, modules in json.loads(outcome.text).items()}
 
-    def options(
-        self, *arguments: str, overlay: dict | None = None, preset: str = TINY
-    ) -> list[str]:
+    def options(self, *arguments: str, overlay: dict | None = None) -> list[str]:
         """Options of Snakemake; the overlay becomes a file."""
-        configs = [preset]
+        configs = [self.preset]
         if overlay:
             (self.directory / "overlay.yaml").write_text(yaml.safe_dump(overlay))
             configs.append("overlay.yaml")
@@ -174,19 +175,15 @@ class Project:
         )
         return [*arguments, *cores, "--configfile", *configs]
 
-    def dry_run(
-        self, *arguments: str, overlay: dict | None = None, preset: str = TINY
-    ) -> dict[str, int]:
+    def dry_run(self, *arguments: str, overlay: dict | None = None) -> dict[str, int]:
         """Jobs of each rule that would run."""
-        outcome = self.snakemake(
-            "--quiet", "rules", "-n", *arguments, overlay=overlay, preset=preset
-        )
+        outcome = self.snakemake("--quiet", "rules", "-n", *arguments, overlay=overlay)
         assert outcome.status == 0, outcome.text
         return outcome.jobs
 
-    def why(self, *targets: str, overlay: dict | None = None, preset: str = TINY) -> str:
+    def why(self, *targets: str, overlay: dict | None = None) -> str:
         """What the project itself says would run again, and why."""
-        options = self.options("-n", overlay=overlay, preset=preset)[1:]
+        options = self.options("-n", overlay=overlay)[1:]
         result = subprocess.run(
             [sys.executable, "-m", "burstcast_workflow.why", *targets, *options],
             cwd=self.directory,

@@ -17,10 +17,7 @@ MEGABYTE = 2**20
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     """Run that nothing interrupts: what it wrote."""
-    project = Project.create(tmp_path_factory.mktemp("undisturbed") / "project")
-    outcome = project.snakemake(*TARGETS)
-    assert outcome.status == 0, outcome.text[-3000:]
-    return results(project)
+    return complete(Project.create(tmp_path_factory.mktemp("undisturbed") / "project"), TARGETS)
 
 
 @pytest.fixture
@@ -67,7 +64,7 @@ def jobs_of(workflow: subprocess.Popen) -> list[int]:
 
 
 def complete(project: Project, targets: list[str], *, locked: bool = False) -> dict[str, str]:
-    """What a user does after an interruption."""
+    """What a user does, at first and after an interruption: what is there in the end."""
     if locked:
         project.snakemake("--unlock")
     outcome = project.snakemake(*targets)
@@ -133,10 +130,7 @@ LONG_TARGETS = [
 @pytest.fixture(scope="module")
 def longer(tmp_path_factory):
     """Run of more jobs that nothing interrupts."""
-    project = Project.create(tmp_path_factory.mktemp("longer") / "project")
-    outcome = project.snakemake(*LONG_TARGETS)
-    assert outcome.status == 0, outcome.text[-3000:]
-    return results(project)
+    return complete(Project.create(tmp_path_factory.mktemp("longer") / "project"), LONG_TARGETS)
 
 
 @pytest.mark.long

@@ -20,8 +20,8 @@ SCORES = {"classify": 1, "percentiles": 1, "latex": 3}
 @pytest.fixture(scope="module")
 def paper(tmp_path_factory, job_server):
     """The finished campaign, its files being empty."""
-    project = Project.create(tmp_path_factory.mktemp("paper") / "project", job_server)
-    outcome = project.snakemake(preset=PAPER, BURSTCAST_TEST_PRETEND="1")
+    project = Project.create(tmp_path_factory.mktemp("paper") / "project", job_server, PAPER)
+    outcome = project.snakemake(BURSTCAST_TEST_PRETEND="1")
     assert outcome.status == 0, outcome.text[-3000:]
     return project
 
@@ -34,7 +34,7 @@ def edited(paper, tmp_path):
 
 def plan(project: Project, overlay: dict | None = None) -> dict[str, int]:
     """Jobs of each rule that would run: figures together."""
-    jobs = project.dry_run(overlay=overlay, preset=PAPER)
+    jobs = project.dry_run(overlay=overlay)
     figures = sum(count for rule, count in jobs.items() if rule.startswith("figure_"))
     others = {rule: count for rule, count in jobs.items() if not rule.startswith("figure_")}
     together = {**others, **({"figures": figures} if figures else {})}
@@ -44,14 +44,14 @@ def plan(project: Project, overlay: dict | None = None) -> dict[str, int]:
 
 def reasons(project: Project, overlay: dict | None = None) -> list[str]:
     """What is said about it: a line for each reason."""
-    *lines, _, last = project.why(overlay=overlay, preset=PAPER).splitlines()
+    *lines, _, last = project.why(overlay=overlay).splitlines()
     assert last.startswith("In all ")
     return lines
 
 
 def test_the_finished_campaign_has_nothing_to_do(paper):
     assert plan(paper) == {}
-    assert paper.why(preset=PAPER) == "Nothing would run: all results are up to date.\n"
+    assert paper.why() == "Nothing would run: all results are up to date.\n"
 
 
 def test_another_event_threshold(paper):
