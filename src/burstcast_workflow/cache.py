@@ -66,7 +66,7 @@ CACHED_RULES = frozenset(
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-optimize")
 """Libraries another version of which may give other numbers."""
 
-_FORMAT = 1
+_FORMAT = 2
 _RECORD = "record.json"
 _SOURCES = Path(__file__).resolve().parents[1]
 _BLOCK = 2**20
@@ -99,6 +99,8 @@ class CachedJob:
         Fingerprints of its code, as its rule passes them.
     inputs, outputs
         Its files, by name: one or several under each name of the inputs.
+    identity
+        Which job it is: outputs say it, so that those of another job are not its own.
     """
 
     rule: str
@@ -107,9 +109,12 @@ class CachedJob:
     code: Sequence[str]
     inputs: Mapping[str, Sequence[Path]]
     outputs: Mapping[str, Path]
+    identity: Mapping[str, Any]
 
 
-def cached_job(snakemake: Any, settings: Mapping[str, Any]) -> CachedJob:
+def cached_job(
+    snakemake: Any, settings: Mapping[str, Any], identity: Mapping[str, Any]
+) -> CachedJob:
     """Describe the job that a script runs in, from the object that Snakemake puts into it."""
     code = list(snakemake.params.code)
     (script,) = [
@@ -125,6 +130,7 @@ def cached_job(snakemake: Any, settings: Mapping[str, Any]) -> CachedJob:
             for name, files in snakemake.input.items()
         },
         outputs={name: Path(file) for name, file in snakemake.output.items()},
+        identity=identity,
     )
 
 
@@ -181,6 +187,7 @@ def _key(job: CachedJob, input_digests: Mapping[str, Sequence[str]]) -> str:
     material = {
         "format": _FORMAT,
         "rule": job.rule,
+        "identity": job.identity,
         "settings": job.settings,
         "code": sorted(job.code),
         "libraries": {name: _version(name) for name in LIBRARIES},

@@ -12,7 +12,7 @@ from typing import Any
 from burstcast import durations
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
-from burstcast_workflow.canonical import canonical
+from burstcast_workflow.canonical import canonical, natural_order
 from burstcast_workflow.cases import block_cases
 from burstcast_workflow.table_layouts import NETWORK_KEYS, SUMMARIES, described_parameters
 
@@ -71,8 +71,24 @@ class Campaign:
 
     @cached_property
     def networks(self) -> tuple[Network, ...]:
-        """All networks, each once, in the order of the campaign's blocks."""
-        return tuple(dict.fromkeys(self._expand()))
+        """All networks, each once: the same tuple in whatever order the config names them."""
+        return tuple(sorted(set(self._expand()), key=self._order))
+
+    def _order(self, network: Network) -> tuple[Any, ...]:
+        return (
+            natural_order(network.case),
+            network.neurons,
+            network.validation,
+            network.seed,
+        )
+
+    def _prediction_times(self, stage: str) -> list[float]:
+        return sorted({float(time) for time in self.config[stage]["prediction_times_lt"]})
+
+    @property
+    def _tikhonov(self) -> list[float]:
+        """Tikhonov parameters of the search, each once, the largest first."""
+        return sorted({float(value) for value in self.config["search"]["tikhonov"]}, reverse=True)
 
     def _expand(self) -> Iterator[Network]:
         for block in self.config["campaign"]:
@@ -92,7 +108,7 @@ class Campaign:
 
     @property
     def case_names(self) -> tuple[str, ...]:
-        """Cases that some network of the campaign is made for."""
+        """Cases that some network of the campaign is made for, in natural order."""
         return tuple(dict.fromkeys(network.case for network in self.networks))
 
     def reynolds(self, case: str) -> float | None:
@@ -254,7 +270,7 @@ class Campaign:
             **self._reservoir(wildcards),
             "interval_lt": self.config["search"]["interval_lt"],
             "recycle_validation": self.cases[case]["recycle_validation"],
-            "tikhonov": self.config["search"]["tikhonov"],
+            "tikhonov": self._tikhonov,
         }
 
     def _reservoir(self, wildcards: Mapping[str, str]) -> Settings:
@@ -455,7 +471,7 @@ class Campaign:
             **_pick(record["ensemble"], "time_step", "sampling_stride"),
             **_pick(self.config["control"], "window_lt", "flows", "span_lt"),
             "washout_lt": self.config["network"]["washout_lt"],
-            "prediction_time_lt": float(wildcards["prediction_time"]),
+            "prediction_time_lt": float(wildcards["prediction_time_lt"]),
         }
 
     def _control(self, wildcards: Mapping[str, str]) -> Settings:
@@ -469,8 +485,9 @@ class Campaign:
 
     def _control_table(self, wildcards: Mapping[str, str]) -> Settings:
         return {
-            "rows": [
+            "runs": [
                 {
+                    "rule": "control" if run.forecaster == "esn" else f"control_{run.forecaster}",
                     **self._control_keys(run),
                     "prediction_time_lt": run.prediction_time_lt,
                 }
@@ -561,7 +578,7 @@ class Campaign:
 
     def _suppressed_event(self, wildcards: Mapping[str, str]) -> Settings:
         time = self.config["figures"]["control_prediction_time_lt"]
-        return self._control({**wildcards, "prediction_time": str(time)})
+        return self._control({**wildcards, "prediction_time_lt": str(time)})
 
     def _figure_control_schematic(self, wildcards: Mapping[str, str]) -> Settings:
         assert self.control_example is not None
@@ -590,8 +607,7 @@ class Campaign:
             **self._labels(self.case_of_control_figure(wildcards)),
             "runs": [
                 {
-                    "case": run.case,
-                    "reynolds": self.reynolds(run.case),
+                    **self._control_keys(run),
                     "event_threshold": self.cases[run.case]["event_threshold"],
                     "prediction_time_lt": run.prediction_time_lt,
                 }
@@ -647,12 +663,12 @@ class Campaign:
     def _classify(self, wildcards: Mapping[str, str]) -> Settings:
         return {
             "networks": self.keys(self.networks),
-            "event_thresholds": {
-                case: self.cases[case]["event_threshold"] for case in self.case_names
-            },
-            **_pick(
-                self.config["classification"], "prediction_times_lt", "window_lt", "resolution_lt"
-            ),
+            "cases": [
+                {"case": case, "event_threshold": self.cases[case]["event_threshold"]}
+                for case in self.case_names
+            ],
+            "prediction_times_lt": self._prediction_times("classification"),
+            **_pick(self.config["classification"], "window_lt", "resolution_lt"),
             "bootstrap": self.config["bootstrap"],
             "random_seed": self.config["random_seed"],
         }
@@ -743,8 +759,13 @@ class Campaign:
         return {"table": wildcards["table"]}
 
     def _data_generation_parameters(self, wildcards: Mapping[str, str]) -> Settings:
-        # a list of pairs: the order of the campaign's cases is the order of the columns
-        return {"cases": [[case, self._data_parameters(case)] for case in self.case_names]}
+        # a list: the order of the cases is the order of the columns
+        return {
+            "cases": [
+                {"case": case, "parameters": self._data_parameters(case)}
+                for case in self.case_names
+            ]
+        }
 
     def _data_parameters(self, case: str) -> Settings:
         record = self.cases[case]
@@ -762,7 +783,8 @@ class Campaign:
         noise = [[case, self.cases[case]["training"]["noise"]] for case in self.case_names]
         return {
             "network": {
-                **_pick(self.config["search"], "spectral_radius", "input_scaling", "tikhonov"),
+                **_pick(self.config["search"], "spectral_radius", "input_scaling"),
+                "tikhonov": self._tikhonov,
                 **_pick(self.config["network"], "connectivity", "input_bias"),
             },
             # one column is enough where all cases have the same noise
@@ -874,12 +896,10 @@ class Campaign:
     def _figure_by_reynolds(self, wildcards: Mapping[str, str]) -> Settings:
         return {
             "cases": [*self._reynolds_cases],
-            **_pick(
-                self.config["figures"],
-                "fixed_neurons",
-                "reynolds_prediction_times_lt",
-                "published_overlay",
+            "reynolds_prediction_times_lt": sorted(
+                set(self.config["figures"]["reynolds_prediction_times_lt"])
             ),
+            **_pick(self.config["figures"], "fixed_neurons", "published_overlay"),
         }
 
 

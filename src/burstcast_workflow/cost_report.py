@@ -64,7 +64,7 @@ def jobs(campaign: Campaign) -> Iterator[tuple[str, dict[str, str]]]:
         rule = "control" if run.forecaster == "esn" else f"control_{run.forecaster}"
         of = {"case": run.case} if run.network is None else vars(run.network)
         wildcards = {name: str(value) for name, value in of.items()}
-        yield rule, {**wildcards, "prediction_time": f"{run.prediction_time_lt:g}"}
+        yield rule, {**wildcards, "prediction_time_lt": f"{run.prediction_time_lt:g}"}
     for rule in _OF_ALL:
         yield rule, {}
 

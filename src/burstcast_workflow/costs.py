@@ -371,7 +371,7 @@ def _climate(sizes: _Sizes, wildcards: Wildcards) -> _Account:
 def _flows(sizes: _Sizes, wildcards: Wildcards) -> tuple[_Work, float, float]:
     """Integration of controlled flows, their memory, and forecasts per flow."""
     control = sizes.campaign.config["control"]
-    prediction_time = float(wildcards.get("prediction_time", control["prediction_times_lt"][0]))
+    prediction_time = float(wildcards.get("prediction_time_lt", control["prediction_times_lt"][0]))
     steps = sizes.steps(prediction_time + control["window_lt"] + control["span_lt"])
     calls = steps * sizes.stride
     # with control, without, and what alarms would have led to
@@ -389,7 +389,7 @@ def _flows(sizes: _Sizes, wildcards: Wildcards) -> tuple[_Work, float, float]:
 def _control(sizes: _Sizes, wildcards: Wildcards) -> _Account:
     neurons = int(wildcards["neurons"])
     control = sizes.campaign.config["control"]
-    prediction_time = float(wildcards.get("prediction_time", control["prediction_times_lt"][0]))
+    prediction_time = float(wildcards.get("prediction_time_lt", control["prediction_times_lt"][0]))
     flows, memory, forecasts = _flows(sizes, wildcards)
     steps = sizes.washout + sizes.steps(prediction_time + control["window_lt"])
     work = _total(flows, _network_steps(sizes.flows * forecasts * steps, neurons, sizes.campaign))
@@ -406,7 +406,9 @@ def _suppressed_event(sizes: _Sizes, wildcards: Wildcards) -> _Account:
 def _control_equations(sizes: _Sizes, wildcards: Wildcards) -> _Account:
     control = sizes.campaign.config["control"]
     flows, memory, forecasts = _flows(sizes, wildcards)
-    ahead = sizes.steps(float(wildcards["prediction_time"]) + control["window_lt"]) * sizes.stride
+    ahead = (
+        sizes.steps(float(wildcards["prediction_time_lt"]) + control["window_lt"]) * sizes.stride
+    )
     forecasting = {
         "integration call": 2 * forecasts * ahead,
         "integration step": forecasts * ahead * sizes.flows,

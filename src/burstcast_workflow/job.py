@@ -14,12 +14,13 @@ passes as ``params.settings``, and ``provenance`` what goes into the output file
 import logging
 import os
 import platform
+import re
 import resource
 import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from importlib.metadata import version
@@ -74,6 +75,7 @@ def run_job(snakemake: Any, main: Main) -> None:
         try:
             settings = canonical(dict(snakemake.params.settings), "params.settings")
             logger.info("%s starts with settings %s", label, canonical_json(settings))
+            identity = job_identity(snakemake.rule, snakemake.wildcards)
             for path in snakemake.output:
                 Path(path).parent.mkdir(parents=True, exist_ok=True)
                 remove_partial(path)
@@ -82,13 +84,13 @@ def run_job(snakemake: Any, main: Main) -> None:
                 snakemake.input,
                 snakemake.output,
                 settings,
-                provenance(snakemake.rule, settings),
+                provenance(identity, settings),
             )
             directory = location()
             if directory is None:
                 compute()
             else:
-                through_cache(directory, cached_job(snakemake, settings), compute)
+                through_cache(directory, cached_job(snakemake, settings, identity), compute)
             logger.info("%s is done: %s", label, _cost(start))
         except Exception as error:
             traceback.print_exc()
@@ -98,15 +100,28 @@ def run_job(snakemake: Any, main: Main) -> None:
             raise SystemExit(1) from None
 
 
-def provenance(rule: str, settings: dict[str, Any]) -> Provenance:
-    """Tell what makes an output: package, rule, settings, versions; no time, machine or path."""
+def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Provenance:
+    """Tell what makes an output: package, job, settings, versions; no time, machine or path."""
     record = {
         "source": f"burstcast {version('burstcast')}",
-        "rule": rule,
-        "settings": canonical_json(settings),
+        "rule": identity["rule"],
+        "identity": canonical_json(dict(identity)),
+        "settings": canonical_json(dict(settings)),
         "python": platform.python_version(),
     }
     return {**record, **{library: version(library) for library in _LIBRARIES}}
+
+
+def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
+    """Rule and wildcards of a job, numbers as numbers."""
+    return {"rule": rule, **{name: _value(text) for name, text in wildcards.items()}}
+
+
+def _value(text: str) -> str | int | float:
+    if not re.fullmatch(r"\d+(\.\d+)?", text):
+        return text
+    number = float(text)
+    return int(number) if number.is_integer() else number
 
 
 def _label(snakemake: Any) -> str:

@@ -12,6 +12,7 @@ from burstcast.statistics.measures import nearest
 from burstcast.statistics.profiles import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.systems.base import FloatArray
+from burstcast_workflow.gather import NETWORK, gathered
 from burstcast_workflow.storage import Variable, read_netcdf, write_netcdf
 
 
@@ -92,14 +93,16 @@ def best_network(
     data
         Statistics of the data.
     keys
-        Of networks of one size, ``neurons`` and ``seed`` among them.
+        Of networks of one size, those of `burstcast_workflow.gather.NETWORK` among them.
     paths
         Files of their statistics.
     """
-    networks = [read_statistics(path) for path in paths]
+    pairs = gathered(keys, paths, NETWORK)
+    networks = [read_statistics(path) for _, path in pairs]
     best = nearest(data, networks)
     if best is None:
         return None
     which = f"best of {len(keys)}: " if len(keys) > 1 else ""
-    label = f"ESN ({keys[best]['neurons']} neurons, {which}seed {keys[best]['seed']})"
+    chosen = pairs[best][0]
+    label = f"ESN ({chosen['neurons']} neurons, {which}seed {chosen['seed']})"
     return BestNetwork(networks[best], label)

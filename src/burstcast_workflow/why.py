@@ -33,7 +33,6 @@ _DIMENSIONS = {
     "neurons": "size",
     "validation": "validation strategy",
     "seed": "seed",
-    "prediction_time": "prediction time of control",
     "prediction_time_lt": "prediction time of control",
     "forecaster": "forecaster",
     "table": "table",

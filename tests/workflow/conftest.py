@@ -9,7 +9,7 @@ from helpers_rebuilds import JobServer, Outcome, Project
 
 @dataclass(frozen=True)
 class FinishedRun:
-    """A working copy in which all but the figures has been made. Tests change copies of it only.
+    """A working copy in which results have been made. Tests change copies of it only.
 
     Attributes
     ----------
@@ -34,5 +34,15 @@ def finished(tmp_path_factory, job_server) -> FinishedRun:
     """All networks and tables of the tiny preset."""
     project = Project.create(tmp_path_factory.mktemp("finished") / "project", job_server)
     outcome = project.snakemake("networks", "tables")
+    assert outcome.status == 0, outcome.text[-3000:]
+    return FinishedRun(project, outcome)
+
+
+@pytest.fixture(scope="session")
+def miniature(tmp_path_factory, job_server) -> FinishedRun:
+    """The paper's campaign in miniature, whole: all tables and figures."""
+    directory = tmp_path_factory.mktemp("miniature") / "project"
+    project = Project.create(directory, job_server, "workflow/presets/miniature.yaml")
+    outcome = project.snakemake()
     assert outcome.status == 0, outcome.text[-3000:]
     return FinishedRun(project, outcome)

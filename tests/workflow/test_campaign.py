@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from snakemake.utils import update_config
 
 from burstcast_workflow.campaign import Campaign, Network
-from burstcast_workflow.canonical import canonical
+from burstcast_workflow.canonical import canonical, natural_order
 from burstcast_workflow.config import case_records, load
 
 ROOT = Path(__file__).parents[2]
@@ -38,7 +40,7 @@ def test_the_papers_networks():
     assert {network.seed for network in networks} == set(range(10))
     assert PAPER.case_names == ("Re400", "Re600", "Re800", "Re1000")
     assert [PAPER.reynolds(case) for case in PAPER.case_names] == [400, 600, 800, 1000]
-    assert networks[0].directory == "Re400/N500/SSV/seed0"
+    assert networks[0].directory == "Re400/N500/RV/seed0"
 
 
 def test_blocks_that_overlap_share_their_networks():
@@ -53,9 +55,9 @@ def test_blocks_that_overlap_share_their_networks():
     assert found.networks == (
         Network("Re400", 100, "RV", 0),
         Network("Re400", 100, "RV", 1),
+        Network("Re400", 100, "SSV", 0),
         Network("Re400", 200, "RV", 0),
         Network("Re400", 200, "RV", 1),
-        Network("Re400", 100, "SSV", 0),
         Network("Re600", 100, "RV", 0),
         Network("Re600", 100, "SSV", 0),
     )
@@ -165,5 +167,55 @@ def test_keys_of_the_tables():
         "neurons": 500,
         "reynolds": 400,
         "seed": 0,
-        "validation": "SSV",
+        "validation": "RV",
     }
+
+
+GATHERED = (
+    *("dataset_table", "hyperparameters_table", "classify", "horizon_table", "statistics_table"),
+    *("control_table", "data_generation_parameters", "network_hyperparameters"),
+)
+
+
+@settings(deadline=None, max_examples=15)
+@given(st.randoms())
+def test_settings_do_not_depend_on_the_order_of_the_config(generator):
+    def shuffled(values):
+        return generator.sample(values, len(values))
+
+    names = ["alpha", "Zeta", "zeta", "b10", "b9"]
+    cases = {name: {"parameters": {"reynolds": 400 + len(name)}} for name in names}
+    blocks = [
+        {"cases": names, "neurons": [2000], "validation": ["SSV", "RV"], "seeds": 2},
+        {"reynolds": [400, 1000], "neurons": [500, 2000], "validation": ["SSV", "RV"], "seeds": 1},
+    ]
+    times = {"prediction_times_lt": shuffled([0.5, 1, 1.5, 2, 2.5, 3])}
+    other = campaign(
+        {
+            "cases": {name: cases[name] for name in shuffled(names)},
+            "classification": times,
+            "search": {"tikhonov": shuffled([1e-6, 1e-9, 1e-12])},
+        },
+        blocks=shuffled(
+            [
+                {
+                    name: shuffled(value) if isinstance(value, list) else value
+                    for name, value in block.items()
+                }
+                for block in blocks
+            ]
+        ),
+    )
+    sorted_times = {"classification": {"prediction_times_lt": sorted(times["prediction_times_lt"])}}
+    plain = campaign({"cases": cases}, sorted_times, blocks=blocks)
+    assert other.networks == plain.networks
+    assert other.figures == plain.figures
+    for rule in GATHERED:
+        assert other.settings(rule, {}) == plain.settings(rule, {})
+
+
+def test_natural_order():
+    names = ["Zeta", "alpha", "Re1000", "Re400", "Re412.5", "zeta", "b10", "b9"]
+    assert sorted(names, key=natural_order) == [
+        *("alpha", "b9", "b10", "Re400", "Re412.5", "Re1000", "Zeta", "zeta"),
+    ]

@@ -115,7 +115,7 @@ def test_prediction_does_not_depend_on_what_was_asked_before():
 
 
 @pytest.mark.parametrize(
-    "wildcards", [{}, {"case": "Re400"}, NETWORK, {**NETWORK, "prediction_time": "2"}]
+    "wildcards", [{}, {"case": "Re400"}, NETWORK, {**NETWORK, "prediction_time_lt": "2"}]
 )
 def test_rule_that_is_not_known_is_guessed(wildcards):
     cost = model().predicted("something_new", wildcards)
@@ -171,7 +171,7 @@ def test_records_are_compared_with_the_predictions_of_their_jobs(tmp_path):
     found = {record.rule: dict(record.wildcards) for record in records(tmp_path)}
     assert found["scan"] == {"case": "Re400", "neurons": "2000", "seed": "0"}
     assert found["train"] == network(seed=3)
-    assert found["control"] == {**network(seed=3), "prediction_time": "1"}
+    assert found["control"] == {**network(seed=3), "prediction_time_lt": "1"}
     assert found["classify"] == {}
     lines = {line.split()[0]: line for line in compare(campaign, records(tmp_path))}
     assert "1.00 " in lines["scan"]

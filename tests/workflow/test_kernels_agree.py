@@ -10,6 +10,8 @@ import pandas as pd
 import pytest
 from helpers_rebuilds import Project
 
+from burstcast_workflow.storage import read_netcdf
+
 pytestmark = pytest.mark.long
 
 QUICK = "workflow/presets/quick.yaml"
@@ -39,8 +41,11 @@ def tables(tmp_path_factory):
             "scores": pd.read_csv(project.directory / directory / "tables/classification.csv"),
             "intervals": pd.read_csv(project.directory / wanted[0]),
             "horizons": pd.concat(
-                pd.read_csv(path).assign(network=str(path.parent.relative_to(path.parents[3])))
-                for path in sorted((project.directory / directory).glob("Re400/N*/*/*/horizon.csv"))
+                pd.DataFrame(read_netcdf(path))
+                .rename_axis("event")
+                .reset_index()
+                .assign(network=str(path.parent.relative_to(path.parents[3])))
+                for path in sorted((project.directory / directory).glob("Re400/N*/*/*/horizon.nc"))
             ),
         }
     return made

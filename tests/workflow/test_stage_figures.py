@@ -168,7 +168,7 @@ def test_the_suppressed_event_is_made_with_the_settings_of_control():
     wildcards = {"case": "Re400", "neurons": "2000", "validation": "RV", "seed": "0"}
     found = campaign()
     assert found.settings("suppressed_event", wildcards) == found.settings(
-        "control", {**wildcards, "prediction_time": "2"}
+        "control", {**wildcards, "prediction_time_lt": "2"}
     )
 
 

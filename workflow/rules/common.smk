@@ -44,7 +44,7 @@ wildcard_constraints:
     neurons=r"\d+",
     validation="SSV|RV",
     seed=r"\d+",
-    prediction_time=r"\d+(\.\d+)?",
+    prediction_time_lt=r"\d+(\.\d+)?",
     table="[a-z_]+",
     # nothing for the case that figures show by default
     of_case=r"(_[A-Za-z][A-Za-z0-9_.-]*)?",

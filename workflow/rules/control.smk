@@ -8,12 +8,12 @@ rule control:
         lyapunov=time_unit,
         network=f"{NETWORK}/network.nc",
     output:
-        counts=f"{NETWORK}/control_PT{{prediction_time}}.json",
-        histograms=f"{NETWORK}/control_PT{{prediction_time}}.nc",
+        counts=f"{NETWORK}/control_PT{{prediction_time_lt}}.json",
+        histograms=f"{NETWORK}/control_PT{{prediction_time_lt}}.nc",
     log:
-        f"{RESULTS}/logs/control/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time}}.log",
+        f"{RESULTS}/logs/control/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time_lt}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/control/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time}}.tsv"
+        f"{RESULTS}/benchmarks/control/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time_lt}}.tsv"
     conda:
         "../envs/burstcast.yaml"
     threads: 1
@@ -24,7 +24,7 @@ rule control:
         settings=settings_of("control"),
         code=code_of("control"),
     message:
-        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: control, prediction time {wildcards.prediction_time} LT"
+        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: control, prediction time {wildcards.prediction_time_lt} LT"
     script:
         "../scripts/control.py"
 
@@ -34,14 +34,14 @@ rule control_random:
         ensemble=f"{RESULTS}/{{case}}/ensemble.nc",
         summary=f"{RESULTS}/{{case}}/dataset.json",
         lyapunov=time_unit,
-        counts=f"{NETWORK}/control_PT{{prediction_time}}.json",
+        counts=f"{NETWORK}/control_PT{{prediction_time_lt}}.json",
     output:
-        counts=f"{NETWORK}/control_random_PT{{prediction_time}}.json",
-        histograms=f"{NETWORK}/control_random_PT{{prediction_time}}.nc",
+        counts=f"{NETWORK}/control_random_PT{{prediction_time_lt}}.json",
+        histograms=f"{NETWORK}/control_random_PT{{prediction_time_lt}}.nc",
     log:
-        f"{RESULTS}/logs/control_random/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time}}.log",
+        f"{RESULTS}/logs/control_random/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time_lt}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/control_random/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time}}.tsv"
+        f"{RESULTS}/benchmarks/control_random/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}-PT{{prediction_time_lt}}.tsv"
     conda:
         "../envs/burstcast.yaml"
     threads: 1
@@ -52,7 +52,7 @@ rule control_random:
         settings=settings_of("control_random"),
         code=code_of("control_random"),
     message:
-        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: random actuation, prediction time {wildcards.prediction_time} LT"
+        "{wildcards.case}, {wildcards.neurons} neurons, {wildcards.validation}, seed {wildcards.seed}: random actuation, prediction time {wildcards.prediction_time_lt} LT"
     script:
         "../scripts/control_random.py"
 
@@ -63,12 +63,12 @@ rule control_equations:
         summary=f"{RESULTS}/{{case}}/dataset.json",
         lyapunov=time_unit,
     output:
-        counts=f"{RESULTS}/{{case}}/control_equations_PT{{prediction_time}}.json",
-        histograms=f"{RESULTS}/{{case}}/control_equations_PT{{prediction_time}}.nc",
+        counts=f"{RESULTS}/{{case}}/control_equations_PT{{prediction_time_lt}}.json",
+        histograms=f"{RESULTS}/{{case}}/control_equations_PT{{prediction_time_lt}}.nc",
     log:
-        f"{RESULTS}/logs/control_equations/{{case}}-PT{{prediction_time}}.log",
+        f"{RESULTS}/logs/control_equations/{{case}}-PT{{prediction_time_lt}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/control_equations/{{case}}-PT{{prediction_time}}.tsv"
+        f"{RESULTS}/benchmarks/control_equations/{{case}}-PT{{prediction_time_lt}}.tsv"
     conda:
         "../envs/burstcast.yaml"
     threads: 1
@@ -79,7 +79,7 @@ rule control_equations:
         settings=settings_of("control_equations"),
         code=code_of("control_equations"),
     message:
-        "{wildcards.case}: control by the equations, prediction time {wildcards.prediction_time} LT"
+        "{wildcards.case}: control by the equations, prediction time {wildcards.prediction_time_lt} LT"
     script:
         "../scripts/control_equations.py"
 

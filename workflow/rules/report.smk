@@ -6,7 +6,7 @@ rule networks:
     input:
         of_networks("network.nc"),
         of_networks("forecast.nc"),
-        of_networks("horizon.csv"),
+        of_networks("horizon.nc"),
         of_networks("climate.nc", campaign.climate_networks),
         control_counts(),
     localrule: True
@@ -115,7 +115,7 @@ rule classify:
 
 rule horizon_table:
     input:
-        horizons=of_networks("horizon.csv"),
+        horizons=of_networks("horizon.nc"),
     output:
         table=f"{TABLES}/horizon.csv",
     log:

@@ -8,7 +8,7 @@ rule reference_statistics:
     output:
         data=f"{RESULTS}/{{case}}/statistics_data.nc",
         training=f"{RESULTS}/{{case}}/statistics_training.nc",
-        floor=f"{RESULTS}/{{case}}/statistics_floor.csv",
+        floor=f"{RESULTS}/{{case}}/statistics_floor.nc",
     log:
         f"{RESULTS}/logs/reference_statistics/{{case}}.log",
     benchmark:
@@ -58,7 +58,7 @@ rule statistics_table:
     input:
         data=of_cases("statistics_data.nc"),
         training=of_cases("statistics_training.nc"),
-        floor=of_cases("statistics_floor.csv"),
+        floor=of_cases("statistics_floor.nc"),
         climates=of_networks("climate.nc", campaign.climate_networks),
     output:
         table=f"{TABLES}/statistics.csv",

@@ -34,7 +34,7 @@ rule horizon:
         summary=f"{RESULTS}/{{case}}/dataset.json",
         lyapunov=time_unit,
     output:
-        horizon=f"{NETWORK}/horizon.csv",
+        horizon=f"{NETWORK}/horizon.nc",
     log:
         f"{RESULTS}/logs/horizon/{{case}}-N{{neurons}}-{{validation}}-seed{{seed}}.log",
     benchmark:
@@ -63,7 +63,7 @@ rule examples:
         lyapunov=time_unit,
         network=f"{NETWORK}/network.nc",
         forecast=f"{NETWORK}/forecast.nc",
-        horizon=f"{NETWORK}/horizon.csv",
+        horizon=f"{NETWORK}/horizon.nc",
     output:
         examples=f"{NETWORK}/examples.nc",
     log:

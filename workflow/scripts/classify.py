@@ -5,6 +5,7 @@ from typing import Any
 from burstcast import random_streams
 from burstcast.forecast.classification import bootstrap_interval, score_forecasts, total
 from burstcast.forecast.windows import WindowSummaries
+from burstcast_workflow.gather import CASE, NETWORK, by_key, gathered
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 from burstcast_workflow.table_files import keyed_table, write_table
@@ -12,14 +13,16 @@ from burstcast_workflow.table_files import keyed_table, write_table
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write counts and scores, and the bootstrap intervals of the scores."""
+    cases = by_key(settings["cases"], inputs.test_sets, CASE)
     test_sets = {
         case: read_netcdf(path, "series", "washout_maximum", "first", "largest")
-        for case, path in zip(settings["event_thresholds"], inputs.test_sets, strict=True)
+        for case, path in cases.items()
     }
+    thresholds = {record["case"]: record["event_threshold"] for record in settings["cases"]}
     bootstrap = settings["bootstrap"]
     resolution = settings["resolution_lt"]
     rows, intervals = [], []
-    for keys, path in zip(settings["networks"], inputs.forecasts, strict=True):
+    for keys, path in gathered(settings["networks"], inputs.forecasts, NETWORK):
         case = keys["case"]
         test_set = test_sets[case]
         forecast = read_netcdf(path, "first", "largest")
@@ -31,7 +34,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
                 test_set["series"],
                 first_window=round(prediction_time / resolution) - 1,
                 windows=round(settings["window_lt"] / resolution),
-                threshold=settings["event_thresholds"][case],
+                threshold=thresholds[case],
             )
             whole = total(counts)
             row = {**keys, "prediction_time_lt": prediction_time}

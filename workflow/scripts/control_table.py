@@ -3,10 +3,12 @@
 from typing import Any
 
 from burstcast_workflow.controls import SCORES
+from burstcast_workflow.gather import NETWORK, gathered
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.table_files import keyed_table, write_table
 
+RUN = ("rule", *NETWORK, "prediction_time_lt")
 COLUMNS = (
     "exceedance_uncontrolled",
     "exceedance_controlled",
@@ -22,7 +24,8 @@ COLUMNS = (
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one row for each forecaster, network and prediction time."""
     rows = []
-    for keys, path in zip(settings["rows"], inputs.counts, strict=True):
+    for run, path in gathered(settings["runs"], inputs.counts, RUN):
+        keys = {name: value for name, value in run.items() if name != "rule"}
         record = read_json(path)
         del record["provenance"]
         # the rest of the accounting follows the columns that everybody looks at

@@ -3,6 +3,7 @@
 from typing import Any
 
 from burstcast.tables import data_parameters, side_by_side
+from burstcast_workflow.gather import CASE, gathered
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.table_files import write_table
@@ -11,8 +12,10 @@ from burstcast_workflow.table_files import write_table
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one column of values for each case."""
     tables = {
-        case: data_parameters(**parameters, series_kept=read_json(path)["series_kept"])
-        for (case, parameters), path in zip(settings["cases"], inputs.datasets, strict=True)
+        record["case"]: data_parameters(
+            **record["parameters"], series_kept=read_json(path)["series_kept"]
+        )
+        for record, path in gathered(settings["cases"], inputs.datasets, CASE)
     }
     write_table(outputs.table, side_by_side(tables))
 

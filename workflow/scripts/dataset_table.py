@@ -3,6 +3,7 @@
 from typing import Any
 
 from burstcast import durations
+from burstcast_workflow.gather import CASE, by_key, gathered
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.table_files import keyed_table, write_table
@@ -11,11 +12,12 @@ from burstcast_workflow.table_files import keyed_table, write_table
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write one row for each case."""
     rows = []
-    for case, dataset, events, lyapunov in zip(
-        settings["cases"], inputs.dataset, inputs.events, inputs.lyapunov, strict=True
-    ):
+    events, lyapunov = (
+        by_key(settings["cases"], paths, CASE) for paths in (inputs.events, inputs.lyapunov)
+    )
+    for case, dataset in gathered(settings["cases"], inputs.dataset, CASE):
         summary = read_json(dataset)
-        leading = read_json(lyapunov)["leading"]
+        leading = read_json(lyapunov[case["case"]])["leading"]
         steps = case["steps_per_lyapunov_time"] or durations.steps_per_lyapunov_time(
             leading["mean"], case["sampling_interval"]
         )
@@ -27,7 +29,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
                 "series_kept": summary["series_kept"],
                 "laminarised_fraction": summary["laminarised_fraction"],
                 "mean_kinetic_energy": summary["mean_observable"],
-                "events_per_series": read_json(events)["events_per_series"],
+                "events_per_series": read_json(events[case["case"]])["events_per_series"],
                 "lyapunov_exponent": leading["mean"],
                 "lyapunov_exponent_low": leading["low"],
                 "lyapunov_exponent_high": leading["high"],

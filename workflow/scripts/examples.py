@@ -19,7 +19,6 @@ from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, read_json, read_netcdf, read_rows, write_netcdf
-from burstcast_workflow.table_files import read_table
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
@@ -95,7 +94,7 @@ def _evaluations(inputs, settings, forecaster, observable, lyapunov_time):
     )
     events = read_netcdf(inputs.events)
     example = horizon_example(
-        read_table(inputs.horizon)["prediction_horizon_lt"].to_numpy(dtype=np.float64),
+        read_netcdf(inputs.horizon)["prediction_horizon_lt"],
         search.starts_lt,
         settings["horizon_lt"],
     )

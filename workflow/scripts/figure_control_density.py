@@ -9,16 +9,20 @@ from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.statistics.densities import Histogram, mean_density
 from burstcast_workflow.figure_files import write_figure
+from burstcast_workflow.gather import NETWORK, gathered
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_netcdf
 from burstcast_workflow.table_files import keyed_table, write_table
 
+RUN = (*NETWORK, "prediction_time_lt")
 SAMPLES = ("uncontrolled", "controlled", "free")
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw one panel for each case; write all densities, without the time of actuation, too."""
-    runs = list(zip(settings["runs"], map(read_netcdf, inputs.histograms), strict=True))
+    runs = [
+        (run, read_netcdf(path)) for run, path in gathered(settings["runs"], inputs.histograms, RUN)
+    ]
     panels, rows = [], []
     for case in dict.fromkeys(run["case"] for run, _ in runs):
         of_case = [(run, data) for run, data in runs if run["case"] == case]

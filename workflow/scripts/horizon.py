@@ -2,16 +2,12 @@
 
 from typing import Any
 
-import numpy as np
-import pandas as pd
-
 from burstcast import durations
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
-from burstcast_workflow.storage import read_json, read_netcdf
-from burstcast_workflow.table_files import write_table
+from burstcast_workflow.storage import Variable, read_json, read_netcdf, write_netcdf
 from burstcast_workflow.time_unit import steps_per_lyapunov_time
 
 
@@ -36,16 +32,16 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         events["truth"],
         search,
     )
-    write_table(
+    write_netcdf(
         outputs.horizon,
-        pd.DataFrame(
-            {
-                "event": np.arange(len(horizons)),
-                "series": events["series"],
-                "step": events["step"],
-                "prediction_horizon_lt": horizons,
-            }
-        ),
+        {
+            "series": Variable(("event",), events["series"], "1", "row among the kept series"),
+            "step": Variable(("event",), events["step"], "1", "step at which the event begins"),
+            "prediction_horizon_lt": Variable(
+                ("event",), horizons, "1", "prediction horizon of the event in Lyapunov times"
+            ),
+        },
+        provenance,
     )
 
 

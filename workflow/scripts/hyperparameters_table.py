@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from burstcast_workflow.gather import NETWORK, gathered
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.table_files import keyed_table, write_table
@@ -11,7 +12,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     """Write one row for each network."""
     names = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
     rows = []
-    for keys, path in zip(settings["networks"], inputs.hyperparameters, strict=True):
+    for keys, path in gathered(settings["networks"], inputs.hyperparameters, NETWORK):
         record = read_json(path)
         rows.append({**keys, **{name: record[name] for name in names}})
     write_table(outputs.table, keyed_table(rows))

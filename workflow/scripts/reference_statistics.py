@@ -1,16 +1,18 @@
 """Long-term statistics of all the data and of the training set, and the sampling floor."""
 
+from dataclasses import fields
 from typing import Any
 
+import numpy as np
+
 from burstcast import random_streams
-from burstcast.statistics.measures import sampling_floor
+from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.statistics_files import bin_edges, write_statistics
-from burstcast_workflow.storage import read_json, read_rows
-from burstcast_workflow.table_files import keyed_table, write_table
+from burstcast_workflow.storage import Variable, read_json, read_rows, write_netcdf
 
 SERIES_AT_A_TIME = 100
 
@@ -33,7 +35,23 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         settings["floor_splits"],
         random_streams.stream(settings["random_seed"], "sampling floor", settings["case"]),
     )
-    write_table(outputs.floor, keyed_table([vars(measures) for measures in floor]))
+    names = [field.name for field in fields(Measures)]
+    write_netcdf(
+        outputs.floor,
+        {
+            "split": Variable(("split",), np.arange(len(floor)), "1", "random split of the data"),
+            **{
+                name: Variable(
+                    ("split",),
+                    np.array([getattr(measures, name) for measures in floor]),
+                    "1",
+                    f"{name} between the parts of the split",
+                )
+                for name in names
+            },
+        },
+        provenance,
+    )
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from burstcast.figures.percentile_curves import (
     draw_percentiles,
     draw_published,
     published_handle,
+    say_where_empty,
     select,
 )
 from burstcast.figures.style import (
@@ -117,11 +118,14 @@ def by_reynolds(
     handles, _ = left.get_legend_handles_labels()
     if published_horizon is not None and not published_horizon.empty:
         handles.append(published_handle())
-    left.legend(handles=handles, loc="best")
+    if handles:
+        left.legend(handles=handles, loc="best")
     low, high = right.get_ylim()
     # Room for the legend below the curves, where no ticks tempt to read scores.
     right.set_yticks([tick for tick in right.get_yticks() if max(0.0, low) <= tick <= high])
     right.set_ylim(low - 0.35 * (high - low), high)
-    right.legend(loc="lower center", ncols=max(1, len(validations)))
+    if right.has_data():
+        right.legend(loc="lower center", ncols=max(1, len(validations)))
+    say_where_empty([left, right])
     letter_panels([left, right])
     return figure

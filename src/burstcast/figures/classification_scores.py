@@ -17,6 +17,7 @@ from burstcast.figures.percentile_curves import (
     nearest_value,
     published_handle,
     require_single_case,
+    say_where_empty,
     select,
 )
 from burstcast.figures.style import (
@@ -133,7 +134,7 @@ def _finish(
     has_published: bool,
 ) -> None:
     """Set limits, ticks, heads and legends."""
-    lowest = min(panel.dataLim.y0 for panel in panels.flat)
+    lowest = min((panel.dataLim.y0 for panel in panels.flat if panel.has_data()), default=0.0)
     panels[0, 0].set_ylim(max(0.0, np.floor(10 * lowest) / 10), 1.02)
     heads = [f"{neurons:g} neurons", f"PT = {prediction_time:g} LT", f"{sizes_validation}"]
     # a metric that is undefined everywhere leaves its panel without curves
@@ -142,7 +143,9 @@ def _finish(
     handles = list(entries.values())
     if has_published:
         handles.append(published_handle())
-    panels[2, 0].legend(handles=handles, loc="best")
+    if handles:
+        panels[2, 0].legend(handles=handles, loc="best")
+    say_where_empty(panels.flat)
     for column in range(panels.shape[1]):
         panels[2, column].set_xlabel(NEURONS_LABEL if column == 1 else PREDICTION_TIME_LABEL)
         panels[0, column].set_title(heads[column], loc="center")
@@ -155,5 +158,6 @@ def _finish(
             panels[0, 1].set_xticks(sizes, [f"{size:g}" for size in sizes], rotation=0)
             for index, label in enumerate(panels[2, 1].get_xticklabels()):
                 label.set_visible(index % 2 == 1)
-        panels[2, 2].legend(title="neurons", loc="best", ncols=2 if len(sizes) > 3 else 1)
+        if panels[2, 2].has_data():
+            panels[2, 2].legend(title="neurons", loc="best", ncols=2 if len(sizes) > 3 else 1)
     letter_panels(list(panels.flat))

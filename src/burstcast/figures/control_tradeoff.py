@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.figures.percentile_curves import (
     PREDICTION_TIME_LABEL,
     draw_percentiles,
@@ -58,12 +59,18 @@ def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
     symbol
         Of the observable.
 
+    Returns
+    -------
+    The figure; one that says why it is empty where no reduction is defined.
+
     Raises
     ------
     ValueError
         If the table holds several cases.
     """
     require_single_case(percentiles)
+    if select(percentiles, metric="reduction").empty:
+        return nothing_to_show("Without control no event occurred that control could prevent.")
     figure = new_figure(DOUBLE_COLUMN, 2.6)
     left, right = figure.subplots(1, 2, sharey=True)
     present = list(percentiles["forecaster"].unique())

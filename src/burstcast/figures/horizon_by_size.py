@@ -11,6 +11,7 @@ from burstcast.figures.percentile_curves import (
     draw_published,
     published_handle,
     require_single_case,
+    say_where_empty,
     select,
 )
 from burstcast.figures.style import (
@@ -58,5 +59,7 @@ def horizon_by_size(percentiles: pd.DataFrame, *, published: pd.DataFrame | None
     axes.margins(x=0.06)
     axes.set_xlabel(NEURONS_LABEL)
     axes.set_ylabel(METRIC_LABELS["mean_horizon_lt"])
-    axes.legend(handles=handles, loc="best")
+    if handles:
+        axes.legend(handles=handles, loc="best")
+    say_where_empty([axes])
     return figure

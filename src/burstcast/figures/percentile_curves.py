@@ -1,5 +1,6 @@
 """Curves of the median over an ensemble of networks, with the range between its quartiles."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from burstcast.figures.style import MarkerStyle
+from burstcast.figures.style import GREY, MarkerStyle
 
 METRIC_LABELS = {
     "precision": "Precision, $p$",
@@ -143,6 +144,21 @@ def draw_published(
         capsize=1.5,
         zorder=3,
     )
+
+
+def say_where_empty(panels: Iterable[Axes]) -> None:
+    """Write into each panel without any curve that its metric is undefined: no event, say."""
+    for panel in panels:
+        if not panel.has_data():
+            panel.text(
+                0.5,
+                0.5,
+                "undefined",
+                transform=panel.transAxes,
+                ha="center",
+                va="center",
+                color=GREY,
+            )
 
 
 def published_handle() -> Line2D:

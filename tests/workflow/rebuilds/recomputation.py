@@ -1,0 +1,327 @@
+"""Every table computed anew from the files of single networks, by name and by the plainest means.
+
+Nothing here comes from the workflow's own gathering: files are found by their paths, counts and
+scores are scikit-learn's, percentiles pandas'.
+"""
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pandas as pd
+from sklearn.metrics import confusion_matrix, f1_score, precision_score, recall_score
+
+from burstcast import random_streams
+
+KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]
+_NETWORK = re.compile(r"(?P<case>[^/]+)/N(?P<neurons>\d+)/(?P<validation>[A-Z]+)/seed(?P<seed>\d+)")
+_CONTROL = re.compile(r"control(_(?P<who>[a-z]+))?_PT(?P<time>[\d.]+)\.json")
+
+
+def variables(path: Path) -> dict[str, Any]:
+    """All variables of a NetCDF file."""
+    with netCDF4.Dataset(path) as file:
+        return {name: np.asarray(file[name][...]) for name in file.variables}
+
+
+class Recomputation:
+    """Tables of a finished campaign, computed anew.
+
+    Parameters
+    ----------
+    results
+        The campaign's results.
+    config
+        Its whole config.
+    records
+        Of its cases, by name: event_threshold, parameters, lyapunov.
+    """
+
+    def __init__(self, results: Path, config: dict, records: dict[str, dict]) -> None:
+        self.results, self.config, self.records = results, config, records
+
+    def keys(self, path: Path) -> dict[str, Any]:
+        """Keys of the network in whose directory a file lies."""
+        found = _NETWORK.match(str(path.relative_to(self.results)))
+        assert found, path
+        return {
+            "case": found["case"],
+            "reynolds": self.records[found["case"]]["parameters"].get("reynolds"),
+            "forecaster": "esn",
+            "neurons": int(found["neurons"]),
+            "validation": found["validation"],
+            "seed": int(found["seed"]),
+        }
+
+    def files(self, name: str) -> Iterator[tuple[dict[str, Any], Path]]:
+        """Files of that name of all networks, with their keys."""
+        for path in sorted(self.results.glob(f"*/N*/*/seed*/{name}")):
+            yield self.keys(path), path
+
+    def hyperparameters(self) -> pd.DataFrame:
+        rows = []
+        for keys, path in self.files("search.csv"):
+            trace = pd.read_csv(path)
+            rows.append({**keys, **trace.loc[trace["objective"].idxmin()].to_dict()})
+        names = ["spectral_radius", "input_scaling", "tikhonov", "objective", "solver"]
+        return pd.DataFrame(rows)[[*KEYS, *names]]
+
+    def events(self, case: str, path: Path, time: float) -> tuple[np.ndarray, ...]:
+        """Whether an event happens and is predicted at each scored point, and its series."""
+        settings = self.config["classification"]
+        threshold = self.records[case]["event_threshold"]
+        truth, forecast = variables(self.results / case / "test_set.nc"), variables(path)
+        first = round(time / settings["resolution_lt"]) - 1
+        last = first + round(settings["window_lt"] / settings["resolution_lt"])
+        scored = truth["washout_maximum"] < threshold
+        happened, predicted = (
+            (data["first"][:, first] < threshold)
+            & (data["largest"][:, first:last].max(axis=1) >= threshold)
+            for data in (truth, forecast)
+        )
+        return happened[scored], predicted[scored], truth["series"][scored], truth["series"]
+
+    def classification(self) -> pd.DataFrame:
+        rows = []
+        for keys, path in self.files("forecast.nc"):
+            for time in self.config["classification"]["prediction_times_lt"]:
+                happened, predicted, _, _ = self.events(keys["case"], path, time)
+                counts = confusion_matrix(happened, predicted, labels=[False, True])
+                (negative, false), (missed, positive) = counts.tolist()
+                rows.append(
+                    {
+                        **keys,
+                        "prediction_time_lt": time,
+                        "true_positive": positive,
+                        "false_positive": false,
+                        "false_negative": missed,
+                        "true_negative": negative,
+                        **_scores(happened, predicted, None),
+                    }
+                )
+        return pd.DataFrame(rows)
+
+    def classification_intervals(self) -> pd.DataFrame:
+        """Scores with every point weighted by how often a resample holds its series."""
+        settings, seed = self.config["bootstrap"], self.config["random_seed"]
+        tail = (1 - settings["confidence"]) / 2
+        rows = []
+        for keys, path in self.files("forecast.nc"):
+            for time in self.config["classification"]["prediction_times_lt"]:
+                happened, predicted, series, every = self.events(keys["case"], path, time)
+                number = int(every.max()) + 1
+                generator = random_streams.stream(seed, "bootstrap", keys["case"], _text(time))
+                weights = generator.multinomial(
+                    number, np.full(number, 1 / number), size=settings["resamples"]
+                )
+                resamples = pd.DataFrame(
+                    [_scores(happened, predicted, weight[series]) for weight in weights]
+                )
+                for metric in resamples:
+                    ends = resamples[metric].dropna().quantile([tail, 1 - tail])
+                    rows.append(
+                        {
+                            **keys,
+                            "prediction_time_lt": time,
+                            "metric": metric,
+                            "low": ends.iloc[0],
+                            "high": ends.iloc[1],
+                        }
+                    )
+        return pd.DataFrame(rows)
+
+    def horizon(self) -> pd.DataFrame:
+        rows = []
+        for keys, path in self.files("horizon.nc"):
+            horizons = pd.Series(variables(path)["prediction_horizon_lt"], dtype=float)
+            events = variables(self.results / keys["case"] / "events.nc")
+            assert len(horizons) == len(events["step"])
+            rows.append(
+                {
+                    **keys,
+                    "events": len(horizons),
+                    "mean_horizon_lt": horizons.mean(),
+                    "median_horizon_lt": horizons.median(),
+                }
+            )
+        return pd.DataFrame(rows)
+
+    def dataset(self) -> pd.DataFrame:
+        rows = []
+        for case, record in self.records.items():
+            ensemble = variables(self.results / case / "ensemble.nc")
+            energy = 0.5 * (ensemble["state"] ** 2).sum(axis=2)
+            above = energy >= record["event_threshold"]
+            exponents = json.loads((self.results / case / "lyapunov.json").read_text())["leading"]
+            published = record["lyapunov"]["published_exponent"]
+            interval = record["ensemble"]["time_step"] * record["ensemble"]["sampling_stride"]
+            series = record["ensemble"]["series"]
+            rows.append(
+                {
+                    "case": case,
+                    "reynolds": record["parameters"].get("reynolds"),
+                    "series_generated": series,
+                    "series_kept": len(energy),
+                    "laminarised_fraction": 1 - len(energy) / series,
+                    "mean_kinetic_energy": energy.mean(),
+                    "events_per_series": (~above[:, :-1] & above[:, 1:]).sum() / len(energy),
+                    "lyapunov_exponent": exponents["mean"],
+                    "lyapunov_exponent_low": exponents["low"],
+                    "lyapunov_exponent_high": exponents["high"],
+                    "lyapunov_exponent_paper": published,
+                    "steps_per_lyapunov_time": int(
+                        1 / ((published or exponents["mean"]) * interval)
+                    ),
+                }
+            )
+        return pd.DataFrame(rows)
+
+    def statistics(self) -> pd.DataFrame:
+        """Kantorovich metric, logarithmic error and discarded share; profiles are tested apart."""
+        rows = []
+        for keys, path in self.files("climate.nc"):
+            true = variables(self.results / keys["case"] / "statistics_data.nc")
+            found = variables(path)
+            fates = found["fate"]
+            rows.append(
+                {**keys, "discarded_fraction": (fates != 0).mean(), **_distances(true, found)}
+            )
+        for case, record in self.records.items():
+            true = variables(self.results / case / "statistics_data.nc")
+            training = variables(self.results / case / "statistics_training.nc")
+            floor = variables(self.results / case / "statistics_floor.nc")
+            keys = dict.fromkeys(KEYS) | {
+                "case": case,
+                "reynolds": record["parameters"].get("reynolds"),
+            }
+            rows.append({**keys, "forecaster": "training", **_distances(true, training)})
+            rows += [
+                {
+                    **keys,
+                    "forecaster": "floor",
+                    "seed": split,
+                    "kantorovich": floor["kantorovich"][split],
+                    "mean_log_error": floor["mean_log_error"][split],
+                }
+                for split in range(self.config["statistics"]["floor_splits"])
+            ]
+        return pd.DataFrame(rows)
+
+    def control(self) -> pd.DataFrame:
+        """Shares of time recomputed from the counts of each run."""
+        rows = []
+        for path in sorted(self.results.glob("**/control*_PT*.json")):
+            name = _CONTROL.fullmatch(path.name)
+            assert name
+            who = name["who"] or "esn"
+            if who == "equations":
+                case = path.parent.name
+                keys = dict.fromkeys(KEYS) | {
+                    "case": case,
+                    "reynolds": self.records[case]["parameters"].get("reynolds"),
+                }
+            else:
+                keys = self.keys(path)
+            counts = json.loads(path.read_text())
+            edge = variables(path.with_suffix(".nc"))["edge"]
+            assert len(edge) == self.records[keys["case"]]["controlled_density"]["bins"] + 1
+            without = counts["exceeding_uncontrolled"] / counts["steps"]
+            with_it = counts["exceeding_controlled"] / counts["steps"]
+            rows.append(
+                {
+                    **keys,
+                    "forecaster": who,
+                    "prediction_time_lt": float(name["time"]),
+                    "exceedance_uncontrolled": without,
+                    "exceedance_controlled": with_it,
+                    "reduction": 1 - with_it / without if without else np.nan,
+                    "alarms": counts["alarms"],
+                    "false_alarms": counts["false_alarms"],
+                    "missed_events": counts["missed_events"],
+                    "unsuppressed_events": counts["unsuppressed_events"],
+                }
+            )
+        return pd.DataFrame(rows)
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """All of them, by name; those of stages that are off are left out."""
+        names = ["dataset", "hyperparameters", "classification", "classification_intervals"]
+        names += ["horizon", "statistics", "control"]
+        made = {name: getattr(self, name)() for name in names}
+        return {name: table for name, table in made.items() if len(table)}
+
+
+def percentiles(table: pd.DataFrame, metrics: list[str], extra: list[str]) -> pd.DataFrame:
+    """Quartiles over seeds, in long form."""
+    keys = [*KEYS[:-1], *extra]
+    long = table.melt(keys, metrics, "metric")
+    grouped = long.groupby([*keys, "metric"], dropna=False)["value"]
+    quantiles = grouped.quantile([0.25, 0.5, 0.75]).unstack().reset_index()
+    quantiles.columns = [*keys, "metric", "p25", "p50", "p75"]
+    return quantiles.merge(grouped.count().rename("networks").reset_index(), on=[*keys, "metric"])
+
+
+def assert_same_rows(found: pd.DataFrame, expected: pd.DataFrame) -> None:
+    """The same rows, in any order, in the columns that the expected table has."""
+    names = list(expected.columns)
+    tables = []
+    for table in (found[names], expected):
+        rows = [[_cell(cell) for cell in row] for row in table.itertuples(index=False)]
+        count = sum(name in (*KEYS, "prediction_time_lt", "metric") for name in names)
+        tables.append(sorted(rows, key=lambda row: [str(cell) for cell in row[:count]]))
+    assert len(tables[0]) == len(tables[1])
+    for row, other in zip(*tables, strict=True):
+        for name, cell, wanted in zip(names, row, other, strict=True):
+            same = cell == wanted
+            if isinstance(cell, float) and isinstance(wanted, float):
+                # the Kantorovich metric is integrated by quadrature here
+                tolerance = 1e-4 if name == "kantorovich" else 1e-11
+                same = math.isclose(cell, wanted, rel_tol=tolerance, abs_tol=1e-14)
+            assert same, f"{name} is {cell}, and {wanted} here, in {row}"
+
+
+def _cell(cell: Any) -> Any:
+    """Numbers as floats, what is missing as None."""
+    if pd.isna(cell):
+        return None
+    return float(cell) if isinstance(cell, int | float | np.number) else str(cell)
+
+
+def _scores(
+    happened: np.ndarray, predicted: np.ndarray, weights: np.ndarray | None
+) -> dict[str, float]:
+    # a resample without any scored point has no score
+    if weights is not None and weights.sum() == 0:
+        return dict.fromkeys(("precision", "recall", "f_score"), np.nan)
+    scores = (precision_score, recall_score, f1_score)
+    return {
+        name: float(score(happened, predicted, sample_weight=weights, zero_division=np.nan))
+        for name, score in zip(("precision", "recall", "f_score"), scores, strict=True)
+    }
+
+
+def _distances(true: dict[str, Any], found: dict[str, Any]) -> dict[str, float]:
+    """Both distances of two histograms, the first by quadrature on a fine grid."""
+    edges, width = true["edge"], np.diff(true["edge"])
+    counts = [data["count"].astype(float) for data in (true, found)]
+    if not all(count.sum() for count in counts):
+        return {"kantorovich": np.nan, "mean_log_error": np.nan}
+    shares = [count / count.sum() for count in counts]
+    fine = np.linspace(edges[0], edges[-1], 200 * len(width) + 1)
+    curves = [np.interp(fine, edges, np.append(0, share.cumsum())) for share in shares]
+    density = [np.ma.masked_equal(share / width, 0) for share in shares]
+    errors = np.abs(np.ma.log10(density[0]) - np.ma.log10(density[1])).filled(1.0)
+    return {
+        "kantorovich": float(np.trapezoid(np.abs(curves[0] - curves[1]), fine)),
+        "mean_log_error": float(errors.mean()),
+    }
+
+
+def _text(time: float) -> str:
+    """A prediction time as it names its random stream: whole numbers without a point."""
+    return str(int(time)) if float(time).is_integer() else str(time)

@@ -1,0 +1,167 @@
+"""The paper's campaign in miniature, from end to end, and its tables computed anew by name."""
+
+import pytest
+import yaml
+from edits import merged
+from helpers_rebuilds import ROOT, digests
+from recomputation import Recomputation, assert_same_rows, percentiles
+
+from burstcast_workflow.cases import case_records
+from burstcast_workflow.table_files import read_table
+
+PRESET = "workflow/presets/miniature.yaml"
+TABLES = (
+    *("dataset", "hyperparameters", "classification", "classification_intervals"),
+    *("horizon", "statistics", "control"),
+)
+METRICS = {
+    "hyperparameters": (["spectral_radius", "input_scaling", "tikhonov", "objective"], []),
+    "classification": (["precision", "recall", "f_score"], ["prediction_time_lt"]),
+    "horizon": (["mean_horizon_lt", "median_horizon_lt"], []),
+    "statistics": (["discarded_fraction", "kantorovich", "mean_log_error", "nrmse_uv"], []),
+    "control": (["exceedance_controlled", "reduction", "alarms"], ["prediction_time_lt"]),
+}
+
+
+def whole_config(*overlays):
+    texts = [(ROOT / name).read_text() for name in ("config.yaml", PRESET)]
+    config = yaml.safe_load(texts[0])
+    for overlay in (yaml.safe_load(texts[1]), *overlays):
+        config = merged(config, overlay)
+    return config
+
+
+def recomputation(results, *overlays):
+    config = whole_config(*overlays)
+    return Recomputation(results, config, case_records(config))
+
+
+@pytest.fixture(scope="module")
+def anew(miniature):
+    return recomputation(miniature.project.directory / "results/miniature")
+
+
+def assert_table(results, name, expected):
+    assert_same_rows(read_table(results / "tables" / f"{name}.csv"), expected)
+
+
+def test_it_has_the_shape_of_the_paper():
+    paper, small = (yaml.safe_load((ROOT / name).read_text()) for name in ("config.yaml", PRESET))
+    for block, miniature_block in zip(paper["campaign"], small["campaign"], strict=True):
+        assert block["reynolds"] == miniature_block["reynolds"]
+        assert block["validation"] == miniature_block["validation"]
+        assert miniature_block["seeds"] >= 2
+    assert len(small["campaign"][0]["neurons"]) == 3
+
+
+def test_it_runs_to_its_end_and_makes_all_that_the_paper_has(miniature):
+    results = miniature.project.directory / "results/miniature"
+    figures = {path.stem for path in (results / "figures").glob("*.png")}
+    cases = ("", "_Re600", "_Re800", "_Re1000")
+    for name in ("observable_and_density", "classification_scores", "energy_density"):
+        assert {f"{name}{case}" for case in cases} <= figures
+    assert {"by_reynolds", "horizon_by_size", "control_density", "suppressed_event"} <= figures
+    assert {path.name for path in (results / "figures").iterdir()} == {
+        f"{stem}.{suffix}" for stem in figures for suffix in ("pdf", "png")
+    }
+    assert "Nothing to be done" in miniature.project.snakemake().text
+
+
+def test_it_meets_what_a_small_campaign_meets(miniature):
+    """Otherwise the tests below would not see how it is dealt with."""
+    tables = miniature.project.directory / "results/miniature/tables"
+    assert (read_table(tables / "horizon.csv")["events"] == 0).any()
+    scores = read_table(tables / "classification.csv")
+    assert scores["precision"].isna().any()
+    assert scores["recall"].isna().any()
+    assert read_table(tables / "control.csv")["reduction"].isna().any()
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_is_what_the_files_of_the_networks_say(miniature, anew, name):
+    expected = getattr(anew, name)()
+    assert len(expected) > 3
+    assert_table(anew.results, name, expected)
+
+
+@pytest.mark.parametrize("name", METRICS)
+def test_percentiles_are_quartiles_over_the_seeds(miniature, anew, name):
+    table = read_table(anew.results / "tables" / f"{name}.csv")
+    metrics, extra = METRICS[name]
+    found = read_table(anew.results / "tables" / f"{name}_percentiles.csv")
+    assert_same_rows(found[found["metric"].isin(metrics)], percentiles(table, metrics, extra))
+
+
+def test_parameters_belong_to_their_cases(miniature, anew):
+    table = read_table(anew.results / "tables/data_generation_parameters.csv")
+    rows = table.set_index("Explanation")
+    for case, record in anew.records.items():
+        column = [name for name in table.columns if case in str(name)]
+        assert len(column) == 1
+        values = rows[column[0]]
+        assert f"{record['parameters']['reynolds']}" in values["Reynolds number"]
+        kept = anew.dataset().set_index("case")["series_kept"][case]
+        assert f"{kept}" in values["Number of time series"]
+
+
+# -- in whatever order, by whatever name -----------------------------------------------------------
+
+PERMUTED = {
+    "campaign": [
+        {"reynolds": [1000, 600], "neurons": [40], "validation": ["RV", "SSV"], "seeds": 2},
+        {"reynolds": [400], "neurons": [50, 30], "validation": ["RV", "SSV"], "seeds": 2},
+        {"reynolds": [800, 400], "neurons": [40], "validation": ["SSV", "RV"], "seeds": 2},
+    ],
+    "classification": {"prediction_times_lt": [3, 1, 2]},
+    "control": {"prediction_times_lt": [2, 1]},
+    "search": {"tikhonov": [1e-9, 1e-12, 1e-6]},
+}
+
+
+def test_the_order_of_the_config_means_nothing(miniature, tmp_path):
+    project = miniature.project.copy(tmp_path / "project")
+    assert project.dry_run(overlay=PERMUTED) == {}
+
+
+# a case that sorts before another by one rule and after it by another, and parameters that are not
+# in the order of the names; unequal numbers of series, so that another case's data do not fit
+RENAMED = {
+    "results": "results/renamed",
+    "campaign": [
+        {"cases": ["alpha"], "neurons": [30], "validation": ["RV"], "seeds": 1},
+        {"cases": ["Zeta"], "neurons": [40, 30], "validation": ["SSV", "RV"], "seeds": 1},
+        {"reynolds": [1000, 400], "neurons": [40], "validation": ["RV"], "seeds": 2},
+    ],
+    "cases": {
+        "alpha": {
+            "parameters": {"reynolds": 500},
+            "lyapunov": {"published_exponent": 0.0145},
+            "test_series": 9,
+            "event_threshold": 0.08,
+        },
+        "Zeta": {
+            "parameters": {"reynolds": 450},
+            "lyapunov": {"published_exponent": 0.015},
+            "event_threshold": 0.06,
+        },
+    },
+    "figures": {"example_case": "Zeta"},
+}
+
+
+def test_names_that_sort_otherwise(miniature, tmp_path):
+    project = miniature.project.without_results(tmp_path / "project")
+    outcome = project.snakemake("tables", overlay=RENAMED)
+    assert outcome.status == 0, outcome.text[-3000:]
+    again = recomputation(project.directory / "results/renamed", RENAMED)
+    again.records = {name: again.records[name] for name in ("alpha", "Zeta", "Re400", "Re1000")}
+    for name, expected in again.tables().items():
+        assert_table(again.results, name, expected)
+
+
+@pytest.mark.long
+def test_a_permuted_campaign_from_scratch_gives_the_same_tables(miniature, tmp_path):
+    project = miniature.project.without_results(tmp_path / "project")
+    assert project.snakemake("tables", overlay=PERMUTED).status == 0
+    tables = "results/miniature/tables"
+    assert digests(project.directory / tables) == digests(miniature.project.directory / tables)
