@@ -27,7 +27,7 @@ from burstcast_workflow.costs import Cost, CostModel
 
 _JOB = re.compile(
     r"(?P<case>.+?)(-N(?P<neurons>\d+))?(-(?P<validation>SSV|RV))?"
-    r"(-seed(?P<seed>\d+))?(-PT(?P<prediction_time>[\d.]+))?"
+    r"(-seed(?P<seed>\d+))?(-PT(?P<prediction_time_lt>[\d.]+))?"
 )
 _OF_A_CASE = ("simulate", "lyapunov", "test_set", "events", "reference_statistics")
 _OF_A_NETWORK = ("tune", "train", "forecast", "horizon")

@@ -37,6 +37,7 @@ def job(place: Path, target: str = "a", **changes) -> CachedJob:
             "network": place / target / "network.nc",
             "notes": place / target / "notes.json",
         },
+        "identity": {"rule": "train", "seed": 1},
     }
     return CachedJob(**{**values, **changes})
 
@@ -88,6 +89,7 @@ def test_outputs_are_copies(place):
     "changes",
     [
         {"rule": "scan"},
+        {"identity": {"rule": "train", "seed": 2}},
         {"settings": {"seed": 2, "case": "Re400"}},
         {"settings": {"seed": 1, "case": "Re400", "more": 0}},
         {"inputs": {"ensemble": [], "lyapunov": []}},
@@ -260,7 +262,7 @@ def test_job_from_the_object_of_snakemake(tmp_path):
         input=Files(ensemble="a.nc", lyapunov=["b.json", "c.json"], none=[]),
         output=Files(network="n.nc"),
     )
-    made = cached_job(snakemake, {"seed": 1})
+    made = cached_job(snakemake, {"seed": 1}, {"rule": "train", "seed": 1})
     assert made.script == Path("/somewhere/train.py")
     assert made.inputs == {
         "ensemble": [Path("a.nc")],
@@ -268,6 +270,7 @@ def test_job_from_the_object_of_snakemake(tmp_path):
         "none": [],
     }
     assert made.outputs == {"network": Path("n.nc")}
+    assert made.identity == {"rule": "train", "seed": 1}
 
 
 # -- command line ----------------------------------------------------------------------------------

@@ -76,8 +76,9 @@ def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
     assert records[0] == records[1]
     record = json.loads(records[0])
     libraries = {"numpy", "scipy", "numba", "scikit-optimize"}
-    assert set(record) == {"source", "rule", "settings", "python"} | libraries
+    assert set(record) == {"source", "rule", "identity", "settings", "python"} | libraries
     assert record["source"].startswith("burstcast ")
+    assert record["identity"] == '{"case": "Re400", "rule": "train", "seed": 3}'
     assert record["settings"] == '{"name": "Re400", "seed": 3}'
     assert all(isinstance(value, str) for value in record.values())
 

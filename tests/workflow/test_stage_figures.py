@@ -13,6 +13,7 @@ from burstcast.statistics.profiles import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config import case_records, load
+from burstcast_workflow.job import provenance
 from burstcast_workflow.statistics_files import best_network, write_statistics
 
 ROOT = Path(__file__).parents[2]
@@ -193,8 +194,10 @@ NOTHING, NEAR, NEAREST = statistics([0, 0, 0]), statistics([10, 6, 5]), statisti
 )
 def test_the_best_network_is_the_nearest_to_the_data(tmp_path, networks, label):
     paths = [tmp_path / f"{number}.nc" for number in range(len(networks))]
-    for path, network in zip(paths, networks, strict=True):
-        write_statistics(path, network, {})
-    keys = [{"neurons": 500, "seed": seed} for seed in (4, 7)][: len(networks)]
-    best = best_network(NEAREST, keys, paths)
+    kind = {"case": "Re400", "neurons": 500, "validation": "RV"}
+    keys = [{**kind, "seed": seed} for seed in (4, 7)][: len(networks)]
+    for path, key, network in zip(paths, keys, networks, strict=True):
+        write_statistics(path, network, provenance({"rule": "climate", **key}, {}))
+    # in any order: the files say whose they are
+    best = best_network(NEAREST, keys, paths[::-1])
     assert (best.label if best else None) == label
