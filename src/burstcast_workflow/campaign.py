@@ -13,7 +13,7 @@ from burstcast import durations
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast_workflow.canonical import canonical
-from burstcast_workflow.cases import block_cases
+from burstcast_workflow.config.cases import block_cases
 from burstcast_workflow.table_layouts import NETWORK_KEYS, SUMMARIES, described_parameters
 
 Settings = dict[str, Any]
