@@ -59,10 +59,11 @@ def test_every_setting_is_described():
 
 
 def test_bounds_that_are_other_settings_exist():
-    names = {place.name for place in Place(Configuration).settings()}
+    names = {place.name.replace("[]", "") for place in Place(Configuration).settings()}
     for place in Place(Configuration).settings():
-        root = "case_defaults." if place.name.startswith("case_defaults.") else ""
-        for others in place.relations.values():
+        in_case = place.name.startswith("case_defaults.") and place.relations
+        root = "case_defaults." if in_case else ""
+        for others in [*place.relations.values(), *filter(None, [place.when])]:
             assert {f"{root}{other}" for other in others.split(" * ")} <= names
 
 

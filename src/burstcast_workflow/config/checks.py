@@ -29,7 +29,6 @@ def contradictions(config: Settings) -> list[str]:
     problems = [
         *_related(config, Configuration),
         *_campaign(config),
-        *_control(config),
         *_figures(config),
     ]
     cases_of: dict[str, list[str]] = {}
@@ -63,24 +62,27 @@ _HOLDS: dict[str, Callable[[Any, Any], bool]] = {
 def _related(settings: Settings, model: type[Section]) -> Iterator[str]:
     """Check the settings of a model against those that bound them."""
     for place in Place(model).settings():
-        # the bounds of a case are settings of the same case
-        if place.relations and not place.name.startswith("case_defaults."):
+        # what bounds a setting of a case is in the same case
+        in_case = place.name.startswith("case_defaults.")
+        if in_case or (place.when and not _at(settings, place.when)):
+            continue
+        for relation, other in place.relations.items():
+            factors = [_at(settings, factor) for factor in other.split(" * ")]
+            bound = factors[0] if len(factors) == 1 else math.prod(factors)
             value = _at(settings, place.name)
-            values, verb = (value, "has") if isinstance(value, list) else ([value], "is")
-            for relation, other in place.relations.items():
-                factors = [_at(settings, factor) for factor in other.split(" * ")]
-                bound = factors[0] if len(factors) == 1 else math.prod(factors)
-                for item in values:
-                    if bound is not None and not _HOLDS[relation](item, bound):
-                        yield (
-                            f"{place.name} {verb} {item}; it {RELATIONS[relation]} {other}, "
-                            f"{str(bound).strip('[]')}"
-                        )
+            for item in value if isinstance(value, list) else [value]:
+                if bound not in (None, []) and not _HOLDS[relation](item, bound):
+                    verb = "has" if isinstance(value, list) else "is"
+                    limit = ", ".join(map(str, bound if isinstance(bound, list) else [bound]))
+                    yield f"{place.name} {verb} {item}; it {RELATIONS[relation]} {other}, {limit}"
 
 
 def _at(settings: Settings, name: str) -> Any:
+    """Value of a setting; in the blocks of the campaign, all its values."""
     value: Any = settings
     for part in name.split("."):
+        if isinstance(value, list):
+            return sorted({item for block in value for item in block[part]})
         value = value[part]
     return value
 
@@ -92,10 +94,6 @@ def _known_cases(config: Settings) -> list[str]:
     """Names with an entry in ``cases``, and those of Reynolds numbers, which need none."""
     numbers = [value for block in config["campaign"] for value in block.get("reynolds", [])]
     return list(dict.fromkeys([*config["cases"], *map(case_name, numbers)]))
-
-
-def _sizes(config: Settings) -> list[int]:
-    return sorted({neurons for block in config["campaign"] for neurons in block["neurons"]})
 
 
 def _campaign(config: Settings) -> Iterator[str]:
@@ -113,23 +111,14 @@ def _campaign(config: Settings) -> Iterator[str]:
                 f"network.connectivity is {connectivity}, but a reservoir of {smallest} neurons "
                 f"({place}.neurons) has at most {smallest - 1} connections per neuron"
             )
-
-
-def _control(config: Settings) -> Iterator[str]:
-    control, sizes, used = config["control"], _sizes(config), campaign_cases(config)
-    for neurons in control["neurons"] if control["validation"] else []:
-        if neurons not in sizes:
-            yield (
-                f"control.neurons has {neurons}, which is no size of the campaign: "
-                f"{', '.join(map(str, sizes))}; control.validation: [] switches control off"
-            )
-    for name in control["sweep"]["cases"]:
+    used = campaign_cases(config)
+    for name in config["control"]["sweep"]["cases"]:
         if name not in used:
             yield f"control.sweep.cases: the campaign has no case {name}; {suggestion(name, used)}"
 
 
 def _figures(config: Settings) -> Iterator[str]:
-    figures, sizes, control = config["figures"], _sizes(config), config["control"]
+    figures = config["figures"]
     name, neurons = figures["example_case"], figures["example_neurons"]
     validation, seed = figures["example_validation"], figures["example_seed"]
     if not any(
@@ -143,17 +132,6 @@ def _figures(config: Settings) -> Iterator[str]:
             f"the example network of the figures ({name}, {neurons} neurons, {validation}, seed "
             f"{seed}) is not part of the campaign: change figures.example_case, example_neurons, "
             "example_validation or example_seed"
-        )
-    if figures["fixed_neurons"] not in sizes:
-        yield (
-            f"figures.fixed_neurons is {figures['fixed_neurons']}; it must be a size of the "
-            f"campaign: {', '.join(map(str, sizes))}"
-        )
-    time, times = figures["control_prediction_time_lt"], control["prediction_times_lt"]
-    if control["validation"] and times and time not in times:
-        yield (
-            f"figures.control_prediction_time_lt is {time}; it must be one of "
-            f"control.prediction_times_lt, {str(times).strip('[]')}"
         )
     if name in _known_cases(config):
         record = case_record(config, name)

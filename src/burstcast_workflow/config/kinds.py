@@ -39,6 +39,7 @@ Count = Annotated[Whole, Field(ge=1)]
 Size = Annotated[Whole, Field(ge=2, le=100_000)]
 Positive = Annotated[float, Field(gt=0)]
 Distinct = Annotated[list[T], AfterValidator(_distinct)]
+Some = Annotated[list[T], Field(min_length=1), AfterValidator(_distinct)]
 Range = Annotated[
     list[float], _PAIR, Words("[low, high], two rising numbers"), AfterValidator(_rising)
 ]
@@ -91,14 +92,15 @@ RELATIONS = {
 }
 
 
-def setting(meaning: str, unit: str = "", **bounds: Any) -> Any:
+def setting(meaning: str, unit: str = "", when: str = "", **bounds: Any) -> Any:
     """Describe a setting: its meaning, its unit, and bounds beyond those of its type.
 
     A bound of `RELATIONS` names another setting (or a product of them, ``a * b``): from the root of
-    the configuration, and in a case from the root of the case.
+    the configuration, and in a case from the root of the case. If ``when`` names one, too, these
+    bounds only hold where it is not empty. Names that end in ``_lt`` tell their unit.
     """
     relations = {key: bounds.pop(key) for key in RELATIONS if key in bounds}
-    extra: dict[str, Any] = {"unit": unit, "relations": relations}
+    extra: dict[str, Any] = {"unit": unit, "when": when, "relations": relations}
     return Field(description=meaning, json_schema_extra=extra, **bounds)
 
 

@@ -19,6 +19,7 @@ from burstcast_workflow.config.kinds import (
     Range,
     Section,
     Size,
+    Some,
     Strategy,
     SystemName,
     Whole,
@@ -26,25 +27,24 @@ from burstcast_workflow.config.kinds import (
     setting,
 )
 
-LT = "Lyapunov times"
 TIME = "time units"
 OBSERVABLE = "units of the observable"
 RESOLUTION = "classification.resolution_lt"
+SIZES = "campaign.neurons"
+CONTROL = "control.validation"
 TIMES = "classification.prediction_times_lt"
 
 
 class Block(Section):
     """Block of the campaign: cases x neurons x validation strategies x seeds."""
 
-    reynolds: Distinct[Positive] = setting(
-        "Reynolds numbers; each names a case Re<value> of the shear flow", min_length=1, default=[]
+    reynolds: Some[Positive] = setting(
+        "Reynolds numbers; each names the case Re<value> of the shear flow", default=[]
     )
-    cases: Distinct[CaseName] = setting("names of entries of `cases`", min_length=1, default=[])
-    neurons: Distinct[Size] = setting("sizes of the reservoir", min_length=1)
-    validation: Distinct[Strategy] = setting(
-        "validation strategies: Single Shot (SSV), Recycle (RV)", min_length=1
-    )
-    seeds: Count = setting("number of realisations of the random matrices, seeds 0 to seeds - 1")
+    cases: Some[CaseName] = setting("names of entries of `cases`", default=[])
+    neurons: Some[Size] = setting("sizes of the reservoir")
+    validation: Some[Strategy] = setting("strategies: Single Shot (SSV), Recycle (RV)")
+    seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1")
 
 
 class Ensemble(Section):
@@ -52,11 +52,12 @@ class Ensemble(Section):
 
     series: Whole = setting("number of series that are generated", ge=2)
     initial_state: list[float] = setting(
-        "initial state of all series, one number per component", min_length=1
+        "initial state that all series share, one number per component", min_length=1
     )
     perturbed_component: Count = setting("perturbed component of the initial state, counted from 1")
     perturbation: Positive = setting(
-        "perturbation, times a random number from [0, 1]", "units of the component"
+        "largest perturbation; each series draws its own from [0, perturbation]",
+        "units of the component",
     )
     time_step: Positive = setting("time step of the Runge-Kutta scheme", TIME)
     sampling_stride: Count = setting("integration steps in one step of the networks")
@@ -74,10 +75,10 @@ class Lyapunov(Section):
     """The Lyapunov exponents."""
 
     time_unit: Literal["published", "computed"] = setting(
-        "which leading exponent sets the Lyapunov time"
+        "the exponent that sets the Lyapunov time"
     )
     published_exponent: float | None = setting(
-        "published leading exponent; null: none", "inverse time units", gt=0
+        "published leading exponent; null if there is none", "inverse time units", gt=0
     )
     series: Whole = setting("trajectories that the exponents are averaged over", ge=2)
     orthonormalisation_interval: Positive = setting(
@@ -115,7 +116,7 @@ class Density(Section):
 class Stuck(Section):
     """When a long forecast has settled on a fixed point."""
 
-    variation: float = setting("smallest variation that counts as motion", OBSERVABLE, ge=0)
+    variation: float = setting("smallest variation of the observable in motion", OBSERVABLE, ge=0)
     above: float = setting("observable above which a settled forecast is discarded", OBSERVABLE)
 
 
@@ -123,13 +124,13 @@ class Actuation(Section):
     """What an alarm sets off; null where the case is not controlled."""
 
     parameters: dict[ParameterName, float] = setting(
-        "parameters of the equations while the actuation is on"
+        "parameters of the equations during an actuation"
     )
     force: Annotated[list[float] | None, Words("a list of numbers, or null")] = setting(
         "constant force on each component of the state; null for none"
     )
-    start_lt: float = setting("start of the actuation, from the start of the alarm's window", LT)
-    duration_lt: Positive = setting("how long the actuation lasts", LT)
+    start_lt: float = setting("start of the actuation, from the start of the alarm's window")
+    duration_lt: Positive = setting("how long the actuation lasts")
 
 
 class RecycleValidation(Section):
@@ -137,7 +138,7 @@ class RecycleValidation(Section):
 
     series: Count = setting("training series with validation intervals", at_most="training.series")
     intervals_per_series: Count = setting(
-        "validation intervals in each, laid end to end after the washout"
+        "validation intervals in each, end to end after the washout"
     )
 
 
@@ -152,16 +153,15 @@ class Case(Section):
         below="laminarisation_threshold",
     )
     laminarisation_threshold: float | None = setting(
-        "a series beyond it is discarded, k_l; null keeps all", OBSERVABLE
+        "value of the observable beyond which a series is discarded, k_l; null keeps all",
+        OBSERVABLE,
     )
     ensemble: Ensemble
     lyapunov: Lyapunov
     training: Training
     density: Density
     stuck: Stuck
-    controlled_density: Density = setting(
-        "bins of the observable's probability density under control"
-    )
+    controlled_density: Density = setting("bins of the observable's density under control")
     actuation: Actuation | None
     test_series: Count = setting("number of series that forecasts are classified on")
     recycle_validation: RecycleValidation
@@ -172,9 +172,11 @@ class Network(Section):
 
     connectivity: Positive = setting("mean number of connections of a neuron")
     input_bias: float = setting("constant that is appended to the normalised inputs, b_in")
-    washout_lt: Positive = setting("open loop that is dropped before training and forecasts", LT)
+    washout_lt: Positive = setting(
+        "open loop that is dropped before training and before a forecast"
+    )
     divergence_bound: float = setting(
-        "a forecast beyond this has diverged", "training ranges", ge=1
+        "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
     )
     kernel: Literal["compiled", "scipy"] = setting("implementation of the reservoir's dynamics")
 
@@ -184,31 +186,25 @@ class Search(Section):
 
     spectral_radius: PositiveRange = setting("range of the spectral radius, on a logarithmic scale")
     input_scaling: PositiveRange = setting("range of the input scaling, on a logarithmic scale")
-    tikhonov: Distinct[Positive] = setting(
-        "Tikhonov parameters, of which the best is taken", min_length=1
-    )
+    tikhonov: Some[Positive] = setting("Tikhonov parameters, the best of which is taken")
     grid: Whole = setting("grid points per direction, corners included", ge=2, le=100)
     bayesian_points: Whole = setting(
-        "points chosen by Bayesian optimisation after the grid", ge=0, le=1000
+        "points of Bayesian optimisation after the grid", ge=0, le=1000
     )
-    interval_lt: Positive = setting("length of a validation interval", LT)
+    interval_lt: Positive = setting("length of a validation interval")
 
 
 class Classification(Section):
     """Precision and recall of the prediction of extreme events."""
 
-    start_spacing_lt: Positive = setting("distance of two starting points", LT)
-    window_lt: Positive = setting(
-        "window in which an event is predicted or not", LT, multiple_of=RESOLUTION
-    )
-    resolution_lt: Positive = setting("forecasts are reduced to windows of this length", LT)
+    start_spacing_lt: Positive = setting("distance of two starting points")
+    window_lt: Positive = setting("window that has an event or has none", multiple_of=RESOLUTION)
+    resolution_lt: Positive = setting("forecasts are reduced to windows of this length")
     longest_prediction_time_lt: Positive = setting(
-        "how far forecasts reach, plus one window", LT, multiple_of=RESOLUTION
+        "how far forecasts reach, plus one window", multiple_of=RESOLUTION
     )
-    prediction_times_lt: Distinct[Positive] = setting(
+    prediction_times_lt: Some[Positive] = setting(
         "times from a starting point to the window",
-        LT,
-        min_length=1,
         multiple_of=RESOLUTION,
         not_beyond="classification.longest_prediction_time_lt",
     )
@@ -218,11 +214,9 @@ class Horizon(Section):
     """Prediction horizon of extreme events."""
 
     events: Count = setting("number of events")
-    longest_start_lt: Positive = setting(
-        "longest time from the start of a forecast to the event, tau_e", LT
-    )
+    longest_start_lt: Positive = setting("first start of a forecast before the event, tau_e")
     start_step_lt: Positive = setting(
-        "by how much tau_e decreases", LT, at_most="horizon.longest_start_lt"
+        "step by which tau_e falls", at_most="horizon.longest_start_lt"
     )
     tolerance: Positive = setting(
         "error of a forecast that counts as lost",
@@ -234,14 +228,12 @@ class Statistics(Section):
     """Long-term statistics of the networks' own flow."""
 
     validation: Distinct[Strategy] = setting(
-        "strategies whose networks are run; none switches the statistics off"
+        "strategies whose networks are run; none: no statistics"
     )
     starting_points: Count = setting("closed loops of each network, started in the training series")
-    start_spacing_lt: Positive = setting("time between two starting points", LT)
+    start_spacing_lt: Positive = setting("time between two starting points")
     duration: Positive = setting("length of each closed loop", TIME)
-    stuck_interval_lt: Positive = setting(
-        "end of a closed loop over which it is judged to have settled", LT
-    )
+    stuck_interval_lt: Positive = setting("end of a closed loop, which shows whether it settled")
     profile_points: Whole = setting("heights of the velocity profiles, from wall to wall", ge=3)
     floor_splits: Count = setting("random halves of the data that are compared with one another")
 
@@ -250,23 +242,23 @@ class Sweep(Section):
     """Reduction against the prediction time, beyond the paper."""
 
     cases: Distinct[CaseName] = setting("cases that the sweep is made for; none switches it off")
-    prediction_times_lt: Distinct[Positive] = setting("prediction times", LT)
+    prediction_times_lt: Distinct[Positive] = setting("prediction times")
     seeds: Count = setting("networks of the first seeds")
 
 
 class Control(Section):
     """Prediction-triggered control."""
 
-    neurons: Distinct[Size] = setting("sizes of the reservoir whose networks control")
-    validation: Distinct[Strategy] = setting(
-        "strategies whose networks control; none switches control off"
+    neurons: Distinct[Size] = setting(
+        "sizes of the reservoir whose networks control", one_of=SIZES, when=CONTROL
     )
-    prediction_times_lt: Distinct[Positive] = setting("prediction times", LT)
-    window_lt: Positive = setting("length of the window that a forecast is judged in", LT)
-    flows: Count = setting("number of series that each network controls, after the training series")
-    span_lt: Positive = setting("how long each flow counts", LT)
+    validation: Distinct[Strategy] = setting("strategies whose networks control; none: no control")
+    prediction_times_lt: Distinct[Positive] = setting("prediction times")
+    window_lt: Positive = setting("length of the window that a forecast is judged in")
+    flows: Count = setting("series that each network controls, taken after the training series")
+    span_lt: Positive = setting("how long each flow counts")
     references: Distinct[Literal["equations", "random"]] = setting(
-        "forecasters to compare the networks with"
+        "what the networks are compared with"
     )
     sweep: Sweep
 
@@ -282,9 +274,9 @@ class FlowEvent(Section):
     """The event of the test set whose flow is shown."""
 
     peak: float = setting("wanted peak of the observable", OBSERVABLE)
-    quiet_lt: float = setting("time without another event before it and after it", LT, ge=0)
-    longest_lt: Positive = setting("longest time from the event's first rise to its breakdown", LT)
-    lead_lt: float = setting("from the start of the forecast to the event's first rise", LT, ge=0)
+    quiet_lt: float = setting("time without another event before the event and after it", ge=0)
+    longest_lt: Positive = setting("longest time from the event's first rise to its breakdown")
+    lead_lt: float = setting("from the start of the forecast to the event's first rise", ge=0)
     tolerance: Positive = setting(
         "largest distance of the forecast from the true state through the event",
         "largest distance of a state from zero in the training series",
@@ -296,21 +288,15 @@ class Figures(Section):
 
     published_overlay: bool = setting("draw the paper's published values on ours")
     example_case: CaseName = setting("case of the network whose forecasts are shown as examples")
-    example_neurons: Size = setting("its size")
-    example_validation: Strategy = setting("its validation strategy")
-    example_seed: Whole = setting("its seed, counted from 0", ge=0)
-    example_prediction_time_lt: Positive = setting(
-        "prediction time of the examples", LT, one_of=TIMES
-    )
-    example_horizon_lt: Positive = setting(
-        "prediction horizon of the example event; the nearest one is shown", LT
-    )
-    fixed_neurons: Size = setting("size of the reservoir where a panel holds it fixed")
-    fixed_prediction_time_lt: Positive = setting(
-        "prediction time where a panel holds it fixed", LT, one_of=TIMES
-    )
-    reynolds_prediction_times_lt: Distinct[Positive] = setting(
-        "prediction times of the figure over the Reynolds number", LT, min_length=1, one_of=TIMES
+    example_neurons: Size = setting("size of the reservoir of the example")
+    example_validation: Strategy = setting("validation strategy of the example")
+    example_seed: Whole = setting("seed of the example, counted from 0", ge=0)
+    example_prediction_time_lt: Positive = setting("prediction time of the examples", one_of=TIMES)
+    example_horizon_lt: Positive = setting("horizon of the example event; the nearest one is shown")
+    fixed_neurons: Size = setting("size of the reservoir where panels hold it fixed", one_of=SIZES)
+    fixed_prediction_time_lt: Positive = setting("prediction time that panels share", one_of=TIMES)
+    reynolds_prediction_times_lt: Some[Positive] = setting(
+        "prediction times of the figure over the Reynolds number", one_of=TIMES
     )
     flow_event: FlowEvent
     flow_points: list[Annotated[Whole, Field(ge=5, le=1000)]] = setting(
@@ -322,7 +308,9 @@ class Figures(Section):
         "vorticity of the isosurfaces", "largest vorticity shown", lt=1
     )
     control_prediction_time_lt: Positive = setting(
-        "prediction time of the suppressed event that is shown", LT
+        "prediction time of the suppressed event that is shown",
+        one_of="control.prediction_times_lt",
+        when=CONTROL,
     )
 
 
@@ -332,9 +320,7 @@ class Configuration(Section):
     results: Directory = setting("directory of everything that the workflow writes")
     # the files of the networks hold it, as an unsigned number of 64 bits
     random_seed: Whole = setting("the one root of all random numbers", ge=0, lt=2**64)
-    campaign: list[Block] = setting(
-        "which networks are made: the union of these blocks", min_length=1
-    )
+    campaign: list[Block] = setting("networks to make: the union of these blocks", min_length=1)
     case_defaults: Case
     # an entry is a part of a case: `burstcast_workflow.config.messages` lets it leave settings out
     cases: dict[CaseName, Case] = setting("what differs from case_defaults, by case")

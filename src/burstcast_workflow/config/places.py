@@ -28,6 +28,7 @@ class Place:
     bounds: tuple[Any, ...] = ()
     meaning: str = ""
     unit: str = ""
+    when: str = ""
     relations: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -49,7 +50,8 @@ class Place:
         name = f"{self.name}.{part}".removeprefix(".")
         kind = self.kinds[0]
         if found := self.fields.get(str(part)):
-            known: Any = found.json_schema_extra or {}
+            known: Any = {"unit": "", **(found.json_schema_extra or {})}  # type: ignore[dict-item]
+            known["unit"] = "Lyapunov times" if str(part).endswith("_lt") else known["unit"]
             place = Place(found.annotation, name, tuple(found.metadata), **known)
             return replace(place, meaning=found.description or _said_of(place.kinds[0]))
         if get_origin(kind) not in (list, dict):

@@ -44,7 +44,8 @@ def _lines(config: Mapping[str, Any]) -> Iterator[str]:
         for place in (section, *section.settings()):
             if not place.fields:
                 others = [f"{RELATIONS[key]} `{other}`" for key, other in place.relations.items()]
-                allowed = "; ".join([place.allowed(), *others])
+                unless = [f"unless `{place.when}` is empty"] if place.when else []
+                allowed = "; ".join([place.allowed(), *others, *unless])
                 default = _default(config, place.name)
                 yield _row([f"`{place.name}`", allowed, place.unit, default, place.meaning])
 
