@@ -61,9 +61,10 @@ class Campaign:
     Attributes
     ----------
     config
-        The whole configuration (`burstcast_workflow.config.load`).
+        The whole configuration (`burstcast_workflow.config.loading.load`).
     cases
-        The record of each case that the campaign uses (`burstcast_workflow.config.case_records`).
+        The record of each case that the campaign uses
+        (`burstcast_workflow.config.cases.case_records`).
     """
 
     config: Mapping[str, Any]

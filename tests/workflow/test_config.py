@@ -8,8 +8,9 @@ from snakemake.utils import update_config
 
 from burstcast_workflow import series_fit
 from burstcast_workflow.canonical import canonical_json
-from burstcast_workflow.config import ConfigError, case_records, duplicated_keys, load, reference
-from burstcast_workflow.config.cases import block_cases, case_name, case_record
+from burstcast_workflow.config import reference
+from burstcast_workflow.config.cases import block_cases, case_name, case_record, case_records
+from burstcast_workflow.config.loading import ConfigError, duplicated_keys, load
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.places import Place
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.cases import case_records
-from burstcast_workflow.config import ConfigError, load
+from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.failures import failure_summary
 from burstcast_workflow.fingerprint import fingerprint
