@@ -13,7 +13,7 @@ from burstcast import durations
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast_workflow.canonical import canonical, natural_order
-from burstcast_workflow.cases import block_cases
+from burstcast_workflow.config.cases import block_cases
 from burstcast_workflow.table_layouts import NETWORK_KEYS, SUMMARIES, described_parameters
 
 Settings = dict[str, Any]
@@ -61,9 +61,10 @@ class Campaign:
     Attributes
     ----------
     config
-        The whole configuration (`burstcast_workflow.config.load`).
+        The whole configuration (`burstcast_workflow.config.loading.load`).
     cases
-        The record of each case that the campaign uses (`burstcast_workflow.config.case_records`).
+        The record of each case that the campaign uses
+        (`burstcast_workflow.config.cases.case_records`).
     """
 
     config: Mapping[str, Any]

@@ -21,8 +21,8 @@ from typing import Any
 import yaml
 
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.cases import case_records
-from burstcast_workflow.config import load
+from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.config.loading import load
 from burstcast_workflow.costs import Cost, CostModel
 
 _JOB = re.compile(

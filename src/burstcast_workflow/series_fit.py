@@ -1,7 +1,8 @@
 """Whether what is asked of a time series fits into it.
 
 Checked with the config where the Lyapunov time is known from it, and otherwise in the first job
-that knows it. Samples are those of one series, at the networks' sampling interval.
+that knows it. Samples are those of one series, at the networks' sampling interval. What does not
+fit is a ValueError, and so is a duration that is shorter than one step of the network.
 """
 
 from collections.abc import Mapping
@@ -19,14 +20,8 @@ def check_kept_series(kept: int, needs: Mapping[str, int]) -> None:
         Series that did not laminarise.
     needs
         How many of them each setting asks for, by its name; no series is taken twice.
-
-    Raises
-    ------
-    ValueError
-        If they are too few.
     """
-    wanted = sum(needs.values())
-    if wanted > kept:
+    if sum(needs.values()) > kept:
         listed = " and ".join(f"{name} is {count}" for name, count in needs.items())
         raise ValueError(
             f"{listed}, but only {kept} series did not laminarise and were kept: "
@@ -38,13 +33,7 @@ def check_kept_series(kept: int, needs: Mapping[str, int]) -> None:
 def check_single_shot_validation(
     samples: int, steps_per_lyapunov_time: int, washout_lt: float, interval_lt: float
 ) -> None:
-    """Check that something is left to train on before the validation interval.
-
-    Raises
-    ------
-    ValueError
-        If the series is too short, or the washout or the interval shorter than one step.
-    """
+    """Check that something is left to train on before the validation interval."""
     washout = _steps("network.washout_lt", washout_lt, steps_per_lyapunov_time)
     interval = _steps("search.interval_lt", interval_lt, steps_per_lyapunov_time)
     if washout + interval >= samples:
@@ -62,17 +51,11 @@ def check_recycle_validation(
     interval_lt: float,
     intervals_per_series: int,
 ) -> None:
-    """Check that the validation intervals fit into a series after the washout.
-
-    Raises
-    ------
-    ValueError
-        If they do not, or the washout or an interval is shorter than one step.
-    """
+    """Check that the validation intervals fit into a series after the washout."""
     washout = _steps("network.washout_lt", washout_lt, steps_per_lyapunov_time)
     interval = _steps("search.interval_lt", interval_lt, steps_per_lyapunov_time)
-    if washout + intervals_per_series * interval > samples:
-        most = max(0, (samples - washout) // interval)
+    most = max(0, (samples - washout) // interval)
+    if intervals_per_series > most:
         raise ValueError(
             f"recycle_validation.intervals_per_series is {intervals_per_series}, but only {most} "
             f"intervals of {interval} steps (search.interval_lt) after a washout of {washout} fit "
@@ -88,23 +71,12 @@ def check_classification(
     resolution_lt: float,
     reach_lt: float,
 ) -> None:
-    """Check that a series has room for a washout and a forecast up to ``reach_lt``.
-
-    Raises
-    ------
-    ValueError
-        If it has not, or a duration is shorter than one step.
-    """
-    washout = _steps("network.washout_lt", washout_lt, steps_per_lyapunov_time)
+    """Check that a series has room for a washout and a forecast up to ``reach_lt``."""
     _steps("classification.start_spacing_lt", start_spacing_lt, steps_per_lyapunov_time)
     _steps("classification.resolution_lt", resolution_lt, steps_per_lyapunov_time)
+    what = "forecasts up to classification.longest_prediction_time_lt plus window_lt"
     reach = durations.steps(reach_lt, steps_per_lyapunov_time)
-    if washout + reach > samples:
-        raise ValueError(
-            f"forecasts up to classification.longest_prediction_time_lt plus window_lt take "
-            f"{reach} steps, and their washout {washout}, but a series has {samples} "
-            f"(ensemble.duration)"
-        )
+    _check_room(samples, steps_per_lyapunov_time, washout_lt, what, reach)
 
 
 def check_horizon(
@@ -117,57 +89,29 @@ def check_horizon(
     """Check that a series has room for the longest start before an event, and its washout.
 
     The distance of two starts is looked at where it is given.
-
-    Raises
-    ------
-    ValueError
-        If it has not, or a duration is shorter than one step.
     """
-    washout = _steps("network.washout_lt", washout_lt, steps_per_lyapunov_time)
     if start_step_lt is not None:
         _steps("horizon.start_step_lt", start_step_lt, steps_per_lyapunov_time)
+    what = "forecasts from horizon.longest_start_lt before an event"
     start = _steps("horizon.longest_start_lt", longest_start_lt, steps_per_lyapunov_time)
-    if washout + start > samples:
-        raise ValueError(
-            f"forecasts from horizon.longest_start_lt before an event take {start} steps, and "
-            f"their washout {washout}, but a series has {samples} (ensemble.duration)"
-        )
+    _check_room(samples, steps_per_lyapunov_time, washout_lt, what, start)
 
 
 def misfits(
     config: Mapping[str, Any], record: Mapping[str, Any], samples: int, steps_per_lt: int
 ) -> list[str]:
-    """All that does not fit into a series of one case, as messages.
-
-    Parameters
-    ----------
-    config
-        The whole configuration.
-    record
-        The record of the case.
-    samples
-        Samples of a series.
-    steps_per_lt
-        Steps of the network in a Lyapunov time.
-    """
-    search, horizon = config["search"], config["horizon"]
-    classification = config["classification"]
-    washout_lt = config["network"]["washout_lt"]
+    """All that does not fit into a series of the case with this record, as messages."""
+    horizon, classification = config["horizon"], config["classification"]
+    interval_lt, washout_lt = config["search"]["interval_lt"], config["network"]["washout_lt"]
+    intervals = record["recycle_validation"]["intervals_per_series"]
+    spacing_lt = classification["start_spacing_lt"]
+    resolution_lt = classification["resolution_lt"]
+    reach_lt = classification["longest_prediction_time_lt"] + classification["window_lt"]
     messages = []
     for check, arguments in (
-        (check_single_shot_validation, (search["interval_lt"],)),
-        (
-            check_recycle_validation,
-            (search["interval_lt"], record["recycle_validation"]["intervals_per_series"]),
-        ),
-        (
-            check_classification,
-            (
-                classification["start_spacing_lt"],
-                classification["resolution_lt"],
-                classification["longest_prediction_time_lt"] + classification["window_lt"],
-            ),
-        ),
+        (check_single_shot_validation, (interval_lt,)),
+        (check_recycle_validation, (interval_lt, intervals)),
+        (check_classification, (spacing_lt, resolution_lt, reach_lt)),
         (check_horizon, (horizon["longest_start_lt"], horizon["start_step_lt"])),
     ):
         try:
@@ -175,6 +119,17 @@ def misfits(
         except ValueError as error:
             messages.append(str(error))
     return list(dict.fromkeys(messages))
+
+
+def _check_room(
+    samples: int, steps_per_lyapunov_time: int, washout_lt: float, what: str, steps: int
+) -> None:
+    washout = _steps("network.washout_lt", washout_lt, steps_per_lyapunov_time)
+    if washout + steps > samples:
+        raise ValueError(
+            f"{what} take {steps} steps, and their washout {washout}, but a series has {samples} "
+            f"(ensemble.duration)"
+        )
 
 
 def _steps(name: str, duration_lt: float, steps_per_lyapunov_time: int) -> int:

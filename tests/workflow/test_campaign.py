@@ -12,7 +12,8 @@ from snakemake.utils import update_config
 
 from burstcast_workflow.campaign import Campaign, Network
 from burstcast_workflow.canonical import canonical, natural_order
-from burstcast_workflow.config import case_records, load
+from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.config.loading import load
 
 ROOT = Path(__file__).parents[2]
 

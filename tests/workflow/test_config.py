@@ -1,15 +1,18 @@
 import copy
+import os
 from pathlib import Path
 
 import pytest
 import yaml
-from jsonschema import Draft202012Validator
 from snakemake.utils import update_config
 
 from burstcast_workflow import series_fit
 from burstcast_workflow.canonical import canonical_json
-from burstcast_workflow.cases import block_cases, case_name, case_record
-from burstcast_workflow.config import SCHEMA, ConfigError, case_records, load
+from burstcast_workflow.config import reference
+from burstcast_workflow.config.cases import block_cases, case_name, case_record, case_records
+from burstcast_workflow.config.loading import ConfigError, duplicated_keys, load
+from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.config.places import Place
 
 ROOT = Path(__file__).parents[2]
 PRESETS = sorted((ROOT / "workflow" / "presets").glob("*.yaml"))
@@ -45,71 +48,45 @@ def only_problem(config):
     return problem
 
 
-def settings(rule, schema, path=""):
-    """Dotted names and rules of all settings of the schema."""
-    if "$ref" in rule:
-        rule = {**schema["$defs"][rule["$ref"].rsplit("/", 1)[1]], **rule}
-    if "allOf" in rule:
-        yield from settings(rule["allOf"][0], schema, path)
-        return
-    for name, child in rule.get("properties", {}).items():
-        yield from settings(child, schema, f"{path}.{name}" if path else name)
-    for keyword in ("items", "additionalProperties"):
-        if isinstance(rule.get(keyword), dict):
-            yield from settings(rule[keyword], schema, f"{path}[]")
-    if path and not rule.get("properties"):
-        yield path, rule
-
-
 # -- what is shipped -------------------------------------------------------------------------------
 
 
-def test_schema_is_a_schema_that_describes_every_setting():
-    schema = read(SCHEMA)
-    Draft202012Validator.check_schema(schema)
-    found = dict(settings(schema, schema))
-    assert len(found) > 50
-    undescribed = [name for name, rule in found.items() if "description" not in rule]
+def test_every_setting_is_described():
+    places = list(Place(Configuration).settings())
+    assert len(places) > 90
+    assert [place.name for place in places if not place.meaning] == []
+    undescribed = [place.name for place in places if place.name.endswith("_lt") and not place.unit]
     assert undescribed == []
 
 
-def test_schema_allows_nothing_that_it_does_not_name():
-    def mappings(rule):
-        if isinstance(rule, dict):
-            if rule.get("type") == "object":
-                yield rule
-            for child in rule.values():
-                yield from mappings(child)
-        elif isinstance(rule, list):
-            for child in rule:
-                yield from mappings(child)
-
-    assert all("additionalProperties" in rule for rule in mappings(read(SCHEMA)))
+def test_bounds_that_are_other_settings_exist():
+    names = {place.name.replace("[]", "") for place in Place(Configuration).settings()}
+    for place in Place(Configuration).settings():
+        in_case = place.name.startswith("case_defaults.") and place.relations
+        root = "case_defaults." if in_case else ""
+        for others in [*place.relations.values(), *filter(None, [place.when])]:
+            assert {f"{root}{other}" for other in others.split(" * ")} <= names
 
 
-def test_schema_requires_every_setting_that_has_a_fixed_place():
-    """A setting that the schema names but config.yaml may leave out would have no value."""
-    schema = read(SCHEMA)
-
-    def places(rule, path=()):
-        if "$ref" in rule:
-            rule = schema["$defs"][rule["$ref"].rsplit("/", 1)[1]]
-        for part in rule.get("allOf", [rule]):
-            if part is not rule:
-                yield from places(part, path)
-            for name, child in part.get("properties", {}).items():
-                yield (*path, name)
-                yield from places(child, (*path, name))
-
-    config = read(ROOT / "config.yaml")
-    for place in dict.fromkeys(places(schema)):
+def test_every_setting_that_has_a_fixed_place_is_required(config):
+    """A setting that the model names but config.yaml may leave out would have no value."""
+    for place in Place(Configuration).settings():
+        if "[" in place.name:  # in a block of the campaign
+            continue
         changed = copy.deepcopy(config)
+        *parents, last = place.name.split(".")
         parent = changed
-        for part in place[:-1]:
+        for part in parents:
             parent = parent[part]
-        assert place[-1] in parent, f"config.yaml lacks {'.'.join(place)}"
-        del parent[place[-1]]
-        assert f"{'.'.join(place)} is missing" in only_problem(changed)
+        assert last in parent, f"config.yaml lacks {place.name}"
+        del parent[last]
+        assert f"{place.name} is missing" in only_problem(changed)
+
+
+def test_the_reference_of_all_settings_is_up_to_date():
+    """Made by: python -m burstcast_workflow.config.reference > docs/settings.md."""
+    written = (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
+    assert written == reference.text(read(ROOT / "config.yaml"))
 
 
 def test_campaign_of_the_paper(config):
@@ -237,7 +214,7 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
     load(config)
 
 
-# -- mistakes that the schema finds ----------------------------------------------------------------
+# -- mistakes that the model finds -----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -269,6 +246,11 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
         ("cases.tables", {}, ["cases.tables: the name must be"]),
         ("cases.nan", {}, ["cases.nan: the name must be"]),
         ("cases.1a", {}, ["cases.1a: the name must be"]),
+        (
+            "random_seed",
+            2**64,
+            ["random_seed is 18446744073709551616", "below 18446744073709551616"],
+        ),
         ("random_seed", float("nan"), ["random_seed is nan", "finite"]),
         ("search.tikhonov", [float("inf")], ["search.tikhonov[0] is inf", "finite"]),
         ("figures.published_overlay", "no", ["figures.published_overlay", "true or false"]),
@@ -364,6 +346,47 @@ def test_block_without_case(config):
 def test_blocks_may_overlap(config):
     config["campaign"].append(config["campaign"][0])
     assert list(case_records(load(config))) == ["Re400", "Re600", "Re800", "Re1000"]
+
+
+# -- keys that are there twice ---------------------------------------------------------------------
+
+
+def test_duplicated_keys(config, tmp_path):
+    """YAML's reader keeps the last of them and says nothing."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        "horizon:\n  events: 3\n  tolerance: 0.2\n  'events': 4\n"
+        "campaign:\n  - seeds: 1\n  - {seeds: 1, seeds: 2}\n"
+        "horizon: {}\ncases: &all\n  Re400: {}\nother: *all\n"
+    )
+    shown = os.path.relpath(path)
+    found = [
+        f"{shown}, line 4: the key horizon.events is there already, in line 2",
+        f"{shown}, line 7: the key campaign[1].seeds is there already, in line 7",
+        f"{shown}, line 8: the key horizon is there already, in line 1",
+    ]
+    assert duplicated_keys([path, str(path)]) == found
+    assert duplicated_keys([ROOT / "config.yaml", *PRESETS]) == []
+    put(config, "random_seed", -1)
+    with pytest.raises(ConfigError) as caught:
+        load(config, [path])
+    assert caught.value.problems[:3] == found
+    assert len(caught.value.problems) == 4
+
+
+@pytest.mark.parametrize("text", ["# nothing\n", '{\n\t"horizon": {\n\t\t"events": 3}}\n'])
+def test_files_without_duplicated_keys(tmp_path, text):
+    (tmp_path / "mine").write_text(text)  # the second is JSON, but not YAML
+    assert duplicated_keys([tmp_path / "mine"]) == []
+
+
+def test_an_actuation_that_the_case_has_to_complete(config):
+    put(config, "case_defaults.actuation", None)
+    put(config, "cases.Re400.actuation", {"parameters": {"reynolds": 2000}, "force": None})
+    assert [problem.partition(" is missing")[0] for problem in problems(config)] == [
+        "case Re400: actuation.start_lt",
+        "case Re400: actuation.duration_lt",
+    ]
 
 
 # -- what fits into a series -----------------------------------------------------------------------

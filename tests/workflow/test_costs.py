@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.cases import case_records
-from burstcast_workflow.config import load
+from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.config.loading import load
 from burstcast_workflow.cost_report import compare, forecast_lines, jobs, read_campaign, records
 from burstcast_workflow.costs import SAFETY, SNAKEMAKE_MIB, CostModel
 

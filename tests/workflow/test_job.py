@@ -158,7 +158,7 @@ def test_a_killed_job_leaves_nothing_that_looks_finished(tmp_path):
 def test_importing_it_is_cheap():
     code = (
         "import sys, burstcast_workflow.job\n"
-        "print([n for n in ('scipy', 'pandas', 'jsonschema', 'yaml', 'numba') if n in sys.modules])"
+        "print([n for n in ('scipy', 'pandas', 'pydantic', 'yaml', 'numba') if n in sys.modules])"
     )
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True

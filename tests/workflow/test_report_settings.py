@@ -10,7 +10,8 @@ from snakemake.utils import update_config
 
 from burstcast.systems.registry import make_system
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.config import case_records, load
+from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.config.loading import load
 from burstcast_workflow.table_layouts import (
     CAPTIONS,
     SUMMARIES,

@@ -12,7 +12,8 @@ from burstcast.statistics.densities import Histogram
 from burstcast.statistics.profiles import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.config import case_records, load
+from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.config.loading import load
 from burstcast_workflow.job import provenance
 from burstcast_workflow.statistics_files import best_network, write_statistics
 

@@ -21,7 +21,7 @@ NEEDED_BY = {
     "sklearn": [],  # by scikit-optimize only
     "skimage": ["figure_vorticity_isosurfaces.py"],
     "matplotlib": ["figure_*.py"],
-    "jsonschema": [],
+    "pydantic": [],
     "snakemake": [],
     "yaml": [],
 }

@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.cases import case_records
-from burstcast_workflow.config import ConfigError, load
+from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.failures import failure_summary
 from burstcast_workflow.fingerprint import fingerprint
@@ -19,7 +19,7 @@ from burstcast_workflow.fingerprint import fingerprint
 gc.set_threshold(200_000, 50, 1000)
 
 try:
-    config = load(config)
+    config = load(config, workflow.configfiles)
 except ConfigError as error:
     # without the traceback, in which nobody would find the message
     raise WorkflowError(str(error)) from None

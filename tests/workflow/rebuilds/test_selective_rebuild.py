@@ -139,7 +139,7 @@ def _otherwise(value):
         return {key: _otherwise(value[key]) for key in reversed(value)}
     if isinstance(value, list):
         return [_otherwise(item) for item in value]
-    # where the schema wants a whole number, 3.0 is one, too
+    # where the model wants a whole number, 3.0 is one, too
     return float(value) if type(value) is int else value
 
 

@@ -22,6 +22,11 @@ def block_cases(block: Mapping[str, Any]) -> list[str]:
     return list(dict.fromkeys([*names, *block.get("cases", [])]))
 
 
+def campaign_cases(config: Mapping[str, Any]) -> list[str]:
+    """Names of the cases that the campaign uses, in the order of their first use."""
+    return list(dict.fromkeys(name for block in config["campaign"] for name in block_cases(block)))
+
+
 def case_records(config: Mapping[str, Any]) -> dict[str, Config]:
     """Complete record of each case that the campaign uses, in the order of their first use.
 
@@ -30,8 +35,7 @@ def case_records(config: Mapping[str, Any]) -> dict[str, Config]:
     whole, those of the actuation, too; without an actuation of its own the case is not controlled.
     A name ``Re<number>`` sets the parameter ``reynolds``.
     """
-    names = dict.fromkeys(name for block in config["campaign"] for name in block_cases(block))
-    return {name: case_record(config, name) for name in names}
+    return {name: case_record(config, name) for name in campaign_cases(config)}
 
 
 def case_record(config: Mapping[str, Any], name: str) -> Config:
@@ -40,11 +44,8 @@ def case_record(config: Mapping[str, Any], name: str) -> Config:
     if own.get("system", defaults["system"]) != defaults["system"]:
         # what one system's parameters are changed to means nothing to another system
         actuation = {**defaults["actuation"], "parameters": {}} if defaults["actuation"] else None
-        defaults = {
-            **defaults,
-            "parameters": {},
-            "actuation": actuation if own.get("actuation") else None,
-        }
+        actuation = actuation if own.get("actuation") else None
+        defaults = {**defaults, "parameters": {}, "actuation": actuation}
     record = _merged(defaults, own)
     if match := _REYNOLDS_NAME.fullmatch(name):
         # what the entry itself says stays, for the checks to compare
@@ -54,14 +55,10 @@ def case_record(config: Mapping[str, Any], name: str) -> Config:
 
 
 def _merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> Config:
-    result = dict(base)
-    for key, value in overlay.items():
-        below = base.get(key)
-        if isinstance(below, Mapping) and isinstance(value, Mapping):
-            result[key] = _merged(below, value)
-        else:
-            result[key] = value
-    return {
-        key: _merged(value, {}) if isinstance(value, Mapping) else value
-        for key, value in result.items()
-    }
+    """Lay one mapping over another, level by level; neither shares anything with the result."""
+    result = {**base, **overlay}
+    for key, value in result.items():
+        if isinstance(value, Mapping):
+            below = base.get(key)
+            result[key] = _merged(below if isinstance(below, Mapping) else {}, value)
+    return result

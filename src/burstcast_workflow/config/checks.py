@@ -1,0 +1,223 @@
+"""What must hold between the settings of a config, each of which is allowed by itself.
+
+Bounds of one setting that are other settings stand in the model. Here are the others.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from burstcast import durations
+from burstcast.statistics.profiles import flow_modes
+from burstcast.systems.registry import make_system
+from burstcast_workflow.config.cases import block_cases, campaign_cases, case_name, case_record
+from burstcast_workflow.config.kinds import RELATIONS, Section
+from burstcast_workflow.config.messages import model_problems, suggestion
+from burstcast_workflow.config.model import Case, Configuration
+from burstcast_workflow.config.places import Place
+from burstcast_workflow.series_fit import misfits
+
+Settings = Mapping[str, Any]
+
+
+def contradictions(config: Settings) -> list[str]:
+    """Check what the model cannot; one message for each thing that is wrong.
+
+    Cases that the campaign does not use are not looked at: an overlay may shorten the series of all
+    cases without adjusting those that it leaves out.
+    """
+    problems = [
+        *_related(config, Configuration),
+        *_campaign(config),
+        *_figures(config),
+    ]
+    cases_of: dict[str, list[str]] = {}
+    for name in campaign_cases(config):
+        if name in _known_cases(config):
+            for problem in _case(config, name):
+                cases_of.setdefault(problem, []).append(name)
+    for problem, names in cases_of.items():
+        problems.append(f"case{'s' if len(names) > 1 else ''} {', '.join(names)}: {problem}")
+    return list(dict.fromkeys(problems))
+
+
+# -- bounds that are other settings ----------------------------------------------------------------
+
+
+def _is_multiple(value: float, unit: float) -> bool:
+    """Whether value is unit times 1, 2, 3, ..., up to rounding errors."""
+    ratio = value / unit
+    return round(ratio) >= 1 and math.isclose(ratio, round(ratio), rel_tol=1e-9)
+
+
+_HOLDS: dict[str, Callable[[Any, Any], bool]] = {
+    "below": lambda value, other: value < other,
+    "at_most": lambda value, other: value <= other,
+    "not_beyond": lambda value, other: value <= other,
+    "multiple_of": _is_multiple,
+    "one_of": lambda value, other: value in other,
+}
+
+
+def _related(settings: Settings, model: type[Section]) -> Iterator[str]:
+    """Check the settings of a model against those that bound them."""
+    for place in Place(model).settings():
+        # what bounds a setting of a case is in the same case
+        in_case = place.name.startswith("case_defaults.")
+        if in_case or (place.when and not _at(settings, place.when)):
+            continue
+        for relation, other in place.relations.items():
+            factors = [_at(settings, factor) for factor in other.split(" * ")]
+            bound = factors[0] if len(factors) == 1 else math.prod(factors)
+            value = _at(settings, place.name)
+            for item in value if isinstance(value, list) else [value]:
+                if bound not in (None, []) and not _HOLDS[relation](item, bound):
+                    verb = "has" if isinstance(value, list) else "is"
+                    limit = ", ".join(map(str, bound if isinstance(bound, list) else [bound]))
+                    yield f"{place.name} {verb} {item}; it {RELATIONS[relation]} {other}, {limit}"
+
+
+def _at(settings: Settings, name: str) -> Any:
+    """Value of a setting; in the blocks of the campaign, all its values."""
+    value: Any = settings
+    for part in name.split("."):
+        if isinstance(value, list):
+            return sorted({item for block in value for item in block[part]})
+        value = value[part]
+    return value
+
+
+# -- between sections ------------------------------------------------------------------------------
+
+
+def _known_cases(config: Settings) -> list[str]:
+    """Names with an entry in ``cases``, and those of Reynolds numbers, which need none."""
+    numbers = [value for block in config["campaign"] for value in block.get("reynolds", [])]
+    return list(dict.fromkeys([*config["cases"], *map(case_name, numbers)]))
+
+
+def _campaign(config: Settings) -> Iterator[str]:
+    connectivity, known = config["network"]["connectivity"], _known_cases(config)
+    for index, block in enumerate(config["campaign"]):
+        place = f"campaign[{index}]"
+        if not block_cases(block):
+            yield f"{place} names no case: give it reynolds: [...] or cases: [...]"
+        for name in block.get("cases", []):
+            if name not in known:
+                yield f"{place}.cases: there is no case {name} in cases; {suggestion(name, known)}"
+        smallest = min(block["neurons"])
+        if connectivity > smallest - 1:
+            yield (
+                f"network.connectivity is {connectivity}, but a reservoir of {smallest} neurons "
+                f"({place}.neurons) has at most {smallest - 1} connections per neuron"
+            )
+    used = campaign_cases(config)
+    for name in config["control"]["sweep"]["cases"]:
+        if name not in used:
+            yield f"control.sweep.cases: the campaign has no case {name}; {suggestion(name, used)}"
+
+
+def _figures(config: Settings) -> Iterator[str]:
+    figures = config["figures"]
+    name, neurons = figures["example_case"], figures["example_neurons"]
+    validation, seed = figures["example_validation"], figures["example_seed"]
+    if not any(
+        name in block_cases(block)
+        and neurons in block["neurons"]
+        and validation in block["validation"]
+        and seed < block["seeds"]
+        for block in config["campaign"]
+    ):
+        yield (
+            f"the example network of the figures ({name}, {neurons} neurons, {validation}, seed "
+            f"{seed}) is not part of the campaign: change figures.example_case, example_neurons, "
+            "example_validation or example_seed"
+        )
+    if name in _known_cases(config):
+        record = case_record(config, name)
+        threshold, peak = record["event_threshold"], figures["flow_event"]["peak"]
+        if not peak > threshold and _is_flow(record):
+            yield (
+                f"figures.flow_event.peak is {peak}; it must be above the event_threshold of "
+                f"{name}, {threshold}"
+            )
+
+
+def _is_flow(record: Settings) -> bool:
+    """Whether the figures of the flow are drawn for a case."""
+    try:
+        return flow_modes(make_system(record["system"], record["parameters"])) is not None
+    except ValueError:  # told with the case
+        return False
+
+
+# -- cases -----------------------------------------------------------------------------------------
+
+
+def _case(config: Settings, name: str) -> Iterator[str]:
+    record = case_record(config, name)
+    if incomplete := model_problems(record, Case):  # an actuation where case_defaults has none
+        yield from incomplete
+        return
+    yield from _related(record, Case)
+    yield from _system(name, record)
+    ensemble, lyapunov = record["ensemble"], record["lyapunov"]
+    training, test = record["training"]["series"], record["test_series"]
+    if training + test > ensemble["series"]:
+        yield (
+            f"training.series and test_series are {training} and {test}; together they must be at "
+            f"most ensemble.series, {ensemble['series']}"
+        )
+    control = config["control"]
+    start = record["actuation"]["start_lt"] if record["actuation"] else 0
+    for time in control["prediction_times_lt"] if control["validation"] else []:
+        if time + start < 0:
+            yield (
+                f"control.prediction_times_lt has {time}, but an actuation that starts at "
+                f"actuation.start_lt, {start}, would then begin before its alarm"
+            )
+    if lyapunov["time_unit"] == "published" and lyapunov["published_exponent"] is not None:
+        interval = ensemble["time_step"] * ensemble["sampling_stride"]
+        try:
+            steps = durations.steps_per_lyapunov_time(lyapunov["published_exponent"], interval)
+        except ValueError as error:
+            yield f"lyapunov.published_exponent: {error}"
+        else:
+            # both ends of a series are sampled
+            samples = math.floor(ensemble["duration"] / interval + 1e-9) + 1
+            yield from misfits(config, record, samples, steps)
+
+
+def _system(name: str, record: Settings) -> Iterator[str]:
+    parameters, ensemble, actuation = record["parameters"], record["ensemble"], record["actuation"]
+    reynolds = parameters.get("reynolds")
+    if name.startswith("Re") and reynolds is not None and _is_reynolds_of_another(name, reynolds):
+        yield f"parameters.reynolds is {reynolds}, which contradicts the name {name}: leave it out"
+    try:
+        dimension = make_system(record["system"], parameters).dimension
+    except ValueError as error:
+        yield f"system or parameters: {error}"
+        return
+    state, component = len(ensemble["initial_state"]), ensemble["perturbed_component"]
+    of_system = f"the system {record['system']}"
+    if state != dimension:
+        yield f"ensemble.initial_state has {state} numbers; {of_system} needs {dimension}"
+    if component > dimension:
+        yield (
+            f"ensemble.perturbed_component is {component}; {of_system} has the components 1 to "
+            f"{dimension}"
+        )
+    if actuation is not None:
+        try:
+            make_system(record["system"], {**parameters, **actuation["parameters"]})
+        except ValueError as error:
+            yield f"actuation.parameters: {error}"
+        if actuation["force"] is not None and len(actuation["force"]) != dimension:
+            yield f"actuation.force has {len(actuation['force'])} numbers; it needs {dimension}"
+
+
+def _is_reynolds_of_another(name: str, reynolds: float) -> bool:
+    try:
+        return float(name.removeprefix("Re")) != reynolds
+    except ValueError:  # a name such as Reference
+        return False

@@ -1,0 +1,109 @@
+"""What settings are made of: kinds of values, and sections of settings."""
+
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic_core import PydanticCustomError
+
+T = TypeVar("T")
+
+
+class Words(str):
+    """What is allowed, in words, where they are clearer than those made from type and bounds."""
+
+
+def _whole(value: Any) -> Any:
+    """Take 3.0 for the whole number that it is."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _distinct(values: list[T]) -> list[T]:
+    for index, value in enumerate(values):
+        if value in values[:index]:
+            raise PydanticCustomError("between", f"has {value} twice")
+    return values
+
+
+def _rising(ends: list[float]) -> list[float]:
+    if not ends[0] < ends[1]:
+        text = f"is {[_whole(end) for end in ends]}; the first number must be below the second"
+        raise PydanticCustomError("between", text)
+    return ends
+
+
+_PAIR = Field(min_length=2, max_length=2)
+_RESERVED = "nan|NaN|inf|Inf|infinity|Infinity|true|True|false|False|tables|figures|logs|benchmarks"
+
+Whole = Annotated[int, BeforeValidator(_whole)]
+Count = Annotated[Whole, Field(ge=1)]
+Size = Annotated[Whole, Field(ge=2, le=100_000)]
+Positive = Annotated[float, Field(gt=0)]
+Distinct = Annotated[list[T], AfterValidator(_distinct)]
+Some = Annotated[list[T], Field(min_length=1), AfterValidator(_distinct)]
+Range = Annotated[
+    list[float], _PAIR, Words("[low, high], two rising numbers"), AfterValidator(_rising)
+]
+PositiveRange = Annotated[
+    list[Positive], _PAIR, Words("[low, high], two rising numbers above 0"), AfterValidator(_rising)
+]
+Strategy = Literal["SSV", "RV"]
+CaseName = Annotated[
+    str,
+    Field(pattern=rf"^(?!(?:{_RESERVED}|report)\Z)[A-Za-z][A-Za-z0-9_.-]*\Z"),
+    Words(
+        "a letter, then letters, digits, _, - and . (not tables, figures, logs, benchmarks or "
+        "report, nor what reads as a number or truth value)"
+    ),
+]
+ParameterName = Annotated[
+    str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*\Z"), Words("the name of a parameter of the system")
+]
+SystemName = Annotated[
+    str,
+    Field(pattern=r"^[a-z][a-z0-9_]*\Z"),
+    Words("the name of a module of burstcast.systems, such as mfe"),
+]
+Directory = Annotated[
+    str,
+    Field(pattern=r"^[^\s{}*?](?:[^{}*?]*[^\s{}*?])?\Z"),
+    Words("the path of a directory, without braces, *, ? or spaces around it"),
+]
+
+
+class Section(BaseModel):
+    """Settings under one name; the docstring of a section describes it in messages."""
+
+    model_config = ConfigDict(
+        strict=True,
+        extra="forbid",
+        allow_inf_nan=False,
+        regex_engine="python-re",
+        defer_build=True,  # only the outermost one validates
+    )
+
+
+# what can be asked of a setting relative to another: names of arguments of `setting`, in words
+RELATIONS = {
+    "below": "must be below",
+    "at_most": "must be at most",
+    "not_beyond": "must not be beyond",
+    "multiple_of": "must be a multiple of",
+    "one_of": "must be one of",
+}
+
+
+def setting(meaning: str, unit: str = "", when: str = "", **bounds: Any) -> Any:
+    """Describe a setting: its meaning, its unit, and bounds beyond those of its type.
+
+    A bound of `RELATIONS` names another setting (or a product of them, ``a * b``): from the root of
+    the configuration, and in a case from the root of the case. If ``when`` names one, too, these
+    bounds only hold where it is not empty. Names that end in ``_lt`` tell their unit.
+    """
+    relations = {key: bounds.pop(key) for key in RELATIONS if key in bounds}
+    extra: dict[str, Any] = {"unit": unit, "when": when, "relations": relations}
+    return Field(description=meaning, json_schema_extra=extra, **bounds)
+
+
+def is_section(kind: Any) -> bool:
+    """Whether a type is a section of settings."""
+    return isinstance(kind, type) and issubclass(kind, Section)

@@ -1,0 +1,90 @@
+"""Loading a configuration: checked, and in canonical form.
+
+Everything that can be wrong is told at once, before any job, in messages that name the setting.
+"""
+
+import os
+import posixpath
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from burstcast_workflow.canonical import canonical
+from burstcast_workflow.config.cases import Config
+from burstcast_workflow.config.checks import contradictions
+from burstcast_workflow.config.messages import model_problems
+from burstcast_workflow.config.model import Configuration
+
+# libyaml's loader where there is one: ten times as fast
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class ConfigError(ValueError):
+    """A configuration with mistakes; ``problems`` has one message for each."""
+
+    def __init__(self, problems: list[str]) -> None:
+        self.problems = problems
+        if len(problems) == 1:
+            text = f"The configuration has a mistake: {problems[0]}"
+        else:
+            listed = "\n".join(f"  {number}. {text}" for number, text in enumerate(problems, 1))
+            text = f"The configuration has {len(problems)} mistakes:\n{listed}"
+        super().__init__(text)
+
+
+def load(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> Config:
+    """Check a configuration as Snakemake merged it, and put it in canonical form.
+
+    Parameters
+    ----------
+    config
+        The content of config.yaml with everything laid over it.
+    files
+        The files that it was read from, to be searched for keys that are there twice.
+
+    Raises
+    ------
+    ConfigError
+        If anything is wrong with it.
+    """
+    config = dict(config)
+    problems = duplicated_keys(files)
+    problems += model_problems(config, Configuration) or contradictions(config)
+    if problems:
+        raise ConfigError(problems)
+    loaded: Config = canonical(config, "config")
+    loaded["results"] = posixpath.normpath(loaded["results"])
+    return loaded
+
+
+def duplicated_keys(paths: Iterable[str | Path]) -> list[str]:
+    """Find keys that a YAML file has twice, the first of which would be lost in silence.
+
+    Returns
+    -------
+    list of str
+        A message for each, with file, line and key.
+    """
+    problems: list[str] = []
+    for path in dict.fromkeys(map(os.path.relpath, paths)):
+        # what is no YAML is JSON: Snakemake has read it already
+        with Path(path).open(encoding="utf-8") as file, suppress(yaml.YAMLError):
+            problems += [f"{path}, {text}" for text in _duplicated(yaml.compose(file, _LOADER), "")]
+    return problems
+
+
+def _duplicated(node: yaml.Node | None, name: str) -> Iterator[str]:
+    if isinstance(node, yaml.SequenceNode):
+        for index, item in enumerate(node.value):
+            yield from _duplicated(item, f"{name}[{index}]")
+    if isinstance(node, yaml.MappingNode):
+        lines: dict[tuple[str, str], int] = {}
+        for key, value in node.value:
+            line, below = key.start_mark.line + 1, f"{name}.{key.value}".removeprefix(".")
+            if first := lines.get(known := (key.tag, str(key.value))):
+                yield f"line {line}: the key {below} is there already, in line {first}"
+            lines.setdefault(known, line)
+            yield from _duplicated(value, below)

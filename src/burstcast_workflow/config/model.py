@@ -1,0 +1,334 @@
+"""The model of the configuration: every setting with its type, bounds, unit and meaning.
+
+Messages about mistakes are made from it, and docs/settings.md. A bound may be another setting;
+`burstcast_workflow.config.checks` has what else must hold between settings.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from burstcast_workflow.config.kinds import (
+    CaseName,
+    Count,
+    Directory,
+    Distinct,
+    ParameterName,
+    Positive,
+    PositiveRange,
+    Range,
+    Section,
+    Size,
+    Some,
+    Strategy,
+    SystemName,
+    Whole,
+    Words,
+    setting,
+)
+
+TIME = "time units"
+OBSERVABLE = "units of the observable"
+RESOLUTION = "classification.resolution_lt"
+SIZES = "campaign.neurons"
+CONTROL = "control.validation"
+TIMES = "classification.prediction_times_lt"
+
+
+class Block(Section):
+    """Block of the campaign: cases x neurons x validation strategies x seeds."""
+
+    reynolds: Some[Positive] = setting(
+        "Reynolds numbers; each names the case Re<value> of the shear flow", default=[]
+    )
+    cases: Some[CaseName] = setting("names of entries of `cases`", default=[])
+    neurons: Some[Size] = setting("sizes of the reservoir")
+    validation: Some[Strategy] = setting("strategies: Single Shot (SSV), Recycle (RV)")
+    seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1")
+
+
+class Ensemble(Section):
+    """The time series that all data come from."""
+
+    series: Whole = setting("number of series that are generated", ge=2)
+    initial_state: list[float] = setting(
+        "initial state that all series share, one number per component", min_length=1
+    )
+    perturbed_component: Count = setting("perturbed component of the initial state, counted from 1")
+    perturbation: Positive = setting(
+        "largest perturbation; each series draws its own from [0, perturbation]",
+        "units of the component",
+    )
+    time_step: Positive = setting("time step of the Runge-Kutta scheme", TIME)
+    sampling_stride: Count = setting("integration steps in one step of the networks")
+    transient: Positive = setting(
+        "beginning of each series that is dropped", TIME, multiple_of="ensemble.time_step"
+    )
+    duration: Positive = setting(
+        "part of each series that is kept",
+        TIME,
+        multiple_of="ensemble.time_step * ensemble.sampling_stride",
+    )
+
+
+class Lyapunov(Section):
+    """The Lyapunov exponents."""
+
+    time_unit: Literal["published", "computed"] = setting(
+        "the exponent that sets the Lyapunov time"
+    )
+    published_exponent: float | None = setting(
+        "published leading exponent; null if there is none", "inverse time units", gt=0
+    )
+    series: Whole = setting("trajectories that the exponents are averaged over", ge=2)
+    orthonormalisation_interval: Positive = setting(
+        "time between two QR factorisations", TIME, multiple_of="ensemble.time_step"
+    )
+    perturbation: Positive = setting(
+        "initial distance of neighbouring trajectories",
+        "attractor sizes",
+        le=1,
+        below="lyapunov.saturation",
+    )
+    saturation: Positive = setting(
+        "distance of neighbouring trajectories at which growth is no longer linear",
+        "attractor sizes",
+        le=1,
+    )
+
+
+class Training(Section):
+    """Training data."""
+
+    series: Count = setting("number of series that networks are trained on")
+    noise: float = setting(
+        "standard deviation of the observation noise", "standard deviations of each component", ge=0
+    )
+
+
+class Density(Section):
+    """Bins of the observable's probability density."""
+
+    bins: Whole = setting("number of bins", ge=2)
+    range: Range = setting("lower and upper end of the bins", OBSERVABLE)
+
+
+class Stuck(Section):
+    """When a long forecast has settled on a fixed point."""
+
+    variation: float = setting("smallest variation of the observable in motion", OBSERVABLE, ge=0)
+    above: float = setting("observable above which a settled forecast is discarded", OBSERVABLE)
+
+
+class Actuation(Section):
+    """What an alarm sets off; null where the case is not controlled."""
+
+    parameters: dict[ParameterName, float] = setting(
+        "parameters of the equations during an actuation"
+    )
+    force: Annotated[list[float] | None, Words("a list of numbers, or null")] = setting(
+        "constant force on each component of the state; null for none"
+    )
+    start_lt: float = setting("start of the actuation, from the start of the alarm's window")
+    duration_lt: Positive = setting("how long the actuation lasts")
+
+
+class RecycleValidation(Section):
+    """Intervals of Recycle Validation."""
+
+    series: Count = setting("training series with validation intervals", at_most="training.series")
+    intervals_per_series: Count = setting(
+        "validation intervals in each, end to end after the washout"
+    )
+
+
+class Case(Section):
+    """A dynamical system with its dataset: what every case starts from."""
+
+    system: SystemName = setting("the equations, a module of burstcast.systems")
+    parameters: dict[ParameterName, float] = setting("parameters of the equations")
+    event_threshold: float = setting(
+        "value of the observable that an extreme event reaches, k_e",
+        OBSERVABLE,
+        below="laminarisation_threshold",
+    )
+    laminarisation_threshold: float | None = setting(
+        "value of the observable beyond which a series is discarded, k_l; null keeps all",
+        OBSERVABLE,
+    )
+    ensemble: Ensemble
+    lyapunov: Lyapunov
+    training: Training
+    density: Density
+    stuck: Stuck
+    controlled_density: Density = setting("bins of the observable's density under control")
+    actuation: Actuation | None
+    test_series: Count = setting("number of series that forecasts are classified on")
+    recycle_validation: RecycleValidation
+
+
+class Network(Section):
+    """Echo state network."""
+
+    connectivity: Positive = setting("mean number of connections of a neuron")
+    input_bias: float = setting("constant that is appended to the normalised inputs, b_in")
+    washout_lt: Positive = setting(
+        "open loop that is dropped before training and before a forecast"
+    )
+    divergence_bound: float = setting(
+        "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
+    )
+    kernel: Literal["compiled", "scipy"] = setting("implementation of the reservoir's dynamics")
+
+
+class Search(Section):
+    """Search of the hyperparameters."""
+
+    spectral_radius: PositiveRange = setting("range of the spectral radius, on a logarithmic scale")
+    input_scaling: PositiveRange = setting("range of the input scaling, on a logarithmic scale")
+    tikhonov: Some[Positive] = setting("Tikhonov parameters, the best of which is taken")
+    grid: Whole = setting("grid points per direction, corners included", ge=2, le=100)
+    bayesian_points: Whole = setting(
+        "points of Bayesian optimisation after the grid", ge=0, le=1000
+    )
+    interval_lt: Positive = setting("length of a validation interval")
+
+
+class Classification(Section):
+    """Precision and recall of the prediction of extreme events."""
+
+    start_spacing_lt: Positive = setting("distance of two starting points")
+    window_lt: Positive = setting("window that has an event or has none", multiple_of=RESOLUTION)
+    resolution_lt: Positive = setting("forecasts are reduced to windows of this length")
+    longest_prediction_time_lt: Positive = setting(
+        "how far forecasts reach, plus one window", multiple_of=RESOLUTION
+    )
+    prediction_times_lt: Some[Positive] = setting(
+        "times from a starting point to the window",
+        multiple_of=RESOLUTION,
+        not_beyond="classification.longest_prediction_time_lt",
+    )
+
+
+class Horizon(Section):
+    """Prediction horizon of extreme events."""
+
+    events: Count = setting("number of events")
+    longest_start_lt: Positive = setting("first start of a forecast before the event, tau_e")
+    start_step_lt: Positive = setting(
+        "step by which tau_e falls", at_most="horizon.longest_start_lt"
+    )
+    tolerance: Positive = setting(
+        "error of a forecast that counts as lost",
+        "distances of the event threshold from the observable's mean",
+    )
+
+
+class Statistics(Section):
+    """Long-term statistics of the networks' own flow."""
+
+    validation: Distinct[Strategy] = setting(
+        "strategies whose networks are run; none: no statistics"
+    )
+    starting_points: Count = setting("closed loops of each network, started in the training series")
+    start_spacing_lt: Positive = setting("time between two starting points")
+    duration: Positive = setting("length of each closed loop", TIME)
+    stuck_interval_lt: Positive = setting("end of a closed loop, which shows whether it settled")
+    profile_points: Whole = setting("heights of the velocity profiles, from wall to wall", ge=3)
+    floor_splits: Count = setting("random halves of the data that are compared with one another")
+
+
+class Sweep(Section):
+    """Reduction against the prediction time, beyond the paper."""
+
+    cases: Distinct[CaseName] = setting("cases that the sweep is made for; none switches it off")
+    prediction_times_lt: Distinct[Positive] = setting("prediction times")
+    seeds: Count = setting("networks of the first seeds")
+
+
+class Control(Section):
+    """Prediction-triggered control."""
+
+    neurons: Distinct[Size] = setting(
+        "sizes of the reservoir whose networks control", one_of=SIZES, when=CONTROL
+    )
+    validation: Distinct[Strategy] = setting("strategies whose networks control; none: no control")
+    prediction_times_lt: Distinct[Positive] = setting("prediction times")
+    window_lt: Positive = setting("length of the window that a forecast is judged in")
+    flows: Count = setting("series that each network controls, taken after the training series")
+    span_lt: Positive = setting("how long each flow counts")
+    references: Distinct[Literal["equations", "random"]] = setting(
+        "what the networks are compared with"
+    )
+    sweep: Sweep
+
+
+class Bootstrap(Section):
+    """Confidence intervals of scores, resampled over test series."""
+
+    resamples: Whole = setting("number of resamples", ge=10, le=1_000_000)
+    confidence: Positive = setting("probability that an interval covers", lt=1)
+
+
+class FlowEvent(Section):
+    """The event of the test set whose flow is shown."""
+
+    peak: float = setting("wanted peak of the observable", OBSERVABLE)
+    quiet_lt: float = setting("time without another event before the event and after it", ge=0)
+    longest_lt: Positive = setting("longest time from the event's first rise to its breakdown")
+    lead_lt: float = setting("from the start of the forecast to the event's first rise", ge=0)
+    tolerance: Positive = setting(
+        "largest distance of the forecast from the true state through the event",
+        "largest distance of a state from zero in the training series",
+    )
+
+
+class Figures(Section):
+    """What the figures show."""
+
+    published_overlay: bool = setting("draw the paper's published values on ours")
+    example_case: CaseName = setting("case of the network whose forecasts are shown as examples")
+    example_neurons: Size = setting("size of the reservoir of the example")
+    example_validation: Strategy = setting("validation strategy of the example")
+    example_seed: Whole = setting("seed of the example, counted from 0", ge=0)
+    example_prediction_time_lt: Positive = setting("prediction time of the examples", one_of=TIMES)
+    example_horizon_lt: Positive = setting("horizon of the example event; the nearest one is shown")
+    fixed_neurons: Size = setting("size of the reservoir where panels hold it fixed", one_of=SIZES)
+    fixed_prediction_time_lt: Positive = setting("prediction time that panels share", one_of=TIMES)
+    reynolds_prediction_times_lt: Some[Positive] = setting(
+        "prediction times of the figure over the Reynolds number", one_of=TIMES
+    )
+    flow_event: FlowEvent
+    flow_points: list[Annotated[Whole, Field(ge=5, le=1000)]] = setting(
+        "points of the grid on which flow fields are drawn, along x, y and z",
+        min_length=3,
+        max_length=3,
+    )
+    isosurface_level: Positive = setting(
+        "vorticity of the isosurfaces", "largest vorticity shown", lt=1
+    )
+    control_prediction_time_lt: Positive = setting(
+        "prediction time of the suppressed event that is shown",
+        one_of="control.prediction_times_lt",
+        when=CONTROL,
+    )
+
+
+class Configuration(Section):
+    """Configuration of a campaign."""
+
+    results: Directory = setting("directory of everything that the workflow writes")
+    # the files of the networks hold it, as an unsigned number of 64 bits
+    random_seed: Whole = setting("the one root of all random numbers", ge=0, lt=2**64)
+    campaign: list[Block] = setting("networks to make: the union of these blocks", min_length=1)
+    case_defaults: Case
+    # an entry is a part of a case: `burstcast_workflow.config.messages` lets it leave settings out
+    cases: dict[CaseName, Case] = setting("what differs from case_defaults, by case")
+    network: Network
+    search: Search
+    classification: Classification
+    horizon: Horizon
+    statistics: Statistics
+    control: Control
+    bootstrap: Bootstrap
+    figures: Figures

@@ -1,0 +1,67 @@
+"""The reference of all settings, made from the model and config.yaml.
+
+``python -m burstcast_workflow.config.reference > docs/settings.md``, where config.yaml is.
+"""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from burstcast_workflow.config.kinds import RELATIONS
+from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.config.places import Place
+
+_HEAD = """\
+# Settings
+
+Every setting of a configuration, with its default from [config.yaml](../config.yaml). `campaign` is
+a list of blocks. An entry of `cases` may have any settings of `case_defaults`, which it overrides.
+
+This page is made by `python -m burstcast_workflow.config.reference > docs/settings.md`.
+"""
+_COLUMNS = ("Setting", "Allowed", "Unit", "Default", "Meaning")
+
+
+def text(config: Mapping[str, Any]) -> str:
+    """Text of the reference, with the defaults of a configuration."""
+    return _HEAD + "".join(f"{line}\n" for line in _lines(config))
+
+
+def _lines(config: Mapping[str, Any]) -> Iterator[str]:
+    for name in Configuration.model_fields:
+        section = Place(Configuration).below(name)
+        yield from (
+            "",
+            f"## {name}",
+            "",
+            f"{section.meaning[:1].upper()}{section.meaning[1:]}.",
+            "",
+        )
+        yield from (_row(_COLUMNS), _row(["---"] * len(_COLUMNS)))
+        for place in (section, *section.settings()):
+            if not place.fields:
+                others = [f"{RELATIONS[key]} `{other}`" for key, other in place.relations.items()]
+                unless = [f"unless `{place.when}` is empty"] if place.when else []
+                allowed = "; ".join([place.allowed(), *others, *unless])
+                default = _default(config, place.name)
+                yield _row([f"`{place.name}`", allowed, place.unit, default, place.meaning])
+
+
+def _default(config: Any, name: str) -> str:
+    """Value in config.yaml, unless it is a long list."""
+    if name.startswith(("campaign", "cases")):
+        return "see config.yaml"
+    for part in name.split("."):
+        config = config[part]
+    return f"`{json.dumps(config)}`"
+
+
+def _row(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells).replace('<', '&lt;')} |"
+
+
+if __name__ == "__main__":
+    print(text(yaml.safe_load(Path("config.yaml").read_text(encoding="utf-8"))), end="")
