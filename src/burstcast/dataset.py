@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from burstcast import random_streams
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate_observed
 
 SERIES_PER_BATCH = 1000
@@ -29,7 +29,7 @@ class KeptSeries:
         Sampled states, ``(kept, time, component)``.
     """
 
-    index: npt.NDArray[np.int64]
+    index: IntArray
     states: FloatArray
 
 

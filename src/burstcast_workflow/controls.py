@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from burstcast import durations, random_streams
+from burstcast.arrays import FloatArray
 from burstcast.control.accounting import Accounting, account
 from burstcast.control.actuation import Actuation, actuated_system
 from burstcast.control.flows import ControlledFlows, follow
@@ -17,7 +18,7 @@ from burstcast.control.timing import Timing
 from burstcast.dataset import component_scales, observe
 from burstcast.forecast.base import Forecaster
 from burstcast.forecast.forecasters import EquationsForecaster
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
 from burstcast_workflow.statistics_files import bin_edges
 from burstcast_workflow.storage import (

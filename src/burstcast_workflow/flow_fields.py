@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from burstcast.arrays import FloatArray
 from burstcast.statistics.profiles import flow_modes
-from burstcast.systems.base import FloatArray
 from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes
 from burstcast.systems.registry import make_system
 

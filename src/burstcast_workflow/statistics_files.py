@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from burstcast.arrays import FloatArray
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.measures import nearest
 from burstcast.statistics.profiles import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
-from burstcast.systems.base import FloatArray
 from burstcast_workflow.storage import Variable, read_netcdf, write_netcdf
 
 

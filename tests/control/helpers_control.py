@@ -5,10 +5,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import Actuation
-from burstcast.control.monitor import BoolArray, IntArray, Monitor
+from burstcast.control.monitor import Monitor
 from burstcast.control.timing import Timing
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import step
 
 PAPER = Timing(

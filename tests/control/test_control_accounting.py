@@ -6,6 +6,7 @@ from helpers_control import PlainFlow, Rotor, plain_flow, table_monitor, washout
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from burstcast.arrays import FloatArray
 from burstcast.control.accounting import (
     Accounting,
     account,
@@ -17,7 +18,6 @@ from burstcast.control.flows import ControlledFlows, Forecasts, follow
 from burstcast.control.monitor import ForecastMonitor, RandomMonitor, most_forecasts
 from burstcast.control.timing import Timing
 from burstcast.forecast.forecasters import EquationsForecaster
-from burstcast.systems.base import FloatArray
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 

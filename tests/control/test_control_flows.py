@@ -6,13 +6,13 @@ from helpers_control import PAPER, Rotor, TableMonitor, plain_flow, table_monito
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from burstcast.arrays import FloatArray
 from burstcast.control import flows as flows_module
 from burstcast.control.actuation import Actuation, actuated_system
 from burstcast.control.flows import ControlledFlows, follow
 from burstcast.control.monitor import ForecastMonitor, most_forecasts
 from burstcast.control.timing import Timing
 from burstcast.forecast.forecasters import EquationsForecaster
-from burstcast.systems.base import FloatArray
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 

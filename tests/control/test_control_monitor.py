@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from helpers_control import PAPER
 
+from burstcast.arrays import FloatArray
 from burstcast.control.monitor import ForecastMonitor, RandomMonitor, most_forecasts
 from burstcast.control.timing import Timing
 from burstcast.forecast.forecasters import Forecaster
-from burstcast.systems.base import FloatArray
 
 TIMING = Timing(
     prediction_time_lt=1.0,

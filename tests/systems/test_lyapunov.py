@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate, integrate_observed, step
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import (

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.flows import ControlledFlows, Forecasts
-from burstcast.control.monitor import BoolArray, IntArray
-from burstcast.systems.base import FloatArray
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ Source: section "Control of extreme events" of the paper, figure of a suppressed
 
 import numpy as np
 
-from burstcast.systems.base import FloatArray
+from burstcast.arrays import FloatArray
 
 
 def suppressed_event_times(

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import Actuation
 from burstcast.control.monitor import (
-    BoolArray,
-    IntArray,
     Monitor,
     crosses_in_window,
     most_forecasts,
 )
 from burstcast.control.timing import Timing
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
 
 FLOWS_PER_BATCH = 1024

@@ -7,16 +7,10 @@ import abc
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.timing import Timing
 from burstcast.forecast import windows
 from burstcast.forecast.base import Forecaster
-from burstcast.systems.base import FloatArray
-
-BoolArray = npt.NDArray[np.bool_]
-IntArray = npt.NDArray[np.int64]
 
 
 class Monitor(abc.ABC):

@@ -12,12 +12,10 @@ from itertools import pairwise
 from typing import Literal, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
+from burstcast.arrays import FloatArray
 from burstcast.esn.kernels_scipy import ScipyKernel
 from burstcast.esn.reservoir import Reservoir
-
-FloatArray = npt.NDArray[np.float64]
 
 
 class Kernel(Protocol):

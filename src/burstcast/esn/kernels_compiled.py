@@ -20,7 +20,6 @@ cache notices changes to this file only: all that is compiled must stay in it.
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse
 from llvmlite import ir
 from numba import njit, types
@@ -30,8 +29,7 @@ from numba.core.datamodel.registry import register_default
 from numba.extending import intrinsic, register_jitable
 from numba.np.arrayobj import make_array
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
+from burstcast.arrays import FloatArray, Int32Array
 
 # Trajectories in a tile. Eight leave the processor waiting for results, 32 do not fit its
 # registers. Arrays of tiles are aligned to a cache line, 64 bytes.
@@ -369,7 +367,7 @@ class CompiledKernel:
     def __init__(
         self,
         recurrent: scipy.sparse.csr_array,
-        input_column: IntArray,
+        input_column: Int32Array,
         input_weight: FloatArray,
         input_bias: float,
     ) -> None:
@@ -437,7 +435,7 @@ class CompiledKernel:
         return fed
 
 
-def _even_rows(matrix: scipy.sparse.csr_array) -> tuple[IntArray, IntArray, FloatArray]:
+def _even_rows(matrix: scipy.sparse.csr_array) -> tuple[Int32Array, Int32Array, FloatArray]:
     """Row starts, columns and values with an even number of entries in each row.
 
     An odd row gets one more entry, zero, in the column of the row itself.

@@ -7,11 +7,9 @@ of BLAS would depend on the size of the batch.)
 """
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
+from burstcast.arrays import FloatArray, Int32Array
 
 
 class ScipyKernel:
@@ -31,7 +29,7 @@ class ScipyKernel:
     def __init__(
         self,
         recurrent: scipy.sparse.csr_array,
-        input_column: IntArray,
+        input_column: Int32Array,
         input_weight: FloatArray,
         input_bias: float,
     ) -> None:

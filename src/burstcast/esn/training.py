@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from burstcast.arrays import FloatArray
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import Moments, MomentsAccumulator, Readout, solve_ridge
-from burstcast.systems.base import FloatArray
 
 
 @dataclass(frozen=True)

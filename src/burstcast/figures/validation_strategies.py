@@ -7,12 +7,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.style import (
     DOUBLE_COLUMN,
     GREY,
     LIGHT_GREY,
     TRUTH,
-    FloatArray,
     draw_threshold,
     letter_panels,
     new_figure,

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.systems.base import FloatArray
-
-BoolArray = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -25,10 +23,10 @@ class Counts:
         How many forecasts of each kind there are.
     """
 
-    true_positive: npt.NDArray[np.int64]
-    false_positive: npt.NDArray[np.int64]
-    false_negative: npt.NDArray[np.int64]
-    true_negative: npt.NDArray[np.int64]
+    true_positive: IntArray
+    false_positive: IntArray
+    false_negative: IntArray
+    true_negative: IntArray
 
     @property
     def precision(self) -> FloatArray:
@@ -60,7 +58,7 @@ def ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike) -> FloatArray:
 
 
 def count_by_series(
-    predicted: BoolArray, happened: BoolArray, scored: BoolArray, series: npt.NDArray[np.int64]
+    predicted: BoolArray, happened: BoolArray, scored: BoolArray, series: IntArray
 ) -> Counts:
     """Outcomes in each test series.
 
@@ -79,7 +77,7 @@ def count_by_series(
     """
     number = int(series.max()) + 1 if series.size else 0
 
-    def tally(outcome: BoolArray) -> npt.NDArray[np.int64]:
+    def tally(outcome: BoolArray) -> IntArray:
         return np.bincount(series[outcome & scored], minlength=number).astype(np.int64)
 
     return Counts(
@@ -94,7 +92,7 @@ def score_forecasts(
     forecast: WindowSummaries,
     truth: WindowSummaries,
     washout_maximum: FloatArray,
-    series: npt.NDArray[np.int64],
+    series: IntArray,
     *,
     first_window: int,
     windows: int,
@@ -170,9 +168,7 @@ def bootstrap_interval(
     return intervals
 
 
-def _map(
-    counts: Counts, function: Callable[[npt.NDArray[np.int64]], npt.NDArray[np.int64]]
-) -> Counts:
+def _map(counts: Counts, function: Callable[[IntArray], IntArray]) -> Counts:
     return Counts(
         true_positive=function(counts.true_positive),
         false_positive=function(counts.false_positive),

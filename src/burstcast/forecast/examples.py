@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast import durations
+from burstcast.arrays import FloatArray
 from burstcast.forecast.base import Forecaster
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps
 from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.systems.base import FloatArray
 
 OUTCOMES = ("true positive", "false positive", "false negative")
 

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from burstcast.arrays import BoolArray, FloatArray
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.forecast.base import Forecaster
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
 
 
@@ -34,7 +34,7 @@ class NetworkForecaster(Forecaster):
         """Closed loop (see `Forecaster.advance`)."""
         return self.network.forecast(memory, steps)
 
-    def diverged(self, outputs: FloatArray) -> npt.NDArray[np.bool_]:
+    def diverged(self, outputs: FloatArray) -> BoolArray:
         """Tell which forecasts are not finite or beyond the divergence bound."""
         return self.network.diverged(outputs, self.divergence_bound)
 

@@ -8,11 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from burstcast import durations
+from burstcast.arrays import FloatArray, IntArray
 from burstcast.forecast.base import Forecaster
-from burstcast.systems.base import FloatArray
 
 STEPS_BETWEEN_CHECKS = 16
 """Forecast steps between two looks at which forecasts are decided: changes no result."""
@@ -95,7 +94,7 @@ def accurate_steps(
     washouts: FloatArray,
     truth: FloatArray,
     tolerance: float,
-) -> npt.NDArray[np.int64]:
+) -> IntArray:
     """Steps during which each forecast stays within the tolerance of the truth (paper, eq. 11).
 
     A forecast is given up as soon as it leaves the tolerance.
@@ -204,5 +203,5 @@ def prediction_horizons(
     return horizons
 
 
-def _batches(rows: npt.NDArray[np.int64], size: int) -> list[npt.NDArray[np.int64]]:
+def _batches(rows: IntArray, size: int) -> list[IntArray]:
     return [rows[start : start + size] for start in range(0, len(rows), size)]

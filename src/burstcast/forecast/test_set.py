@@ -6,11 +6,8 @@ Source: sections "Precision and recall" and "Prediction horizon of extreme event
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from burstcast.systems.base import FloatArray
-
-IntArray = npt.NDArray[np.int64]
+from burstcast.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

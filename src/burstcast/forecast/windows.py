@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from burstcast import durations
+from burstcast.arrays import BoolArray, FloatArray
 from burstcast.forecast.base import Forecaster
-from burstcast.systems.base import FloatArray
 
 POINTS_PER_BATCH = 1024
 """Forecasts that run side by side: bounds the memory, changes no result."""
@@ -79,7 +78,7 @@ def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSumm
 
 def crosses(
     summaries: WindowSummaries, first_window: int, windows: int, threshold: float
-) -> npt.NDArray[np.bool_]:
+) -> BoolArray:
     """Whether the observable crosses the threshold in a prediction window.
 
     It does if it is below the threshold at the window's first step and at or above it later on. A
@@ -111,7 +110,7 @@ def forecast_summaries(
     observable: Callable[[FloatArray], FloatArray],
     washouts: FloatArray,
     boundaries: tuple[int, ...],
-) -> tuple[WindowSummaries, npt.NDArray[np.bool_]]:
+) -> tuple[WindowSummaries, BoolArray]:
     """Forecast from many starting points and keep the window summaries.
 
     Parameters

@@ -11,12 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.base import Forecaster
 from burstcast.forecast.test_set import SeriesPoints, starting_points
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator
-from burstcast.systems.base import FloatArray
 
 STEPS_PER_CHUNK = 100
 """Steps between two looks at which trajectories have ended: costs time, changes no result."""
@@ -106,7 +105,7 @@ class Climate:
         Of the kept trajectories.
     """
 
-    fates: npt.NDArray[np.int64]
+    fates: IntArray
     statistics: LongTermStatistics
 
     @property
@@ -245,7 +244,7 @@ def run_climate(
 
 def _ends(
     forecaster: Forecaster, states: FloatArray, values: FloatArray, threshold: float | None
-) -> npt.NDArray[np.int64]:
+) -> IntArray:
     """Fates of trajectories ``(batch,)`` after a chunk, as far as it decides them."""
     diverged = forecaster.diverged(states)
     fates = np.where(diverged, Fate.DIVERGED, Fate.KEPT).astype(np.int64)
@@ -281,9 +280,7 @@ class _StuckDetector:
         self._rest_low = np.full((dimension + 1, points), np.inf)
         self._rest_high = np.full((dimension + 1, points), -np.inf)
 
-    def look(
-        self, rows: npt.NDArray[np.int64], start: int, states: FloatArray, values: FloatArray
-    ) -> npt.NDArray[np.int64]:
+    def look(self, rows: IntArray, start: int, states: FloatArray, values: FloatArray) -> IntArray:
         """Fates (kept or stuck) of some trajectories after the chunk that begins at ``start``."""
         now = start + len(states)
         last = values[max(0, self._steps - self._criterion.interval - start) :]
@@ -300,12 +297,12 @@ class _StuckDetector:
 
     def _settled(
         self,
-        rows: npt.NDArray[np.int64],
+        rows: IntArray,
         start: int,
         now: int,
         states: FloatArray,
         values: FloatArray,
-    ) -> npt.NDArray[np.bool_]:
+    ) -> BoolArray:
         components = np.concatenate([states, values[:, np.newaxis]], axis=1)
         chunk_low, chunk_high = components.min(axis=0), components.max(axis=0)
         low = np.minimum(self._rest_low[:, rows], chunk_low)
@@ -322,5 +319,5 @@ class _StuckDetector:
         long_enough = (now - since >= self._steps - now) & (
             since <= self._steps - self._criterion.interval
         )
-        settled: npt.NDArray[np.bool_] = long_enough & (low[-1] > self._criterion.above)
+        settled: BoolArray = long_enough & (low[-1] > self._criterion.above)
         return settled

@@ -7,11 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from burstcast.systems.base import FloatArray
-
-IntArray = npt.NDArray[np.int64]
+from burstcast.arrays import FloatArray, IntArray
 
 SATURATED_ERROR = 1.0
 """Logarithmic error of a bin that is empty in either density (paper, below the MLE)."""

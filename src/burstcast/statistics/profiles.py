@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes, ProfileMatrices
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
 
 # Trajectories that are integrated together. So many that the cost of a numpy call is spread over
 # many numbers, so few that the states and slopes of a nine-dimensional system stay in the cache.

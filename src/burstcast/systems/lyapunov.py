@@ -13,10 +13,10 @@ the very same trajectories, bit for bit, and stay in the chaotic phase.
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import stdtrit
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import check_batch, combine, step
 
 # Ratio of the weakest to the strongest growth between two orthonormalisations below which the
@@ -56,7 +56,7 @@ class PerturbationGrowth:
     """
 
     exponents: FloatArray
-    restarts: npt.NDArray[np.int64]
+    restarts: IntArray
     duration: float
 
 

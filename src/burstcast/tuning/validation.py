@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from burstcast.arrays import FloatArray
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import Readout, solve_ridge
 from burstcast.esn.training import TrainingSeries, collect
-from burstcast.systems.base import FloatArray
 from burstcast.tuning.plan import ValidationPlan
 
 STRATEGIES = ("SSV", "RV")
