@@ -31,8 +31,6 @@ from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import MomentsAccumulator, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.training import TrainingSeries, collect
-from burstcast.forecast.base import Forecaster
-from burstcast.forecast.forecasters import NetworkForecaster
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecast.test_set import (
     horizon_events,
@@ -41,6 +39,8 @@ from burstcast.forecast.test_set import (
     upward_crossings,
 )
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.statistics.climate import ClimateSettings, climate_starting_points, run_climate
 from burstcast.systems.registry import make_system
 from burstcast.tuning.plan import ValidationPlan

@@ -13,11 +13,13 @@ from burstcast.arrays import FloatArray
 from burstcast.control.accounting import Accounting, account
 from burstcast.control.actuation import Actuation, actuated_system
 from burstcast.control.flows import ControlledFlows, follow
-from burstcast.control.monitor import ForecastMonitor, Monitor, RandomMonitor, most_forecasts
+from burstcast.control.monitors.base import Monitor
+from burstcast.control.monitors.forecast import ForecastMonitor
+from burstcast.control.monitors.random import RandomMonitor
 from burstcast.control.timing import Timing
 from burstcast.dataset import component_scales, observe
-from burstcast.forecast.base import Forecaster
-from burstcast.forecast.forecasters import EquationsForecaster
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.equations import EquationsForecaster
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
 from burstcast_workflow.statistics_files import bin_edges
@@ -101,7 +103,7 @@ class ControlSetting:
 
     def random_monitor(self, alarm_rate: float) -> RandomMonitor:
         """Monitor that raises alarms at random, at a given rate."""
-        occasions = most_forecasts(self.timing)
+        occasions = self.timing.most_forecasts
         draws = np.stack(
             [
                 random_streams.stream(

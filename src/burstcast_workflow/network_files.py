@@ -13,7 +13,7 @@ from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import Reservoir, make_reservoir
 from burstcast.esn.training import TrainingSeries
-from burstcast.forecast.forecasters import NetworkForecaster
+from burstcast.forecasters.esn import NetworkForecaster
 from burstcast_workflow.series_fit import check_kept_series
 from burstcast_workflow.storage import (
     Variable,

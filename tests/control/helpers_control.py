@@ -7,7 +7,7 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import Actuation
-from burstcast.control.monitor import Monitor
+from burstcast.control.monitors.base import Monitor
 from burstcast.control.timing import Timing
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import step

@@ -15,9 +15,10 @@ from burstcast.control.accounting import (
 )
 from burstcast.control.actuation import Actuation, actuated_system
 from burstcast.control.flows import ControlledFlows, Forecasts, follow
-from burstcast.control.monitor import ForecastMonitor, RandomMonitor, most_forecasts
+from burstcast.control.monitors.forecast import ForecastMonitor
+from burstcast.control.monitors.random import RandomMonitor
 from burstcast.control.timing import Timing
-from burstcast.forecast.forecasters import EquationsForecaster
+from burstcast.forecasters.equations import EquationsForecaster
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -258,7 +259,7 @@ def test_the_counts_add_up(
     system = Rotor(0.35)
     actuation = Actuation(Rotor(frequency), start_lt=-1.0, duration_lt=1.5)
     washouts = washouts_of(system, generator.normal(size=(2, 12)), timing)
-    table = generator.random((12, most_forecasts(timing))) < alarm_share
+    table = generator.random((12, timing.most_forecasts)) < alarm_share
     followed = follow(system, washouts, table_monitor(table), actuation, timing, 0.9)
     counts = account(followed, laminarisation_threshold, np.linspace(-4.0, 4.0, 9))
 
@@ -363,7 +364,7 @@ def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
         0.48,
         edges,
     )
-    draws = np.random.default_rng(4).random((200, most_forecasts(timing)))
+    draws = np.random.default_rng(4).random((200, timing.most_forecasts))
     chance = account(
         follow(FLOW, washouts, RandomMonitor(perfect.alarm_rate, draws), RAISED, timing, 0.1),
         0.48,

@@ -10,9 +10,9 @@ from burstcast.arrays import FloatArray
 from burstcast.control import flows as flows_module
 from burstcast.control.actuation import Actuation, actuated_system
 from burstcast.control.flows import ControlledFlows, follow
-from burstcast.control.monitor import ForecastMonitor, most_forecasts
+from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.timing import Timing
-from burstcast.forecast.forecasters import EquationsForecaster
+from burstcast.forecasters.equations import EquationsForecaster
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -30,7 +30,7 @@ def turbulent_washouts(flows: int, timing: Timing) -> FloatArray:
 
 
 def never(flows: int, timing: Timing) -> TableMonitor:
-    return table_monitor(np.zeros((flows, most_forecasts(timing)), dtype=bool))
+    return table_monitor(np.zeros((flows, timing.most_forecasts), dtype=bool))
 
 
 @pytest.mark.parametrize("prediction_time_lt", [1.0, 1.5, 3.0])
@@ -97,7 +97,7 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
     system = Rotor(0.3)
     # what can be about 1, so that some crests are events; threshold 0.9
     washouts = washouts_of(system, generator.normal(size=(2, 6)), timing)
-    table = generator.random((6, most_forecasts(timing))) < 0.4
+    table = generator.random((6, timing.most_forecasts)) < 0.4
     monitor = table_monitor(table)
     followed = follow(system, washouts, monitor, actuation, timing, threshold=0.9, keep_states=True)
     assert followed.controlled_states is not None
@@ -156,7 +156,7 @@ def test_noise_belongs_to_flow_and_step_and_stays_out_of_the_truth() -> None:
     flows = 4
     washouts = turbulent_washouts(flows, timing)
     noise = np.random.default_rng(2).normal(size=(flows, timing.length + 3, 9))
-    table = np.random.default_rng(3).random((flows, most_forecasts(timing))) < 0.5
+    table = np.random.default_rng(3).random((flows, timing.most_forecasts)) < 0.5
     plain, noisy = table_monitor(table), table_monitor(table)
     without = follow(FLOW, washouts, plain, RAISED, timing, np.inf)
     with_noise = follow(FLOW, washouts, noisy, RAISED, timing, np.inf, noise=noise)

@@ -10,8 +10,8 @@ from burstcast.forecast.examples import (
     forecast_observable,
     stretch,
 )
-from burstcast.forecast.forecasters import Forecaster
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
+from burstcast.forecasters.base import Forecaster
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.forecast import horizon
-from burstcast.forecast.forecasters import EquationsForecaster, Forecaster
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps, prediction_horizons
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.equations import EquationsForecaster
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 

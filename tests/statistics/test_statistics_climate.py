@@ -11,7 +11,9 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import make_reservoir
-from burstcast.forecast.forecasters import EquationsForecaster, Forecaster, NetworkForecaster
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.equations import EquationsForecaster
+from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.statistics import climate
 from burstcast.statistics.climate import (
     ClimateSettings,

@@ -9,12 +9,9 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import Actuation
-from burstcast.control.monitor import (
-    Monitor,
-    crosses_in_window,
-    most_forecasts,
-)
+from burstcast.control.monitors.base import Monitor
 from burstcast.control.timing import Timing
+from burstcast.forecast.windows import crosses_in_window
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
 
@@ -301,7 +298,7 @@ class _RunningFlows:
         self._shadow_acting = np.zeros((flows, since_alarm * stride), dtype=bool)
 
         self.occasions = np.zeros(flows, dtype=np.int64)
-        entries = (flows, most_forecasts(timing))
+        entries = (flows, timing.most_forecasts)
         self._forecast_step = np.zeros(entries, dtype=np.int64)
         self._alarm = np.zeros(entries, dtype=bool)
         self._would_cross = np.zeros(entries, dtype=bool)
@@ -383,7 +380,9 @@ class _RunningFlows:
         timing = self._timing
         entry = flows, self.occasions[flows] - 1
         otherwise = self._observable(self._shadow_states[flows, : timing.window_end + 1])
-        self._would_cross[entry] = crosses_in_window(otherwise[1:], timing, self._threshold)
+        self._would_cross[entry] = crosses_in_window(
+            otherwise[1:], timing.window_start, timing.window_end, self._threshold
+        )
         self._would_be_under_way[entry] = otherwise[timing.window_start] >= self._threshold
 
         ends = self.clock[flows]

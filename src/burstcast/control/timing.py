@@ -106,3 +106,8 @@ class Timing:
     def length(self) -> int:
         """Steps of a flow, washout included."""
         return self.counted_until + 1
+
+    @property
+    def most_forecasts(self) -> int:
+        """Most forecasts that a flow can see: one per window, up to the last step that counts."""
+        return (self.window_end + self.span_steps) // self.window_steps + 1

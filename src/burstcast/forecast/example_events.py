@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.forecast.base import Forecaster
 from burstcast.forecast.test_set import SeriesPoints, segments
+from burstcast.forecasters.base import Forecaster
 
 CANDIDATES_PER_BATCH = 64
 """Events that are forecast side by side: bounds the time and memory, changes no result."""

@@ -7,9 +7,9 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.forecast.base import Forecaster
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps
 from burstcast.forecast.windows import WindowSummaries, crosses
+from burstcast.forecasters.base import Forecaster
 
 OUTCOMES = ("true positive", "false positive", "false negative")
 

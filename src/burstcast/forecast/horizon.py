@@ -11,7 +11,7 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.forecast.base import Forecaster
+from burstcast.forecasters.base import Forecaster
 
 STEPS_BETWEEN_CHECKS = 16
 """Forecast steps between two looks at which forecasts are decided: changes no result."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import BoolArray, FloatArray
-from burstcast.forecast.base import Forecaster
+from burstcast.forecasters.base import Forecaster
 
 POINTS_PER_BATCH = 1024
 """Forecasts that run side by side: bounds the memory, changes no result."""
@@ -103,6 +103,25 @@ def crosses(
     below_at_first = summaries.first[:, first_window] < threshold
     largest = summaries.largest[:, span].max(axis=1)
     return np.asarray(below_at_first & (largest >= threshold) & np.isfinite(largest))
+
+
+def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: float) -> BoolArray:
+    """Whether the observable crosses the threshold in one window (see `crosses`).
+
+    Parameters
+    ----------
+    observable
+        ``(steps, batch)``; entry 0 is one step after the forecast was made.
+    start, end
+        Steps from the forecast to the first and to the last step of the window.
+    threshold
+        The event threshold, k_e.
+
+    Returns
+    -------
+    ``(batch,)``.
+    """
+    return crosses(summarise(observable, (start, end)), 0, 1, threshold)
 
 
 def forecast_summaries(

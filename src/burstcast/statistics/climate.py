@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.forecast.base import Forecaster
 from burstcast.forecast.test_set import SeriesPoints, starting_points
+from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator
 
 STEPS_PER_CHUNK = 100

@@ -1,0 +1,44 @@
+"""The monitor that knows nothing: alarms at random, to compare the others with."""
+
+from dataclasses import dataclass
+
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.control.monitors.base import Monitor
+
+
+@dataclass(frozen=True)
+class RandomMonitor(Monitor):
+    """Raises alarms at random: what control achieves without knowing anything.
+
+    Attributes
+    ----------
+    alarm_probability
+        Of each forecast. With the share of forecasts that were alarms under a network
+        (`burstcast.control.accounting.Accounting.alarm_rate`), the flow spends as much time under
+        actuation.
+    draws
+        Uniform random numbers in [0, 1), ``(flows, occasions)``: row i is for flow i, so that what
+        happens in one flow does not depend on the others. `Timing.most_forecasts` bounds the
+        occasions.
+    """
+
+    alarm_probability: float
+    draws: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check the probability.
+
+        Raises
+        ------
+        ValueError
+            If it does not lie in [0, 1].
+        """
+        if not 0 <= self.alarm_probability <= 1:
+            raise ValueError(
+                f"the probability of an alarm must lie in [0, 1], not {self.alarm_probability}"
+            )
+
+    def alarms(self, rows: IntArray, occasions: IntArray, washout: FloatArray) -> BoolArray:
+        """Compare the flows' own random numbers with the probability (see `Monitor.alarms`)."""
+        alarms: BoolArray = self.draws[rows, occasions] < self.alarm_probability
+        return alarms
