@@ -43,8 +43,10 @@ from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.statistics.climate import ClimateSettings, climate_starting_points, run_climate
 from burstcast.systems.registry import make_system
-from burstcast.tuning.plan import ValidationPlan
-from burstcast.tuning.validation import STRATEGIES, validate
+from burstcast.tuning.strategies.base import ValidationPlan
+from burstcast.tuning.strategies.recycle import RecycleValidation
+from burstcast.tuning.strategies.single_shot import SingleShotValidation
+from burstcast.tuning.validation import validate
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.cost_report import forecast_lines, read_campaign
 from burstcast_workflow.costs import SECONDS_PER, CostModel
@@ -59,6 +61,8 @@ TANH_OPERATIONS = 33
 
 
 # --- The machine ---------------------------------------------------------------------------------
+
+STRATEGIES = (SingleShotValidation(), RecycleValidation())
 
 
 def pin_to_one_core() -> None:
@@ -201,8 +205,8 @@ class Data:
         self.plan = ValidationPlan(
             washout=self.steps(self.config["network"]["washout_lt"]),
             interval=self.steps(self.config["search"]["interval_lt"]),
-            recycle_series=recycle["series"],
-            recycle_intervals=recycle["intervals_per_series"],
+            series=recycle["series"],
+            intervals=recycle["intervals_per_series"],
         )
 
     def steps(self, duration_lt: float) -> int:
@@ -402,7 +406,7 @@ class Stages:
         def trial(dynamics: Dynamics) -> None:
             validate(dynamics, data.training, data.system.observable, data.plan, betas, STRATEGIES)
 
-        intervals = data.training.series + data.plan.recycle_series * data.plan.recycle_intervals
+        intervals = data.training.series + data.plan.series * data.plan.intervals
         closed = len(betas) * intervals * data.plan.interval
         opened = self._inputs.shape[0] * self._inputs.shape[2]
         plain = (

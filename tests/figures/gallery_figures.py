@@ -158,8 +158,12 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         TIME,
         burst(TIME, 4.0),
         [
-            ValidationLayout("SSV", (0, 0.5), (0.5, 6.0), np.array([[6.0, 8.0]])),
-            ValidationLayout("RV", (0, 0.5), (0.5, 8.0), np.array([[0.5, 2.5], [2.5, 4.5]])),
+            ValidationLayout(
+                "SSV", "Single Shot Validation", (0, 0.5), (0.5, 6.0), np.array([[6.0, 8.0]])
+            ),
+            ValidationLayout(
+                "RV", "Recycle Validation", (0, 0.5), (0.5, 8.0), np.array([[0.5, 2.5], [2.5, 4.5]])
+            ),
         ],
         THRESHOLD,
     ),
