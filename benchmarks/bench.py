@@ -32,12 +32,7 @@ from burstcast.esn.readout import MomentsAccumulator, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.training import TrainingSeries, collect
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecast.test_set import (
-    horizon_events,
-    segments,
-    starting_points,
-    upward_crossings,
-)
+from burstcast.forecast.test_set import crossing_points, horizon_events, segments, starting_points
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.esn import NetworkForecaster
@@ -484,7 +479,7 @@ class Stages:
         )
         truth = data.truth[data.test]
         events = horizon_events(
-            upward_crossings(truth, threshold),
+            crossing_points(truth, threshold),
             search.steps_before_event,
             16 if self._quick else 128,
         )

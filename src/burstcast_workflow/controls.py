@@ -20,9 +20,9 @@ from burstcast.control.timing import Timing
 from burstcast.dataset import component_scales, observe
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.equations import EquationsForecaster
+from burstcast.statistics.densities import bin_edges
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
-from burstcast_workflow.statistics_files import bin_edges
 from burstcast_workflow.storage import (
     Variable,
     read_json,
@@ -30,7 +30,7 @@ from burstcast_workflow.storage import (
     write_json,
     write_netcdf,
 )
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class ControlSetting:
     def read(cls, settings: Mapping[str, Any], inputs: Any) -> "ControlSetting":
         """Build from a job's settings and inputs (``ensemble``, ``summary``, ``lyapunov``)."""
         system = make_system(settings["system"], settings["parameters"])
-        lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+        lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
         record = settings["actuation"]
         timing = Timing(
             prediction_time_lt=settings["prediction_time_lt"],
@@ -154,10 +154,12 @@ class ControlSetting:
 
     def account(self, followed: ControlledFlows) -> Accounting:
         """Count what control achieved."""
+        density = self.settings["controlled_density"]
+        low, high = density["range"]
         return account(
             followed,
             self.settings["laminarisation_threshold"],
-            bin_edges(self.settings["controlled_density"]),
+            bin_edges(low, high, density["bins"]),
         )
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from burstcast import random_streams
-from burstcast.dataset import component_scales, observe
+from burstcast.dataset import component_scales, observed_series
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
@@ -44,8 +44,8 @@ def training_series(settings: Mapping[str, Any], ensemble: str) -> TrainingSerie
     check_kept_series(kept, {"training.series": training["series"]})
     states = read_rows(ensemble, "state", 0, training["series"])
     scales = component_scales(states)
-    observed = observe(
-        states, 0, training["noise"], scales, settings["random_seed"], "noise", settings["case"]
+    observed = observed_series(
+        states, 0, training["noise"], scales, settings["random_seed"], settings["case"]
     )
     return TrainingSeries(observed=observed, input_range=scales.range)
 

@@ -8,7 +8,7 @@ from burstcast.tuning.hyperparameters import HyperparameterPoint
 from burstcast.tuning.validation import PointValidator, Validation
 from burstcast_workflow.network_files import reservoir, training_series
 from burstcast_workflow.series_fit import check_recycle_validation, check_single_shot_validation
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 from burstcast_workflow.validation_plans import validation_plan
 
 
@@ -28,7 +28,7 @@ def point_validator(settings: Mapping[str, Any], inputs: Any) -> PointValidator:
         If the validation intervals do not fit into the series.
     """
     system = make_system(settings["system"], settings["parameters"])
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = training_series(settings, inputs.ensemble)
     # where the Lyapunov time is computed, this is the first job that can tell
     durations_lt = settings["washout_lt"], settings["interval_lt"]

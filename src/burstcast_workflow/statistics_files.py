@@ -5,20 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from burstcast.arrays import FloatArray
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.measures import nearest
 from burstcast.statistics.profiles import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.storage import Variable, read_netcdf, write_netcdf
-
-
-def bin_edges(density: Mapping[str, Any]) -> FloatArray:
-    """Edges of equal bins from the setting ``density`` of a case."""
-    low, high = density["range"]
-    return np.linspace(low, high, density["bins"] + 1)
 
 
 def write_statistics(

@@ -7,17 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.arrays import FloatArray
-from burstcast.control.accounting import (
-    Accounting,
-    account,
-    largest_suppressed_event,
-    upward_crossings,
-)
+from burstcast.control.accounting import Accounting, account, largest_suppressed_event
 from burstcast.control.actuation import Actuation, actuated_system
 from burstcast.control.flows import ControlledFlows, Forecasts, follow
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.monitors.random import RandomMonitor
 from burstcast.control.timing import Timing
+from burstcast.events import upward_crossings
 from burstcast.forecasters.equations import EquationsForecaster
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt

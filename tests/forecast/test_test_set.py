@@ -6,10 +6,10 @@ from hypothesis.extra import numpy as npst
 
 from burstcast.forecast.test_set import (
     SeriesPoints,
+    crossing_points,
     horizon_events,
     segments,
     starting_points,
-    upward_crossings,
 )
 
 
@@ -48,12 +48,8 @@ def test_crossings_are_rises_to_the_threshold(observable):
         for step in range(1, 12)
         if observable[row, step - 1] < 0.1 <= observable[row, step]
     ]
-    found = upward_crossings(observable, 0.1)
+    found = crossing_points(observable, 0.1)
     assert list(zip(found.series.tolist(), found.step.tolist(), strict=True)) == expected
-
-
-def test_an_event_under_way_at_the_first_step_has_no_start():
-    assert len(upward_crossings(np.array([[0.2, 0.2, 0.0, 0.0]]), 0.1)) == 0
 
 
 def test_horizon_events_are_the_first_that_leave_room():

@@ -111,6 +111,8 @@ def test_scripts_read_every_setting_of_their_rule_and_no_other(name):
     read = set(re.findall(r'settings\["(\w+)"\]', text))
     if "steps_per_lyapunov_time(settings" in text:
         read |= {"sampling_interval", "steps_per_lyapunov_time"}
+    if "validation_plan(settings" in text:
+        read |= {"washout_lt", "interval_lt", "recycle_validation"}
     assert read == given
 
 

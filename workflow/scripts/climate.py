@@ -11,18 +11,19 @@ from burstcast.statistics.climate import (
     climate_starting_points,
     run_climate,
 )
+from burstcast.statistics.densities import bin_edges
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster, training_series
-from burstcast_workflow.statistics_files import bin_edges, write_statistics
+from burstcast_workflow.statistics_files import write_statistics
 from burstcast_workflow.storage import Variable
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the network's long-term statistics and what became of each closed loop."""
     system = make_system(settings["system"], settings["parameters"])
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = training_series(settings, inputs.ensemble)
     washout = durations.steps(settings["washout_lt"], lyapunov_time)
     points = climate_starting_points(
@@ -38,7 +39,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         segments(training.observed, points, washout - 1, 0),
         ClimateSettings(
             steps=round(settings["duration"] / settings["sampling_interval"]),
-            edges=bin_edges(settings["density"]),
+            edges=bin_edges(*settings["density"]["range"], settings["density"]["bins"]),
             laminarisation_threshold=settings["laminarisation_threshold"],
             stuck=StuckCriterion(
                 settings["stuck"]["variation"],

@@ -5,17 +5,17 @@ from typing import Any
 import numpy as np
 
 from burstcast import durations
-from burstcast.dataset import component_scales, observe
-from burstcast.forecast.test_set import SeriesPoints, horizon_events, segments, upward_crossings
+from burstcast.dataset import component_scales, observed_series
+from burstcast.forecast.test_set import SeriesPoints, crossing_points, horizon_events, segments
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.series_fit import check_horizon, check_kept_series
 from burstcast_workflow.storage import Variable, read_netcdf, read_rows, write_json, write_netcdf
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the events, with what was observed and what was true before each of them."""
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = settings["training"]
     kept = read_netcdf(inputs.ensemble, "series")["series"].size
     check_kept_series(kept, {"training.series": training["series"]})
@@ -29,7 +29,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
             f"event_threshold is {settings['event_threshold']}, but it must exceed the mean of the "
             f"observable over all data, {observable.mean():.4g}"
         )
-    crossings = upward_crossings(observable, settings["event_threshold"])
+    crossings = crossing_points(observable, settings["event_threshold"])
     unseen = crossings.series >= training["series"]
     before = (
         durations.steps(settings["longest_start_lt"], lyapunov_time)
@@ -41,13 +41,12 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     )
     first = training["series"]
     last = int(events.series.max()) + 1 if len(events) else first
-    observed = observe(
+    observed = observed_series(
         read_rows(inputs.ensemble, "state", first, last),
         first,
         training["noise"],
         scales,
         settings["random_seed"],
-        "noise",
         settings["case"],
     )
     in_part = SeriesPoints(events.series - first, events.step)

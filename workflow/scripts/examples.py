@@ -20,12 +20,12 @@ from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, read_json, read_netcdf, read_rows, write_netcdf
 from burstcast_workflow.table_files import read_table
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write true and forecast observables of the examples."""
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     observable = make_system(settings["system"], settings["parameters"]).observable
     forecaster = read_forecaster(inputs.network, settings["kernel"])
     variables = {

@@ -10,13 +10,13 @@ from burstcast.tuning.strategies.registry import make_strategy
 from burstcast_workflow.figure_files import write_figure
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_rows
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 from burstcast_workflow.validation_plans import validation_plan
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw where each strategy trains and validates."""
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     observable = read_rows(inputs.ensemble, "observable", 0, 1)[0]
     plan = validation_plan(settings, lyapunov_time)
     length = len(observable)

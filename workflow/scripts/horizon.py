@@ -12,13 +12,13 @@ from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import read_json, read_netcdf
 from burstcast_workflow.table_files import write_table
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the prediction horizon of every event."""
     system = make_system(settings["system"], settings["parameters"])
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     events = read_netcdf(inputs.events)
     mean = read_json(inputs.summary)["mean_observable"]
     horizon = settings["horizon"]

@@ -3,12 +3,13 @@
 from typing import Any
 
 from burstcast import random_streams
+from burstcast.statistics.densities import bin_edges
 from burstcast.statistics.measures import sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
-from burstcast_workflow.statistics_files import bin_edges, write_statistics
+from burstcast_workflow.statistics_files import write_statistics
 from burstcast_workflow.storage import read_json, read_rows
 from burstcast_workflow.table_files import keyed_table, write_table
 
@@ -23,7 +24,11 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         read_rows(inputs.ensemble, "state", start, min(start + SERIES_AT_A_TIME, kept))
         for start in range(0, kept, SERIES_AT_A_TIME)
     )
-    series = reduce_series(blocks, system.observable, bin_edges(settings["density"]))
+    series = reduce_series(
+        blocks,
+        system.observable,
+        bin_edges(*settings["density"]["range"], settings["density"]["bins"]),
+    )
     training = slice(0, settings["training_series"])
     write_statistics(outputs.data, series.merged(slice(None)), provenance)
     write_statistics(outputs.training, series.merged(training), provenance)

@@ -10,6 +10,8 @@ import numpy.typing as npt
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.flows import ControlledFlows, Forecasts
+from burstcast.events import upward_crossings
+from burstcast.statistics.densities import histogram
 
 
 @dataclass(frozen=True)
@@ -220,30 +222,10 @@ def account(
         integration_steps=controlled.size * timing.sampling_stride,
         actuated_integration_steps=int(followed.actuated_integration_steps[counts].sum()),
         edges=edges,
-        histogram_uncontrolled=_histogram(uncontrolled, edges),
-        histogram_controlled=_histogram(controlled, edges),
-        histogram_free=_histogram(free, edges),
+        histogram_uncontrolled=histogram(uncontrolled, edges).counts,
+        histogram_controlled=histogram(controlled, edges).counts,
+        histogram_free=histogram(free, edges).counts,
     )
-
-
-def upward_crossings(observable: FloatArray, threshold: float) -> BoolArray:
-    """Mark the starts of events: steps at or above the threshold after one below it.
-
-    Parameters
-    ----------
-    observable
-        ``(flows, steps)``.
-    threshold
-        The event threshold, k_e.
-
-    Returns
-    -------
-    ``(flows, steps)``; the first step never starts an event.
-    """
-    above = observable >= threshold
-    upward = np.zeros_like(above)
-    upward[:, 1:] = above[:, 1:] & ~above[:, :-1]
-    return upward
 
 
 # Kinds of windows
@@ -285,10 +267,6 @@ def _crosses_between_windows(followed: ControlledFlows, upward: BoolArray) -> Bo
         forecasts.flow[:, np.newaxis], forecasts.step[:, np.newaxis] + ahead
     ].any(axis=1)
     return crossed
-
-
-def _histogram(values: FloatArray, edges: FloatArray) -> IntArray:
-    return np.histogram(values, bins=edges)[0].astype(np.int64)
 
 
 def _ratio(numerator: int, denominator: int) -> float:

@@ -11,6 +11,7 @@ from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import Actuation
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.timing import Timing
+from burstcast.events import upward_crossings
 from burstcast.forecast.windows import crosses_in_window
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
@@ -387,11 +388,12 @@ class _RunningFlows:
 
         ends = self.clock[flows]
         since_alarm = _stretches_ending_at(self.states, flows, ends, timing.window_end + 1)
-        above = self._observable(since_alarm) >= self._threshold
-        upward = above[1:] & ~above[:-1]  # entry i: between i and i + 1 steps after the alarm
+        observable = self._observable(since_alarm)
+        above = observable >= self._threshold
+        upward = upward_crossings(observable, self._threshold, axis=0)
         # a step under actuation in part is one that actuation could have changed
         first = self._actuation_start // timing.sampling_stride
-        before_window = np.any(upward[first : timing.window_start], axis=0)
+        before_window = np.any(upward[first + 1 : timing.window_start + 1], axis=0)
         in_window = np.any(above[timing.window_start :], axis=0)
         self._reached[entry] = before_window | in_window
         self._has_shadow[flows] = False

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.events import upward_crossings
 from burstcast.forecast.test_set import SeriesPoints, segments
 from burstcast.forecasters.base import Forecaster
 
@@ -103,7 +104,7 @@ def isolated_events(
     for row, values in enumerate(observable):
         calm = values <= criterion.calm
         above = values >= criterion.threshold
-        crossings = np.flatnonzero(above[1:] & ~above[:-1]) + 1
+        crossings = np.flatnonzero(upward_crossings(values, criterion.threshold))
         for crossing in crossings.tolist():
             calm_before = np.flatnonzero(calm[:crossing])
             calm_after = np.flatnonzero(calm[crossing:])

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
+from burstcast.events import upward_crossings
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,8 @@ def starting_points(
     )
 
 
-def upward_crossings(observable: FloatArray, threshold: float) -> SeriesPoints:
-    """Starts of extreme events: first samples at or above the threshold after one below it.
+def crossing_points(observable: FloatArray, threshold: float) -> SeriesPoints:
+    """Starts of the extreme events of series (`burstcast.events.upward_crossings`).
 
     Parameters
     ----------
@@ -79,9 +80,8 @@ def upward_crossings(observable: FloatArray, threshold: float) -> SeriesPoints:
     -------
     Events in the order of series, then time.
     """
-    above = observable >= threshold
-    series, step = np.nonzero(above[:, 1:] & ~above[:, :-1])
-    return SeriesPoints(series=series, step=step + 1)
+    series, step = np.nonzero(upward_crossings(observable, threshold))
+    return SeriesPoints(series=series, step=step)
 
 
 def horizon_events(crossings: SeriesPoints, earliest_step: int, count: int) -> SeriesPoints:

@@ -86,6 +86,11 @@ class Histogram:
         )
 
 
+def bin_edges(low: float, high: float, bins: int) -> FloatArray:
+    """Edges of equal bins from ``low`` to ``high``, ``(bins + 1,)``."""
+    return np.linspace(low, high, bins + 1)
+
+
 def check_edges(edges: FloatArray) -> None:
     """Raise ValueError unless these are the edges of at least one bin, increasing and finite."""
     if edges.ndim != 1 or len(edges) < 2 or not np.isfinite(edges).all():
