@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from burstcast import durations, random_streams
+from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.control.accounting import Accounting, account
 from burstcast.control.actuation import Actuation, actuated_system
+from burstcast.control.experiment import controlled_series, observation_noise
 from burstcast.control.flows import ControlledFlows, follow
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.forecast import ForecastMonitor
-from burstcast.control.monitors.random import RandomMonitor
+from burstcast.control.scores import SCORES
 from burstcast.control.timing import Timing
-from burstcast.dataset import component_scales, observe
+from burstcast.dataset import component_scales
 from burstcast.forecasters.base import Forecaster
-from burstcast.forecasters.equations import EquationsForecaster
 from burstcast.statistics.densities import bin_edges
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
@@ -39,21 +39,25 @@ class ControlSetting:
 
     Attributes
     ----------
+    settings
+        Of the job.
     system, actuation, timing
         Of the controlled flows.
+    series
+        Rows of the flows' series in the ensemble.
     washouts
         True states that the flows begin with, ``(flows, washout, dimension)``.
-    first_series
-        Row of the first flow's series in the ensemble.
+    training_states
+        Of the training series, ``(series, time, dimension)``.
     """
 
     settings: Mapping[str, Any]
     system: DynamicalSystem
     actuation: Actuation
     timing: Timing
+    series: range
     washouts: FloatArray
     training_states: FloatArray
-    first_series: int
 
     @classmethod
     def read(cls, settings: Mapping[str, Any], inputs: Any) -> "ControlSetting":
@@ -71,8 +75,9 @@ class ControlSetting:
             time_step=settings["time_step"],
         )
         training = settings["training"]["series"]
-        flows = min(settings["flows"], read_json(inputs.summary)["series_kept"] - training)
-        states = read_rows(inputs.ensemble, "state", training, training + flows)
+        kept = read_json(inputs.summary)["series_kept"]
+        series = controlled_series(kept, training, settings["flows"])
+        states = read_rows(inputs.ensemble, "state", series.start, series.stop)
         return cls(
             settings=settings,
             system=system,
@@ -82,9 +87,9 @@ class ControlSetting:
                 duration_lt=record["duration_lt"],
             ),
             timing=timing,
+            series=series,
             washouts=np.ascontiguousarray(states[:, : timing.washout]),
             training_states=read_rows(inputs.ensemble, "state", 0, training),
-            first_series=training,
         )
 
     def forecast_monitor(self, forecaster: Forecaster) -> ForecastMonitor:
@@ -93,42 +98,14 @@ class ControlSetting:
             forecaster, self.system.observable, self.timing, self.settings["event_threshold"]
         )
 
-    def equations_monitor(self) -> ForecastMonitor:
-        """Monitor that knows the equations."""
-        return self.forecast_monitor(
-            EquationsForecaster(
-                self.system, self.settings["time_step"], self.settings["sampling_stride"]
-            )
-        )
-
-    def random_monitor(self, alarm_rate: float) -> RandomMonitor:
-        """Monitor that raises alarms at random, at a given rate."""
-        occasions = self.timing.most_forecasts
-        draws = np.stack(
-            [
-                random_streams.stream(
-                    self.settings["random_seed"],
-                    "random alarms",
-                    self.settings["case"],
-                    self.settings.get("seed", 0),
-                    self.first_series + flow,
-                ).random(occasions)
-                for flow in range(len(self.washouts))
-            ]
-        )
-        return RandomMonitor(alarm_rate, draws)
-
     def noise(self) -> FloatArray:
         """Observation noise of each flow at each step, ``(flows, steps, dimension)``."""
-        scales = component_scales(self.training_states)
-        silence = np.zeros((len(self.washouts), self.timing.length, self.system.dimension))
-        return observe(
-            silence,
-            self.first_series,
+        return observation_noise(
+            self.series,
+            self.timing.length,
             self.settings["training"]["noise"],
-            scales,
+            component_scales(self.training_states),
             self.settings["random_seed"],
-            "control noise",
             self.settings["case"],
         )
 
@@ -161,16 +138,6 @@ class ControlSetting:
             self.settings["laminarisation_threshold"],
             bin_edges(low, high, density["bins"]),
         )
-
-
-SCORES = (
-    "exceedance_uncontrolled",
-    "exceedance_controlled",
-    "exceedance_free",
-    "reduction",
-    "control_fraction",
-    "alarm_rate",
-)
 
 
 def write_accounting(outputs: Any, accounting: Accounting, provenance: Mapping[str, str]) -> None:

@@ -1,13 +1,10 @@
 """Long-term statistics as files: histogram of the observable, moments of the state."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from burstcast.statistics.densities import Histogram
-from burstcast.statistics.measures import nearest
-from burstcast.statistics.profiles import StateMoments
+from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.storage import Variable, read_netcdf, write_netcdf
 
@@ -55,42 +52,3 @@ def read_statistics(path: str | Path) -> LongTermStatistics:
             count=int(data["states"]), mean=data["mean"], mean_product=data["mean_product"]
         ),
     )
-
-
-@dataclass(frozen=True)
-class BestNetwork:
-    """The network whose statistics are nearest to the data's, of those that are compared.
-
-    Attributes
-    ----------
-    statistics
-        Its statistics.
-    label
-        What figures call it.
-    """
-
-    statistics: LongTermStatistics
-    label: str
-
-
-def best_network(
-    data: LongTermStatistics, keys: Sequence[Mapping[str, Any]], paths: Sequence[str]
-) -> BestNetwork | None:
-    """Network with the smallest Kantorovich metric; None if none has any statistics.
-
-    Parameters
-    ----------
-    data
-        Statistics of the data.
-    keys
-        Of networks of one size, ``neurons`` and ``seed`` among them.
-    paths
-        Files of their statistics.
-    """
-    networks = [read_statistics(path) for path in paths]
-    best = nearest(data, networks)
-    if best is None:
-        return None
-    which = f"best of {len(keys)}: " if len(keys) > 1 else ""
-    label = f"ESN ({keys[best]['neurons']} neurons, {which}seed {keys[best]['seed']})"
-    return BestNetwork(networks[best], label)

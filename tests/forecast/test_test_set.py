@@ -54,11 +54,13 @@ def test_crossings_are_rises_to_the_threshold(observable):
 
 def test_horizon_events_are_the_first_that_leave_room():
     crossings = SeriesPoints(np.array([0, 0, 1, 1, 2, 3]), np.array([9, 50, 10, 90, 11, 70]))
-    events = horizon_events(crossings, 10, 4)
+    events = horizon_events(crossings, 0, 10, 4)
     assert events.series.tolist() == [0, 1, 1, 2]
     assert events.step.tolist() == [50, 10, 90, 11]
-    assert len(horizon_events(crossings, 91, 4)) == 0
-    assert len(horizon_events(crossings, 0, 500)) == 6
+    assert len(horizon_events(crossings, 0, 91, 4)) == 0
+    assert len(horizon_events(crossings, 0, 0, 500)) == 6
+    unseen = horizon_events(crossings, 1, 10, 2)
+    assert (unseen.series.tolist(), unseen.step.tolist()) == ([1, 1], [10, 90])
 
 
 @given(st.data(), st.integers(0, 4), st.integers(0, 4))

@@ -9,11 +9,11 @@ import yaml
 from snakemake.utils import update_config
 
 from burstcast.statistics.densities import Histogram
-from burstcast.statistics.profiles import StateMoments
+from burstcast.statistics.measures import best_network
+from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config import case_records, load
-from burstcast_workflow.statistics_files import best_network, write_statistics
 
 ROOT = Path(__file__).parents[2]
 FLOW = {"midplane_planes", "vorticity_isosurfaces"}
@@ -191,10 +191,6 @@ NOTHING, NEAR, NEAREST = statistics([0, 0, 0]), statistics([10, 6, 5]), statisti
         ([NEAR], "ESN (500 neurons, seed 4)"),
     ],
 )
-def test_the_best_network_is_the_nearest_to_the_data(tmp_path, networks, label):
-    paths = [tmp_path / f"{number}.nc" for number in range(len(networks))]
-    for path, network in zip(paths, networks, strict=True):
-        write_statistics(path, network, {})
-    keys = [{"neurons": 500, "seed": seed} for seed in (4, 7)][: len(networks)]
-    best = best_network(NEAREST, keys, paths)
+def test_the_best_network_is_the_nearest_to_the_data(networks, label):
+    best = best_network(NEAREST, networks, [(500, 4), (500, 7)][: len(networks)])
     assert (best.label if best else None) == label

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from burstcast.forecasters.equations import EquationsForecaster
 from burstcast_workflow.controls import ControlSetting, write_accounting
 from burstcast_workflow.job import Provenance, run_job
 
@@ -9,7 +10,10 @@ from burstcast_workflow.job import Provenance, run_job
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write what control achieved."""
     setting = ControlSetting.read(settings, inputs)
-    followed = setting.follow(setting.equations_monitor(), noisy=False)
+    equations = EquationsForecaster(
+        setting.system, settings["time_step"], settings["sampling_stride"]
+    )
+    followed = setting.follow(setting.forecast_monitor(equations), noisy=False)
     write_accounting(outputs, setting.account(followed), provenance)
 
 

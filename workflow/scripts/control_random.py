@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from burstcast.control.monitors.random import RandomMonitor, random_draws
 from burstcast_workflow.controls import ControlSetting, write_accounting
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
@@ -11,7 +12,14 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     """Write what control achieved."""
     setting = ControlSetting.read(settings, inputs)
     alarm_rate = read_json(inputs.counts)["alarm_rate"] or 0.0
-    followed = setting.follow(setting.random_monitor(alarm_rate), noisy=False)
+    draws = random_draws(
+        setting.series,
+        setting.timing.most_forecasts,
+        settings["random_seed"],
+        settings["case"],
+        settings.get("seed", 0),
+    )
+    followed = setting.follow(RandomMonitor(alarm_rate, draws), noisy=False)
     write_accounting(outputs, setting.account(followed), provenance)
 
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from burstcast_workflow.controls import SCORES
+from burstcast.control.scores import SCORES
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.table_files import keyed_table, write_table

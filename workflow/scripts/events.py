@@ -30,15 +30,12 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
             f"observable over all data, {observable.mean():.4g}"
         )
     crossings = crossing_points(observable, settings["event_threshold"])
-    unseen = crossings.series >= training["series"]
     before = (
         durations.steps(settings["longest_start_lt"], lyapunov_time)
         + durations.steps(settings["washout_lt"], lyapunov_time)
         - 1
     )
-    events = horizon_events(
-        SeriesPoints(crossings.series[unseen], crossings.step[unseen]), before, settings["events"]
-    )
+    events = horizon_events(crossings, training["series"], before, settings["events"])
     first = training["series"]
     last = int(events.series.max()) + 1 if len(events) else first
     observed = observed_series(

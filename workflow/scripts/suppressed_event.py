@@ -86,7 +86,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         },
         {
             **provenance,
-            "series": -1 if chosen is None else setting.first_series + chosen.row,
+            "series": -1 if chosen is None else setting.series[chosen.row],
             "alarm_step": -1 if chosen is None else chosen.alarm_step,
         },
     )

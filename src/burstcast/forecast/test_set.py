@@ -84,10 +84,25 @@ def crossing_points(observable: FloatArray, threshold: float) -> SeriesPoints:
     return SeriesPoints(series=series, step=step)
 
 
-def horizon_events(crossings: SeriesPoints, earliest_step: int, count: int) -> SeriesPoints:
-    """First ``count`` events that leave ``earliest_step`` steps of their series before them."""
-    usable = np.flatnonzero(crossings.step >= earliest_step)[:count]
-    return SeriesPoints(series=crossings.series[usable], step=crossings.step[usable])
+def horizon_events(
+    crossings: SeriesPoints, first_series: int, earliest_step: int, count: int
+) -> SeriesPoints:
+    """First events of the series that no network was trained on, with room before them.
+
+    Parameters
+    ----------
+    crossings
+        All events (`crossing_points`).
+    first_series
+        Row of the first series that was not used for training.
+    earliest_step
+        Steps of their series that events leave before them, at least.
+    count
+        How many to take; fewer where there are no more.
+    """
+    usable = (crossings.series >= first_series) & (crossings.step >= earliest_step)
+    rows = np.flatnonzero(usable)[:count]
+    return SeriesPoints(series=crossings.series[rows], step=crossings.step[rows])
 
 
 def segments(series: FloatArray, points: SeriesPoints, before: int, after: int) -> FloatArray:

@@ -152,3 +152,44 @@ def nearest(reference: LongTermStatistics, candidates: Sequence[LongTermStatisti
     if np.isnan(distances).all():
         return None
     return int(np.nanargmin(distances))
+
+
+@dataclass(frozen=True)
+class BestNetwork:
+    """The network whose statistics are nearest to the data's, of those that are compared.
+
+    Attributes
+    ----------
+    statistics
+        Its statistics.
+    label
+        What figures call it.
+    """
+
+    statistics: LongTermStatistics
+    label: str
+
+
+def best_network(
+    reference: LongTermStatistics,
+    networks: Sequence[LongTermStatistics],
+    sizes_and_seeds: Sequence[tuple[int, int]],
+) -> BestNetwork | None:
+    """Network with the smallest Kantorovich metric; None if none has any statistics.
+
+    Parameters
+    ----------
+    reference
+        Of all the true data.
+    networks
+        Statistics of networks of one size.
+    sizes_and_seeds
+        Neurons and seed of each of them.
+    """
+    best = nearest(reference, networks)
+    if best is None:
+        return None
+    which = f"best of {len(networks)}: " if len(networks) > 1 else ""
+    neurons, seed = sizes_and_seeds[best]
+    label = f"ESN ({neurons} neurons, {which}seed {seed})"
+    return BestNetwork(networks[best], label)

@@ -11,7 +11,7 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.statistics.densities import Histogram, check_edges, from_slots, slots
-from burstcast.statistics.profiles import StateMoments
+from burstcast.statistics.moments import StateMoments
 
 STEPS_PER_BLOCK = 64
 """Steps whose products are held at a time: bounds the memory, changes no result."""

@@ -103,6 +103,21 @@ def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Esti
     )
 
 
+def alignment_of(steps: int, orthonormalisation_steps: int) -> int:
+    """Steps of a series that its perturbations are given to line up: a quarter of them.
+
+    The first exponents lie so close together that this takes long (see `lyapunov_spectrum`).
+
+    Parameters
+    ----------
+    steps
+        Integration steps of the series.
+    orthonormalisation_steps
+        Steps between two factorisations; the quarter is rounded down to whole intervals.
+    """
+    return steps // 4 // orthonormalisation_steps * orthonormalisation_steps
+
+
 def lyapunov_spectrum(
     system: DynamicalSystem,
     state: FloatArray,

@@ -50,6 +50,16 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     return classes[0](**_checked_parameters(name, classes[0], parameters))
 
 
+def parameters_of(system: DynamicalSystem) -> dict[str, float]:
+    """Values of all the parameters of a system, those with a default included, by their names."""
+    assert dataclasses.is_dataclass(system)
+    return {
+        field.name: getattr(system, field.name)
+        for field in dataclasses.fields(system)
+        if field.init
+    }
+
+
 def _systems_in(module_name: str) -> list[type[DynamicalSystem]]:
     # the interface is abstract
     return concrete_classes(burstcast.systems, module_name, DynamicalSystem)  # type: ignore[type-abstract]

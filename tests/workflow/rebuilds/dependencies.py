@@ -120,7 +120,7 @@ def and_what_follows(rules: set[str]) -> set[str]:
 
 
 # Modules that put values of their own into the settings of a rule whose script does not load them.
-RULES_WITH_VALUES_OF = {"burstcast_workflow.table_layouts": {"data_generation_parameters"}}
+RULES_WITH_VALUES_OF: dict[str, set[str]] = {}
 
 
 # What a system's or a validation strategy's module defines is found by its name; kernels are chosen
