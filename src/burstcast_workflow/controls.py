@@ -10,12 +10,12 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.control.accounting import Accounting, account
 from burstcast.control.actuation import Actuation, actuated_system
 from burstcast.control.experiment import controlled_series, observation_noise
-from burstcast.control.flows import ControlledFlows, follow
+from burstcast.control.flows import ControlledFlows, run_controlled_flows
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.forecast import ForecastMonitor
+from burstcast.control.outcome import Outcome, count_outcome
 from burstcast.control.scores import SCORES
 from burstcast.control.timing import Timing
 from burstcast.dataset import component_scales
@@ -109,7 +109,7 @@ class ControlSetting:
             self.settings["case"],
         )
 
-    def follow(
+    def run(
         self,
         monitor: Monitor,
         *,
@@ -118,7 +118,7 @@ class ControlSetting:
         keep_states: bool = False,
     ) -> ControlledFlows:
         """Follow the flows (or some of them) with and without control."""
-        return follow(
+        return run_controlled_flows(
             self.system,
             self.washouts[rows],
             monitor,
@@ -129,34 +129,34 @@ class ControlSetting:
             keep_states=keep_states,
         )
 
-    def account(self, followed: ControlledFlows) -> Accounting:
+    def count_outcome(self, flows: ControlledFlows) -> Outcome:
         """Count what control achieved."""
         density = self.settings["controlled_density"]
         low, high = density["range"]
-        return account(
-            followed,
+        return count_outcome(
+            flows,
             self.settings["laminarisation_threshold"],
             bin_edges(low, high, density["bins"]),
         )
 
 
-def write_accounting(outputs: Any, accounting: Accounting, provenance: Mapping[str, str]) -> None:
+def write_outcome(outputs: Any, outcome: Outcome, provenance: Mapping[str, str]) -> None:
     """Write the counts and scores as JSON, the histograms as NetCDF."""
     counts = {
-        field.name: getattr(accounting, field.name)
-        for field in dataclasses.fields(accounting)
-        if isinstance(getattr(accounting, field.name), int)
+        field.name: getattr(outcome, field.name)
+        for field in dataclasses.fields(outcome)
+        if isinstance(getattr(outcome, field.name), int)
     }
-    scores = {name: getattr(accounting, name) for name in SCORES}
+    scores = {name: getattr(outcome, name) for name in SCORES}
     defined = {name: value if np.isfinite(value) else None for name, value in scores.items()}
     write_json(outputs.counts, {**counts, **defined, "provenance": dict(provenance)})
     write_netcdf(
         Path(outputs.histograms),
         {
-            "edge": Variable(("edge",), accounting.edges, "1", "edges of the bins"),
+            "edge": Variable(("edge",), outcome.edges, "1", "edges of the bins"),
             **{
                 name: Variable(
-                    ("bin",), getattr(accounting, f"histogram_{name}"), "1", f"steps, {description}"
+                    ("bin",), getattr(outcome, f"histogram_{name}"), "1", f"steps, {description}"
                 )
                 for name, description in (
                     ("uncontrolled", "without control"),

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -71,6 +71,23 @@ def reservoir(settings: Mapping[str, Any], dimension: int) -> Reservoir:
     )
 
 
+BACKENDS: dict[str, Literal["numba", "scipy"]] = {"compiled": "numba", "scipy": "scipy"}
+"""Implementation of the dynamics by what the setting ``kernel`` calls it."""
+
+
+def backend_of(kernel: str) -> Literal["numba", "scipy"]:
+    """Backend of `Dynamics` by what the setting ``kernel`` calls it.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name.
+    """
+    if kernel not in BACKENDS:
+        raise ValueError(f"the kernel is {' or '.join(BACKENDS)}, not {kernel!r}")
+    return BACKENDS[kernel]
+
+
 RESERVOIR_SETTINGS = ("neurons", "seed", "connectivity", "input_bias", "random_seed")
 
 
@@ -122,7 +139,7 @@ def read_network(path: str | Path, kernel: str) -> EchoStateNetwork:
         reservoir(record, dimension),
         float(record["spectral_radius"]),
         float(record["input_scaling"]),
-        kernel,  # type: ignore[arg-type]  # Dynamics itself checks it
+        backend_of(kernel),
     )
     readout = Readout(
         weights=np.ascontiguousarray(data["weights"]),

@@ -6,7 +6,7 @@ from typing import Any
 from burstcast.systems.registry import make_system
 from burstcast.tuning.hyperparameters import HyperparameterPoint
 from burstcast.tuning.validation import PointValidator, Validation
-from burstcast_workflow.network_files import reservoir, training_series
+from burstcast_workflow.network_files import backend_of, reservoir, training_series
 from burstcast_workflow.series_fit import check_recycle_validation, check_single_shot_validation
 from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 from burstcast_workflow.validation_plans import validation_plan
@@ -41,7 +41,7 @@ def point_validator(settings: Mapping[str, Any], inputs: Any) -> PointValidator:
         observable=system.observable,
         plan=validation_plan(settings, lyapunov_time),
         tikhonov=settings["tikhonov"],
-        kernel=settings["kernel"],
+        backend=backend_of(settings["kernel"]),
     )
 
 

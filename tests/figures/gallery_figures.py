@@ -198,7 +198,7 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         washout_lt=0.5,
     ),
     "horizon_schematic": lambda: horizon_schematic(
-        longest_start_lt=10, start_step_lt=0.5, tolerance=0.2
+        longest_lead_time_lt=10, lead_time_step_lt=0.5, tolerance=0.2
     ),
     "midplane_planes": lambda: midplane_planes(
         TIME,

@@ -3,15 +3,15 @@
 from typing import Any
 
 from burstcast import durations
-from burstcast.forecast.test_set import segments
-from burstcast.statistics.climate import (
-    ClimateSettings,
-    Fate,
-    StuckCriterion,
-    climate_starting_points,
-    run_climate,
-)
+from burstcast.forecast.starting_points import segments
 from burstcast.statistics.densities import bin_edges
+from burstcast.statistics.long_term import (
+    Fate,
+    FixedPointCriterion,
+    LongTermSettings,
+    long_term_starting_points,
+    run_long_term,
+)
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster, training_series
@@ -26,22 +26,22 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = training_series(settings, inputs.ensemble)
     washout = durations.steps(settings["washout_lt"], lyapunov_time)
-    points = climate_starting_points(
+    points = long_term_starting_points(
         training.series,
         training.length,
         durations.steps(settings["start_spacing_lt"], lyapunov_time),
         washout,
         settings["starting_points"],
     )
-    climate = run_climate(
+    climate = run_long_term(
         read_forecaster(inputs.network, settings["kernel"], settings["divergence_bound"]),
         system.observable,
         segments(training.observed, points, washout - 1, 0),
-        ClimateSettings(
+        LongTermSettings(
             steps=round(settings["duration"] / settings["sampling_interval"]),
             edges=bin_edges(*settings["density"]["range"], settings["density"]["bins"]),
             laminarisation_threshold=settings["laminarisation_threshold"],
-            stuck=StuckCriterion(
+            fixed_point=FixedPointCriterion(
                 settings["stuck"]["variation"],
                 settings["stuck"]["above"],
                 durations.steps(settings["stuck_interval_lt"], lyapunov_time),

@@ -3,7 +3,7 @@
 from typing import Any
 
 from burstcast.forecasters.equations import EquationsForecaster
-from burstcast_workflow.controls import ControlSetting, write_accounting
+from burstcast_workflow.controls import ControlSetting, write_outcome
 from burstcast_workflow.job import Provenance, run_job
 
 
@@ -13,8 +13,8 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     equations = EquationsForecaster(
         setting.system, settings["time_step"], settings["sampling_stride"]
     )
-    followed = setting.follow(setting.forecast_monitor(equations), noisy=False)
-    write_accounting(outputs, setting.account(followed), provenance)
+    flows = setting.run(setting.forecast_monitor(equations), noisy=False)
+    write_outcome(outputs, setting.outcome(flows), provenance)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 from typing import Any
 
 from burstcast.control.monitors.random import RandomMonitor, random_draws
-from burstcast_workflow.controls import ControlSetting, write_accounting
+from burstcast_workflow.controls import ControlSetting, write_outcome
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 
@@ -19,8 +19,8 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         settings["case"],
         settings.get("seed", 0),
     )
-    followed = setting.follow(RandomMonitor(alarm_rate, draws), noisy=False)
-    write_accounting(outputs, setting.account(followed), provenance)
+    flows = setting.run(RandomMonitor(alarm_rate, draws), noisy=False)
+    write_outcome(outputs, setting.outcome(flows), provenance)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,12 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.dataset import component_scales, observed_series
-from burstcast.forecast.test_set import SeriesPoints, crossing_points, horizon_events, segments
+from burstcast.forecast.starting_points import (
+    SeriesPoints,
+    crossing_points,
+    horizon_events,
+    segments,
+)
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.series_fit import check_horizon, check_kept_series
 from burstcast_workflow.storage import Variable, read_netcdf, read_rows, write_json, write_netcdf

@@ -23,8 +23,8 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     mean = read_json(inputs.summary)["mean_observable"]
     horizon = settings["horizon"]
     search = HorizonSearch(
-        longest_start_lt=horizon["longest_start_lt"],
-        start_step_lt=horizon["start_step_lt"],
+        longest_lead_time_lt=horizon["longest_start_lt"],
+        lead_time_step_lt=horizon["start_step_lt"],
         tolerance=horizon["tolerance"] * (settings["event_threshold"] - mean),
         washout=durations.steps(settings["washout_lt"], lyapunov_time),
         steps_per_lyapunov_time=lyapunov_time,

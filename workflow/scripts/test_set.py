@@ -6,7 +6,7 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.dataset import component_scales, observed_series
-from burstcast.forecast.test_set import segments, starting_points
+from burstcast.forecast.starting_points import segments, starting_points
 from burstcast.forecast.windows import summarise, window_boundaries
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job

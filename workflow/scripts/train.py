@@ -7,7 +7,7 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.training import train
 from burstcast_workflow.job import Provenance, run_job
-from burstcast_workflow.network_files import reservoir, training_series, write_network
+from burstcast_workflow.network_files import backend_of, reservoir, training_series, write_network
 from burstcast_workflow.storage import read_json
 from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
@@ -20,7 +20,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         reservoir(settings, training.observed.shape[2]),
         chosen["spectral_radius"],
         chosen["input_scaling"],
-        settings["kernel"],
+        backend_of(settings["kernel"]),
     )
     readout = train(
         dynamics,

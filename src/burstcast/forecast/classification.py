@@ -30,19 +30,19 @@ class Counts:
 
     @property
     def precision(self) -> FloatArray:
-        """TP / (TP + FP); not a number where nothing was predicted."""
+        """TP / (TP + FP); NaN where nothing was predicted."""
         return ratio(self.true_positive, self.true_positive + self.false_positive)
 
     @property
     def recall(self) -> FloatArray:
-        """TP / (TP + FN); not a number where nothing happened."""
+        """TP / (TP + FN); NaN where nothing happened."""
         return ratio(self.true_positive, self.true_positive + self.false_negative)
 
     @property
     def f_score(self) -> FloatArray:
         """2 / (1 / precision + 1 / recall) = 2 TP / (2 TP + FP + FN).
 
-        Not a number where nothing was predicted and nothing happened.
+        NaN where nothing was predicted and nothing happened.
         """
         return ratio(
             2 * self.true_positive,
@@ -51,7 +51,7 @@ class Counts:
 
 
 def ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike) -> FloatArray:
-    """Quotient that is not a number, without a warning, where the denominator is zero."""
+    """Quotient that is NaN, without a warning, where the denominator is zero."""
     top = np.asarray(numerator, dtype=np.float64)
     bottom = np.asarray(denominator, dtype=np.float64)
     return np.divide(top, bottom, out=np.full_like(bottom, np.nan), where=bottom != 0)
@@ -153,7 +153,7 @@ def bootstrap_interval(
 
     Returns
     -------
-    Lower and upper end for each score; not a number where it is undefined in every resample.
+    Lower and upper end for each score; NaN where it is undefined in every resample.
     """
     series = counts.true_positive.shape[-1]
     weights = generator.multinomial(series, np.full(series, 1 / series), size=resamples)

@@ -11,7 +11,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.events import upward_crossings
-from burstcast.forecast.test_set import SeriesPoints, segments
+from burstcast.forecast.starting_points import SeriesPoints, segments
 from burstcast.forecasters.base import Forecaster
 
 CANDIDATES_PER_BATCH = 64
@@ -181,7 +181,7 @@ def predicted_event(
         )
         needed = np.array([event.times[3] for event in batch]) - points.step
         ahead = int(needed.max())
-        # not a number beyond the breakdown: no forecast counts as accurate there
+        # NaN beyond the breakdown: no forecast counts as accurate there
         true = np.full((ahead, states.shape[2], len(batch)), np.nan)
         for column, event in enumerate(batch):
             start = int(points.step[column])

@@ -16,7 +16,7 @@ from burstcast.systems.mfe_modes import ProfileMatrices
 
 @dataclass(frozen=True)
 class Measures:
-    """Distances between two long-term statistics; not a number where one is not defined.
+    """Distances between two long-term statistics; NaN where one is not defined.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ class StateMoments:
     count
         Number of states.
     mean
-        Mean of a_i, ``(dimension,)``; not a number without states.
+        Mean of a_i, ``(dimension,)``; NaN without states.
     mean_product
         Mean of a_i a_j (not of the deviations from the mean), ``(dimension, dimension)``; likewise.
     """

@@ -123,7 +123,7 @@ class PointValidator:
         The random matrices.
     training, observable, plan, tikhonov
         As in `validate`.
-    kernel
+    backend
         Implementation of the dynamics (`Dynamics`).
     """
 
@@ -132,13 +132,15 @@ class PointValidator:
     observable: Callable[[FloatArray], FloatArray]
     plan: ValidationPlan
     tikhonov: Sequence[float]
-    kernel: Literal["compiled", "scipy"]
+    backend: Literal["numba", "scipy"]
 
     def __call__(
         self, point: HyperparameterPoint, strategies: Sequence[ValidationStrategy]
     ) -> list[Validation]:
         """Validate a point by each strategy with each Tikhonov parameter (see `validate`)."""
-        dynamics = Dynamics(self.reservoir, point.spectral_radius, point.input_scaling, self.kernel)
+        dynamics = Dynamics(
+            self.reservoir, point.spectral_radius, point.input_scaling, self.backend
+        )
         return validate(
             dynamics, self.training, self.observable, self.plan, self.tikhonov, strategies
         )

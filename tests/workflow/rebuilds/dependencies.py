@@ -123,7 +123,7 @@ def and_what_follows(rules: set[str]) -> set[str]:
 RULES_WITH_VALUES_OF: dict[str, set[str]] = {}
 
 
-# What a system's or a validation strategy's module defines is found by its name; kernels are chosen
+# What a system's or a validation strategy's module defines is found by its name; backends are chosen
 # while a job runs.
 def may_be_found_otherwise(module: str, rule_has_case: bool, loaded: set[str]) -> bool:
     """Whether code may depend on a module that importing the script does not load."""
@@ -131,4 +131,4 @@ def may_be_found_otherwise(module: str, rule_has_case: bool, loaded: set[str]) -
         return rule_has_case
     if module in ("burstcast.tuning.strategies.single_shot", "burstcast.tuning.strategies.recycle"):
         return "burstcast.tuning.strategies.registry" in loaded
-    return module == "burstcast.esn.kernels_compiled" and "burstcast.esn.dynamics" in loaded
+    return module == "burstcast.esn.backend_numba" and "burstcast.esn.dynamics" in loaded

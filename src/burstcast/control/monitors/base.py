@@ -12,15 +12,15 @@ class Monitor(abc.ABC):
     """Raises alarms in many flows at once, in each independently of the others."""
 
     @abc.abstractmethod
-    def alarms(self, rows: IntArray, occasions: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
         """Whether an event is expected in the window.
 
         Parameters
         ----------
         rows
             Which flows they are, ``(batch,)``.
-        occasions
-            How often each of them has been monitored before, ``(batch,)``.
+        forecast_number
+            Number of the forecast in each of them, from 0, ``(batch,)``.
         washout
             Observed states up to and including now, ``(steps, dimension, batch)``.
 

@@ -17,12 +17,12 @@ class RandomMonitor(Monitor):
     ----------
     alarm_probability
         Of each forecast. With the share of forecasts that were alarms under a network
-        (`burstcast.control.accounting.Accounting.alarm_rate`), the flow spends as much time under
+        (`burstcast.control.outcome.Outcome.alarm_rate`), the flow spends as much time under
         actuation.
     draws
-        Uniform random numbers in [0, 1), ``(flows, occasions)``: row i is for flow i, so that what
-        happens in one flow does not depend on the others. `Timing.most_forecasts` bounds the
-        occasions.
+        Uniform random numbers in [0, 1), ``(flows, forecasts)``: row i is for flow i, so that what
+        happens in one flow does not depend on the others. `Timing.most_forecasts` bounds their
+        number.
     """
 
     alarm_probability: float
@@ -41,9 +41,9 @@ class RandomMonitor(Monitor):
                 f"the probability of an alarm must lie in [0, 1], not {self.alarm_probability}"
             )
 
-    def alarms(self, rows: IntArray, occasions: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
         """Compare the flows' own random numbers with the probability (see `Monitor.alarms`)."""
-        alarms: BoolArray = self.draws[rows, occasions] < self.alarm_probability
+        alarms: BoolArray = self.draws[rows, forecast_number] < self.alarm_probability
         return alarms
 
 

@@ -6,7 +6,7 @@ A batch is cut into tiles of 16 trajectories. A tile's state is held as ``(neuro
 an entry of the recurrent matrix multiplies 16 neighbouring numbers, and everything that happens to
 a neuron (its row of the matrix, its input, the hyperbolic tangent, its share of the readout)
 happens while it is in the registers or the nearest cache. This is several times faster than a
-sparse product followed by ``numpy.tanh``, which `burstcast.esn.kernels_scipy` does.
+sparse product followed by ``numpy.tanh``, which `burstcast.esn.backend_scipy` does.
 
 The arithmetic is spelt out in vectors of 16 numbers (`Lanes`) with explicit fused multiply-adds
 rather than left to the compiler's vectoriser. Hence every trajectory goes through the same
@@ -358,10 +358,10 @@ def _forecast_tile(
 # --- The interface -------------------------------------------------------------------------------
 
 
-class CompiledKernel:
+class NumbaBackend:
     """Open and closed loop of one reservoir with its hyperparameters applied.
 
-    The same interface as `burstcast.esn.kernels_scipy.ScipyKernel`.
+    The same interface as `burstcast.esn.backend_scipy.ScipyBackend`.
     """
 
     def __init__(
