@@ -1,8 +1,8 @@
 """Both backends give the same tables, as far as tables are determined by the data.
 
-Over short times the backends agree to rounding, which the tests of the backends show. Over long ones
-chaos magnifies rounding: searches may end at neighbouring hyperparameters, and single forecasts
-come out otherwise. Scores must then agree within the intervals that resampling the data gives.
+Over short times the backends agree to rounding, which their own tests show. Over long ones chaos
+magnifies rounding: searches may end at neighbouring hyperparameters, and single forecasts come out
+otherwise. Scores must then agree within the intervals that resampling the data gives.
 """
 
 import numpy as np

@@ -33,27 +33,33 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         washout,
         settings["starting_points"],
     )
-    climate = run_long_term(
+    fixed_point = settings["stuck"]
+    density = settings["density"]
+    try:
+        how = LongTermSettings(
+            steps=round(settings["duration"] / settings["sampling_interval"]),
+            edges=bin_edges(*density["range"], density["bins"]),
+            laminarisation_threshold=settings["laminarisation_threshold"],
+            fixed_point=FixedPointCriterion(
+                fixed_point["variation"],
+                fixed_point["above"],
+                durations.steps(settings["stuck_interval_lt"], lyapunov_time),
+            ),
+        )
+    except ValueError as error:
+        raise ValueError(f"{error} (statistics.duration, statistics.stuck_interval_lt)") from error
+    run = run_long_term(
         read_forecaster(inputs.network, settings["kernel"], settings["divergence_bound"]),
         system.observable,
         segments(training.observed, points, washout - 1, 0),
-        LongTermSettings(
-            steps=round(settings["duration"] / settings["sampling_interval"]),
-            edges=bin_edges(*settings["density"]["range"], settings["density"]["bins"]),
-            laminarisation_threshold=settings["laminarisation_threshold"],
-            fixed_point=FixedPointCriterion(
-                settings["stuck"]["variation"],
-                settings["stuck"]["above"],
-                durations.steps(settings["stuck_interval_lt"], lyapunov_time),
-            ),
-        ),
+        how,
     )
     fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
     write_statistics(
         outputs.climate,
-        climate.statistics,
+        run.statistics,
         provenance,
-        {"fate": Variable(("start",), climate.fates, "1", f"fate of each closed loop: {fates}")},
+        {"fate": Variable(("start",), run.fates, "1", f"fate of each closed loop: {fates}")},
     )
 
 

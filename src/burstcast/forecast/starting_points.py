@@ -58,8 +58,7 @@ def starting_points(
     if steps.size == 0:
         raise ValueError(
             f"series of {length} samples leave no room for a washout of {washout} steps and a "
-            f"forecast of {longest_forecast}: lengthen ensemble.duration or shorten "
-            f"classification.longest_prediction_time_lt"
+            f"forecast of {longest_forecast}"
         )
     return SeriesPoints(
         series=np.repeat(np.arange(series), steps.size), step=np.tile(steps, series)

@@ -123,8 +123,8 @@ def and_what_follows(rules: set[str]) -> set[str]:
 RULES_WITH_VALUES_OF: dict[str, set[str]] = {}
 
 
-# What a system's or a validation strategy's module defines is found by its name; backends are chosen
-# while a job runs.
+# What a system's or a validation strategy's module defines is found by its name; backends are
+# chosen while a job runs.
 def may_be_found_otherwise(module: str, rule_has_case: bool, loaded: set[str]) -> bool:
     """Whether code may depend on a module that importing the script does not load."""
     if module.startswith("burstcast.systems."):
