@@ -31,20 +31,26 @@ from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import MomentsAccumulator, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.training import TrainingSeries, collect
-from burstcast.forecast.base import Forecaster
-from burstcast.forecast.forecasters import NetworkForecaster
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecast.test_set import (
+from burstcast.forecast.starting_points import (
+    crossing_points,
     horizon_events,
     segments,
     starting_points,
-    upward_crossings,
 )
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
-from burstcast.statistics.climate import ClimateSettings, climate_starting_points, run_climate
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.statistics.long_term import (
+    LongTermSettings,
+    long_term_starting_points,
+    run_long_term,
+)
 from burstcast.systems.registry import make_system
-from burstcast.tuning.plan import ValidationPlan
-from burstcast.tuning.validation import STRATEGIES, validate
+from burstcast.tuning.strategies.base import ValidationPlan
+from burstcast.tuning.strategies.recycle import RecycleValidation
+from burstcast.tuning.strategies.single_shot import SingleShotValidation
+from burstcast.tuning.validation import validate
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.cost_report import forecast_lines, read_campaign
 from burstcast_workflow.costs import SECONDS_PER, CostModel
@@ -54,11 +60,13 @@ DOCUMENT = ROOT / "docs" / "performance.md"
 CASE = "Re400"
 SPECTRAL_RADIUS, INPUT_SCALING, TIKHONOV = 0.6, 1.0, 1e-9
 CORES = 2  # of the machine that the campaign's duration is predicted for
-# Operations of one hyperbolic tangent in the compiled kernel, and of what joins its argument.
+# Operations of one hyperbolic tangent in the numba backend, and of what joins its argument.
 TANH_OPERATIONS = 33
 
 
 # --- The machine ---------------------------------------------------------------------------------
+
+STRATEGIES = (SingleShotValidation(), RecycleValidation())
 
 
 def pin_to_one_core() -> None:
@@ -201,8 +209,8 @@ class Data:
         self.plan = ValidationPlan(
             washout=self.steps(self.config["network"]["washout_lt"]),
             interval=self.steps(self.config["search"]["interval_lt"]),
-            recycle_series=recycle["series"],
-            recycle_intervals=recycle["intervals_per_series"],
+            series=recycle["series"],
+            intervals=recycle["intervals_per_series"],
         )
 
     def steps(self, duration_lt: float) -> int:
@@ -250,8 +258,8 @@ class Stages:
             network["input_bias"],
             np.random.default_rng(neurons),
         )
-        self._compiled = Dynamics(reservoir, SPECTRAL_RADIUS, INPUT_SCALING, "compiled")
-        self._scipy = replace(self._compiled, kernel="scipy")
+        self._compiled = Dynamics(reservoir, SPECTRAL_RADIUS, INPUT_SCALING, "numba")
+        self._scipy = replace(self._compiled, backend="scipy")
         self._textbook = textbook.TextbookNetwork(self._compiled)
         # per neuron and step: products with the matrix, the input, the hyperbolic tangent
         self._open_operations = 2 * reservoir.recurrent.nnz / neurons + 2 + TANH_OPERATIONS
@@ -402,7 +410,7 @@ class Stages:
         def trial(dynamics: Dynamics) -> None:
             validate(dynamics, data.training, data.system.observable, data.plan, betas, STRATEGIES)
 
-        intervals = data.training.series + data.plan.recycle_series * data.plan.recycle_intervals
+        intervals = data.training.series + data.plan.series * data.plan.intervals
         closed = len(betas) * intervals * data.plan.interval
         opened = self._inputs.shape[0] * self._inputs.shape[2]
         plain = (
@@ -472,15 +480,15 @@ class Stages:
         data, setting = self._data, self._data.config["horizon"]
         threshold = data.case["event_threshold"]
         search = HorizonSearch(
-            longest_start_lt=setting["longest_start_lt"],
-            start_step_lt=setting["start_step_lt"],
+            longest_lead_time_lt=setting["longest_start_lt"],
+            lead_time_step_lt=setting["start_step_lt"],
             tolerance=setting["tolerance"] * (threshold - data.truth.mean()),
             washout=data.plan.washout,
             steps_per_lyapunov_time=data.lyapunov_time,
         )
         truth = data.truth[data.test]
         events = horizon_events(
-            upward_crossings(truth, threshold),
+            crossing_points(truth, threshold),
             search.steps_before_event,
             16 if self._quick else 128,
         )
@@ -497,7 +505,7 @@ class Stages:
 
     def _climate(self) -> Row:
         data, setting = self._data, self._data.config["statistics"]
-        points = climate_starting_points(
+        points = long_term_starting_points(
             data.training.series,
             data.training.length,
             data.steps(setting["start_spacing_lt"]),
@@ -506,18 +514,18 @@ class Stages:
         )
         washouts = segments(data.training.observed, points, data.plan.washout - 1, 0)
         density = data.case["density"]
-        run = ClimateSettings(
+        run = LongTermSettings(
             steps=100 if self._quick else 300,
             edges=np.linspace(*density["range"], density["bins"] + 1),
             laminarisation_threshold=None,
-            stuck=None,
+            fixed_point=None,
         )
         interval = data.case["ensemble"]["time_step"] * data.case["ensemble"]["sampling_stride"]
         steps = setting["duration"] / interval
         return self._of_forecaster(
             "long-term statistics",
             f"{setting['starting_points']} runs of {steps:.0f} steps",
-            lambda forecaster: run_climate(forecaster, data.system.observable, washouts, run),
+            lambda forecaster: run_long_term(forecaster, data.system.observable, washouts, run),
             setting["starting_points"] / len(points) * steps / run.steps,
         )
 
@@ -532,7 +540,7 @@ class Stages:
             network["input_bias"],
             np.random.default_rng(self._neurons),
         )
-        dynamics = Dynamics(sparse, SPECTRAL_RADIUS, INPUT_SCALING, "compiled")
+        dynamics = Dynamics(sparse, SPECTRAL_RADIUS, INPUT_SCALING, "numba")
         arguments = self._readout.weights, self._data.training.input_range
         seconds = self._clock.seconds(
             lambda: dynamics.closed_loop(*arguments, self._closed_states, 100)

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.linalg
 
 from burstcast import random_streams
-from burstcast.dataset import component_scales, observe
+from burstcast.dataset import component_scales, observed_series
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import MomentsAccumulator, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
@@ -89,7 +89,7 @@ def main():
     arguments = parser.parse_args()
     states = read_rows(arguments.ensemble, "state", 0, 10)
     scales = component_scales(states)
-    observed = observe(states, 0, 0.01, scales, 2022, "noise", "Re400")
+    observed = observed_series(states, 0, 0.01, scales, 2022, "Re400")
     summary = {}
     for seed in range(arguments.networks):
         generator = random_streams.stream(2022, "reservoir", arguments.neurons, seed)

@@ -142,7 +142,7 @@ def test_a_constant_component_is_named():
 
 def observed(states, first, noise=0.01, root_seed=2022, name="Re400"):
     scales = dataset.Scales(np.array([1.0, 10.0]), np.array([4.0, 40.0]))
-    return dataset.observe(states, first, noise, scales, root_seed, "noise", name)
+    return dataset.observed_series(states, first, noise, scales, root_seed, name)
 
 
 @given(st.integers(0, 6), st.integers(1, 6))
@@ -192,3 +192,10 @@ def test_noise_comes_from_the_stream_of_that_name():
     states = np.zeros((2, 20, 2))
     numbers = random_streams.stream(2022, "noise", "Re400", 8).standard_normal((20, 2))
     np.testing.assert_array_equal(observed(states, 7)[1], 0.01 * np.array([1.0, 10.0]) * numbers)
+
+
+def test_the_series_of_a_case_have_one_noise_by_its_name():
+    states, scales = np.zeros((2, 5, 2)), dataset.Scales(np.array([1.0, 10.0]), np.ones(2))
+    np.testing.assert_array_equal(
+        observed(states, 3), dataset.observe(states, 3, 0.01, scales, 2022, "noise", "Re400")
+    )

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from burstcast import random_streams
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate_observed
 
 SERIES_PER_BATCH = 1000
@@ -29,7 +29,7 @@ class KeptSeries:
         Sampled states, ``(kept, time, component)``.
     """
 
-    index: npt.NDArray[np.int64]
+    index: IntArray
     states: FloatArray
 
 
@@ -179,3 +179,18 @@ def observe(
         deviation = generator.standard_normal(series.shape)
         observed[row] = series + noise * scales.standard_deviation * deviation
     return observed
+
+
+def observed_series(
+    states: FloatArray, first_series: int, noise: float, scales: Scales, root_seed: int, case: str
+) -> FloatArray:
+    """Series of a case as all forecasters see them, in training and in the test (see `observe`).
+
+    Parameters
+    ----------
+    states, first_series, noise, scales, root_seed
+        As in `observe`.
+    case
+        Name of the case; the random stream is called after it.
+    """
+    return observe(states, first_series, noise, scales, root_seed, "noise", case)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -313,3 +314,33 @@ def side_by_side(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
             for (parameter, explanation), values in rows.items()
         ]
     )
+
+
+_FLOW_PARAMETERS: tuple[tuple[str, str, str | float], ...] = (
+    ("L_x", "Length of the domain in the $x$-direction", "length_x"),
+    # the walls are at y = -1 and y = 1: the unit of length
+    ("L_y", "Length of the domain in the $y$-direction", 2.0),
+    ("L_z", "Length of the domain in the $z$-direction", "length_z"),
+    (r"\mathrm{Re}", "Reynolds number", "reynolds"),
+)
+
+
+def described_parameters(name: str, values: Mapping[str, float]) -> list[list[Any]]:
+    """Symbol in LaTeX, explanation and value of each parameter of a system's equations.
+
+    Parameters
+    ----------
+    name
+        Of the system: the shear flow ``mfe`` has the paper's symbols, others their own names.
+    values
+        Of the parameters, by their names.
+    """
+    if name == "mfe":
+        return [
+            [symbol, explanation, values[value] if isinstance(value, str) else value]
+            for symbol, explanation, value in _FLOW_PARAMETERS
+        ]
+    return [
+        [rf"\mathrm{{{escape(parameter)}}}", "Parameter of the equations", value]
+        for parameter, value in values.items()
+    ]

@@ -11,10 +11,11 @@ from typing import Any
 
 from burstcast import durations
 from burstcast.statistics.profiles import flow_modes
-from burstcast.systems.registry import make_system
+from burstcast.systems.registry import make_system, parameters_of
+from burstcast.tables import described_parameters
 from burstcast_workflow.canonical import canonical, natural_order
 from burstcast_workflow.config.cases import block_cases
-from burstcast_workflow.table_layouts import NETWORK_KEYS, SUMMARIES, described_parameters
+from burstcast_workflow.table_layouts import NETWORK_KEYS, SUMMARIES
 
 Settings = dict[str, Any]
 
@@ -772,7 +773,7 @@ class Campaign:
         record = self.cases[case]
         system = make_system(**self._named_system(case))
         return {
-            "system": described_parameters(record["system"], system),
+            "system": described_parameters(record["system"], parameters_of(system)),
             "time_step": record["ensemble"]["time_step"],
             "series_duration": record["ensemble"]["duration"],
             "training_series": record["training"]["series"],

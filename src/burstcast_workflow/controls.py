@@ -8,18 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from burstcast import durations, random_streams
-from burstcast.control.accounting import Accounting, account
+from burstcast import durations
+from burstcast.arrays import FloatArray
 from burstcast.control.actuation import Actuation, actuated_system
-from burstcast.control.flows import ControlledFlows, follow
-from burstcast.control.monitor import ForecastMonitor, Monitor, RandomMonitor, most_forecasts
+from burstcast.control.experiment import controlled_series, observation_noise
+from burstcast.control.flows import ControlledFlows, run_controlled_flows
+from burstcast.control.monitors.base import Monitor
+from burstcast.control.monitors.forecast import ForecastMonitor
+from burstcast.control.outcome import Outcome, count_outcome
+from burstcast.control.scores import SCORES
 from burstcast.control.timing import Timing
-from burstcast.dataset import component_scales, observe
-from burstcast.forecast.base import Forecaster
-from burstcast.forecast.forecasters import EquationsForecaster
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.dataset import component_scales
+from burstcast.forecasters.base import Forecaster
+from burstcast.statistics.densities import bin_edges
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
-from burstcast_workflow.statistics_files import bin_edges
 from burstcast_workflow.storage import (
     Variable,
     read_json,
@@ -27,7 +30,7 @@ from burstcast_workflow.storage import (
     write_json,
     write_netcdf,
 )
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 @dataclass(frozen=True)
@@ -36,27 +39,31 @@ class ControlSetting:
 
     Attributes
     ----------
+    settings
+        Of the job.
     system, actuation, timing
         Of the controlled flows.
+    series
+        Rows of the flows' series in the ensemble.
     washouts
         True states that the flows begin with, ``(flows, washout, dimension)``.
-    first_series
-        Row of the first flow's series in the ensemble.
+    training_states
+        Of the training series, ``(series, time, dimension)``.
     """
 
     settings: Mapping[str, Any]
     system: DynamicalSystem
     actuation: Actuation
     timing: Timing
+    series: range
     washouts: FloatArray
     training_states: FloatArray
-    first_series: int
 
     @classmethod
     def read(cls, settings: Mapping[str, Any], inputs: Any) -> "ControlSetting":
         """Build from a job's settings and inputs (``ensemble``, ``summary``, ``lyapunov``)."""
         system = make_system(settings["system"], settings["parameters"])
-        lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+        lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
         record = settings["actuation"]
         timing = Timing(
             prediction_time_lt=settings["prediction_time_lt"],
@@ -68,8 +75,9 @@ class ControlSetting:
             time_step=settings["time_step"],
         )
         training = settings["training"]["series"]
-        flows = min(settings["flows"], read_json(inputs.summary)["series_kept"] - training)
-        states = read_rows(inputs.ensemble, "state", training, training + flows)
+        kept = read_json(inputs.summary)["series_kept"]
+        series = controlled_series(kept, training, settings["flows"])
+        states = read_rows(inputs.ensemble, "state", series.start, series.stop)
         return cls(
             settings=settings,
             system=system,
@@ -79,9 +87,9 @@ class ControlSetting:
                 duration_lt=record["duration_lt"],
             ),
             timing=timing,
+            series=series,
             washouts=np.ascontiguousarray(states[:, : timing.washout]),
             training_states=read_rows(inputs.ensemble, "state", 0, training),
-            first_series=training,
         )
 
     def forecast_monitor(self, forecaster: Forecaster) -> ForecastMonitor:
@@ -90,46 +98,18 @@ class ControlSetting:
             forecaster, self.system.observable, self.timing, self.settings["event_threshold"]
         )
 
-    def equations_monitor(self) -> ForecastMonitor:
-        """Monitor that knows the equations."""
-        return self.forecast_monitor(
-            EquationsForecaster(
-                self.system, self.settings["time_step"], self.settings["sampling_stride"]
-            )
-        )
-
-    def random_monitor(self, alarm_rate: float) -> RandomMonitor:
-        """Monitor that raises alarms at random, at a given rate."""
-        occasions = most_forecasts(self.timing)
-        draws = np.stack(
-            [
-                random_streams.stream(
-                    self.settings["random_seed"],
-                    "random alarms",
-                    self.settings["case"],
-                    self.settings.get("seed", 0),
-                    self.first_series + flow,
-                ).random(occasions)
-                for flow in range(len(self.washouts))
-            ]
-        )
-        return RandomMonitor(alarm_rate, draws)
-
     def noise(self) -> FloatArray:
         """Observation noise of each flow at each step, ``(flows, steps, dimension)``."""
-        scales = component_scales(self.training_states)
-        silence = np.zeros((len(self.washouts), self.timing.length, self.system.dimension))
-        return observe(
-            silence,
-            self.first_series,
+        return observation_noise(
+            self.series,
+            self.timing.length,
             self.settings["training"]["noise"],
-            scales,
+            component_scales(self.training_states),
             self.settings["random_seed"],
-            "control noise",
             self.settings["case"],
         )
 
-    def follow(
+    def run(
         self,
         monitor: Monitor,
         *,
@@ -138,7 +118,7 @@ class ControlSetting:
         keep_states: bool = False,
     ) -> ControlledFlows:
         """Follow the flows (or some of them) with and without control."""
-        return follow(
+        return run_controlled_flows(
             self.system,
             self.washouts[rows],
             monitor,
@@ -149,42 +129,34 @@ class ControlSetting:
             keep_states=keep_states,
         )
 
-    def account(self, followed: ControlledFlows) -> Accounting:
+    def count_outcome(self, flows: ControlledFlows) -> Outcome:
         """Count what control achieved."""
-        return account(
-            followed,
+        density = self.settings["controlled_density"]
+        low, high = density["range"]
+        return count_outcome(
+            flows,
             self.settings["laminarisation_threshold"],
-            bin_edges(self.settings["controlled_density"]),
+            bin_edges(low, high, density["bins"]),
         )
 
 
-SCORES = (
-    "exceedance_uncontrolled",
-    "exceedance_controlled",
-    "exceedance_free",
-    "reduction",
-    "control_fraction",
-    "alarm_rate",
-)
-
-
-def write_accounting(outputs: Any, accounting: Accounting, provenance: Mapping[str, str]) -> None:
+def write_outcome(outputs: Any, outcome: Outcome, provenance: Mapping[str, str]) -> None:
     """Write the counts and scores as JSON, the histograms as NetCDF."""
     counts = {
-        field.name: getattr(accounting, field.name)
-        for field in dataclasses.fields(accounting)
-        if isinstance(getattr(accounting, field.name), int)
+        field.name: getattr(outcome, field.name)
+        for field in dataclasses.fields(outcome)
+        if isinstance(getattr(outcome, field.name), int)
     }
-    scores = {name: getattr(accounting, name) for name in SCORES}
+    scores = {name: getattr(outcome, name) for name in SCORES}
     defined = {name: value if np.isfinite(value) else None for name, value in scores.items()}
     write_json(outputs.counts, {**counts, **defined, "provenance": dict(provenance)})
     write_netcdf(
         Path(outputs.histograms),
         {
-            "edge": Variable(("edge",), accounting.edges, "1", "edges of the bins"),
+            "edge": Variable(("edge",), outcome.edges, "1", "edges of the bins"),
             **{
                 name: Variable(
-                    ("bin",), getattr(accounting, f"histogram_{name}"), "1", f"steps, {description}"
+                    ("bin",), getattr(outcome, f"histogram_{name}"), "1", f"steps, {description}"
                 )
                 for name, description in (
                     ("uncontrolled", "without control"),

@@ -41,7 +41,7 @@ SECONDS_PER = {
 """Seconds that a unit of work takes on one core."""
 
 # What a script takes before it computes, in seconds, and what it holds then, in MiB: Python with
-# NumPy and NetCDF; with the compiled kernel; with scikit-optimize, too; with Matplotlib; with
+# NumPy and NetCDF; with the numba backend; with scikit-optimize, too; with Matplotlib; with
 # Matplotlib that draws flow fields.
 _PLAIN = (0.6, 90)
 _KERNEL = (1.2, 190)

@@ -2,18 +2,18 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from burstcast import random_streams
-from burstcast.dataset import component_scales, observe
+from burstcast.dataset import component_scales, observed_series
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import Reservoir, make_reservoir
 from burstcast.esn.training import TrainingSeries
-from burstcast.forecast.forecasters import NetworkForecaster
+from burstcast.forecasters.esn import NetworkForecaster
 from burstcast_workflow.series_fit import check_kept_series
 from burstcast_workflow.storage import (
     Variable,
@@ -44,8 +44,8 @@ def training_series(settings: Mapping[str, Any], ensemble: str) -> TrainingSerie
     check_kept_series(kept, {"training.series": training["series"]})
     states = read_rows(ensemble, "state", 0, training["series"])
     scales = component_scales(states)
-    observed = observe(
-        states, 0, training["noise"], scales, settings["random_seed"], "noise", settings["case"]
+    observed = observed_series(
+        states, 0, training["noise"], scales, settings["random_seed"], settings["case"]
     )
     return TrainingSeries(observed=observed, input_range=scales.range)
 
@@ -69,6 +69,23 @@ def reservoir(settings: Mapping[str, Any], dimension: int) -> Reservoir:
             settings["random_seed"], "reservoir", settings["neurons"], settings["seed"]
         ),
     )
+
+
+BACKENDS: dict[str, Literal["numba", "scipy"]] = {"compiled": "numba", "scipy": "scipy"}
+"""Implementation of the dynamics by what the setting ``kernel`` calls it."""
+
+
+def backend_of(kernel: str) -> Literal["numba", "scipy"]:
+    """Backend of `Dynamics` by what the setting ``kernel`` calls it.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name.
+    """
+    if kernel not in BACKENDS:
+        raise ValueError(f"the kernel is {' or '.join(BACKENDS)}, not {kernel!r}")
+    return BACKENDS[kernel]
 
 
 RESERVOIR_SETTINGS = ("neurons", "seed", "connectivity", "input_bias", "random_seed")
@@ -122,7 +139,7 @@ def read_network(path: str | Path, kernel: str) -> EchoStateNetwork:
         reservoir(record, dimension),
         float(record["spectral_radius"]),
         float(record["input_scaling"]),
-        kernel,  # type: ignore[arg-type]  # Dynamics itself checks it
+        backend_of(kernel),
     )
     readout = Readout(
         weights=np.ascontiguousarray(data["weights"]),

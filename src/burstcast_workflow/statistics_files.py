@@ -1,25 +1,12 @@
 """Long-term statistics as files: histogram of the observable, moments of the state."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from burstcast.statistics.densities import Histogram
-from burstcast.statistics.measures import nearest
-from burstcast.statistics.profiles import StateMoments
+from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
-from burstcast.systems.base import FloatArray
-from burstcast_workflow.gather import NETWORK, gathered
 from burstcast_workflow.storage import Variable, read_netcdf, write_netcdf
-
-
-def bin_edges(density: Mapping[str, Any]) -> FloatArray:
-    """Edges of equal bins from the setting ``density`` of a case."""
-    low, high = density["range"]
-    return np.linspace(low, high, density["bins"] + 1)
 
 
 def write_statistics(
@@ -65,44 +52,3 @@ def read_statistics(path: str | Path) -> LongTermStatistics:
             count=int(data["states"]), mean=data["mean"], mean_product=data["mean_product"]
         ),
     )
-
-
-@dataclass(frozen=True)
-class BestNetwork:
-    """The network whose statistics are nearest to the data's, of those that are compared.
-
-    Attributes
-    ----------
-    statistics
-        Its statistics.
-    label
-        What figures call it.
-    """
-
-    statistics: LongTermStatistics
-    label: str
-
-
-def best_network(
-    data: LongTermStatistics, keys: Sequence[Mapping[str, Any]], paths: Sequence[str]
-) -> BestNetwork | None:
-    """Network with the smallest Kantorovich metric; None if none has any statistics.
-
-    Parameters
-    ----------
-    data
-        Statistics of the data.
-    keys
-        Of networks of one size, those of `burstcast_workflow.gather.NETWORK` among them.
-    paths
-        Files of their statistics.
-    """
-    pairs = gathered(keys, paths, NETWORK)
-    networks = [read_statistics(path) for _, path in pairs]
-    best = nearest(data, networks)
-    if best is None:
-        return None
-    which = f"best of {len(keys)}: " if len(keys) > 1 else ""
-    chosen = pairs[best][0]
-    label = f"ESN ({chosen['neurons']} neurons, {which}seed {chosen['seed']})"
-    return BestNetwork(networks[best], label)

@@ -1,9 +1,7 @@
 """What the tables hold and how they are typeset: keys, metrics, captions, heads, formats."""
 
-from dataclasses import dataclass, fields, is_dataclass
-from typing import Any
+from dataclasses import dataclass
 
-from burstcast.systems.base import DynamicalSystem
 from burstcast.tables import escape
 
 NETWORK_KEYS = ("case", "reynolds", "forecaster", "neurons", "validation")
@@ -146,35 +144,3 @@ PARAMETER_TABLES = ("data_generation_parameters", "network_hyperparameters")
 def head(column: str) -> str:
     """LaTeX head of a column, or name of a metric."""
     return HEADS.get(column, escape(column.replace("_", " ")))
-
-
-_FLOW_PARAMETERS: tuple[tuple[str, str, str | float], ...] = (
-    ("L_x", "Length of the domain in the $x$-direction", "length_x"),
-    # the walls are at y = -1 and y = 1: the unit of length
-    ("L_y", "Length of the domain in the $y$-direction", 2.0),
-    ("L_z", "Length of the domain in the $z$-direction", "length_z"),
-    (r"\mathrm{Re}", "Reynolds number", "reynolds"),
-)
-
-
-def described_parameters(name: str, system: DynamicalSystem) -> list[list[Any]]:
-    """Symbol in LaTeX, explanation and value of each parameter of a system's equations.
-
-    Parameters
-    ----------
-    name
-        Of the system: the shear flow ``mfe`` has the paper's symbols, others their own names.
-    system
-        The system.
-    """
-    assert is_dataclass(system)
-    values = {field.name: getattr(system, field.name) for field in fields(system) if field.init}
-    if name == "mfe":
-        return [
-            [symbol, explanation, values[value] if isinstance(value, str) else value]
-            for symbol, explanation, value in _FLOW_PARAMETERS
-        ]
-    return [
-        [rf"\mathrm{{{escape(parameter)}}}", "Parameter of the equations", value]
-        for parameter, value in values.items()
-    ]

@@ -7,7 +7,7 @@ from burstcast import durations
 from burstcast_workflow.storage import read_json
 
 
-def steps_per_lyapunov_time(settings: Mapping[str, Any], lyapunov: Any) -> int:
+def read_steps_per_lyapunov_time(settings: Mapping[str, Any], lyapunov: Any) -> int:
     """Network steps in a Lyapunov time.
 
     Parameters

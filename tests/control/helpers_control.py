@@ -5,10 +5,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import Actuation
-from burstcast.control.monitor import BoolArray, IntArray, Monitor
+from burstcast.control.monitors.base import Monitor
 from burstcast.control.timing import Timing
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import step
 
 PAPER = Timing(
@@ -50,10 +51,10 @@ class TableMonitor(Monitor):
     table: BoolArray
     seen: dict[tuple[int, int], FloatArray]
 
-    def alarms(self, rows: IntArray, occasions: IntArray, washout: FloatArray) -> BoolArray:
-        for position, (row, occasion) in enumerate(zip(rows, occasions, strict=True)):
-            self.seen[int(row), int(occasion)] = washout[:, :, position].copy()
-        return self.table[rows, occasions]
+    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+        for position, (row, number) in enumerate(zip(rows, forecast_number, strict=True)):
+            self.seen[int(row), int(number)] = washout[:, :, position].copy()
+        return self.table[rows, forecast_number]
 
 
 def table_monitor(table: BoolArray) -> TableMonitor:

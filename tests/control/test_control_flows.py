@@ -6,13 +6,13 @@ from helpers_control import PAPER, Rotor, TableMonitor, plain_flow, table_monito
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from burstcast.arrays import FloatArray
 from burstcast.control import flows as flows_module
 from burstcast.control.actuation import Actuation, actuated_system
-from burstcast.control.flows import ControlledFlows, follow
-from burstcast.control.monitor import ForecastMonitor, most_forecasts
+from burstcast.control.flows import ControlledFlows, run_controlled_flows
+from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.timing import Timing
-from burstcast.forecast.forecasters import EquationsForecaster
-from burstcast.systems.base import FloatArray
+from burstcast.forecasters.equations import EquationsForecaster
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -30,7 +30,7 @@ def turbulent_washouts(flows: int, timing: Timing) -> FloatArray:
 
 
 def never(flows: int, timing: Timing) -> TableMonitor:
-    return table_monitor(np.zeros((flows, most_forecasts(timing)), dtype=bool))
+    return table_monitor(np.zeros((flows, timing.most_forecasts), dtype=bool))
 
 
 @pytest.mark.parametrize("prediction_time_lt", [1.0, 1.5, 3.0])
@@ -45,19 +45,19 @@ def test_out_of_reach_the_controlled_flow_is_the_uncontrolled_one(
         timing,
         threshold=np.inf,
     )
-    followed = follow(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
-    assert followed.controlled_states is not None
-    assert followed.uncontrolled_states is not None
-    assert len(followed) == 3
-    assert followed.controlled.max() < 0.6
-    np.testing.assert_array_equal(followed.controlled, followed.uncontrolled)
-    np.testing.assert_array_equal(followed.controlled_states, followed.uncontrolled_states)
+    flows = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
+    assert flows.controlled_states is not None
+    assert flows.uncontrolled_states is not None
+    assert len(flows) == 3
+    assert flows.controlled.max() < 0.6
+    np.testing.assert_array_equal(flows.controlled, flows.uncontrolled)
+    np.testing.assert_array_equal(flows.controlled_states, flows.uncontrolled_states)
     series = integrate(
         FLOW, washouts[:, 0].T, timing.time_step, (timing.length - 1) * 4, stride=4
     ).transpose(2, 0, 1)
-    np.testing.assert_array_equal(followed.uncontrolled_states, series)
-    assert not followed.actuated.any()
-    assert not followed.forecasts.alarm.any()
+    np.testing.assert_array_equal(flows.uncontrolled_states, series)
+    assert not flows.actuated.any()
+    assert not flows.forecasts.alarm.any()
 
 
 @st.composite
@@ -97,38 +97,40 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
     system = Rotor(0.3)
     # what can be about 1, so that some crests are events; threshold 0.9
     washouts = washouts_of(system, generator.normal(size=(2, 6)), timing)
-    table = generator.random((6, most_forecasts(timing))) < 0.4
+    table = generator.random((6, timing.most_forecasts)) < 0.4
     monitor = table_monitor(table)
-    followed = follow(system, washouts, monitor, actuation, timing, threshold=0.9, keep_states=True)
-    assert followed.controlled_states is not None
-    assert followed.left_out == 6 - len(followed)
+    flows = run_controlled_flows(
+        system, washouts, monitor, actuation, timing, threshold=0.9, keep_states=True
+    )
+    assert flows.controlled_states is not None
+    assert flows.left_out == 6 - len(flows)
     for row in range(6):
         plain = plain_flow(
             system, washouts[row], list(table[row]), actuation, timing, 0.9, start, steps
         )
         assert plain.uncontrolled.shape == (timing.length, 2)
         quiet = plain.uncontrolled[: timing.counted_from + 1, 0].max() < 0.9
-        assert quiet == (row in followed.rows)
+        assert quiet == (row in flows.rows)
         if not quiet:
             continue
-        flow = int(np.flatnonzero(followed.rows == row)[0])
-        np.testing.assert_array_equal(followed.uncontrolled[flow], plain.uncontrolled[:, 0])
-        np.testing.assert_array_equal(followed.controlled_states[flow], plain.controlled)
-        np.testing.assert_array_equal(followed.controlled[flow], plain.controlled[:, 0])
+        flow = int(np.flatnonzero(flows.rows == row)[0])
+        np.testing.assert_array_equal(flows.uncontrolled[flow], plain.uncontrolled[:, 0])
+        np.testing.assert_array_equal(flows.controlled_states[flow], plain.controlled)
+        np.testing.assert_array_equal(flows.controlled[flow], plain.controlled[:, 0])
         stride = timing.sampling_stride
         counted = plain.acting[timing.counted_from * stride : timing.counted_until * stride]
-        assert followed.actuated_integration_steps[flow] == counted.sum()
+        assert flows.actuated_integration_steps[flow] == counted.sum()
         into_step = plain.acting[stride - 1 :: stride][: timing.length - 1]
-        np.testing.assert_array_equal(followed.actuated[flow, 1:], into_step)
+        np.testing.assert_array_equal(flows.actuated[flow, 1:], into_step)
 
-        mine = followed.forecasts.flow == flow
-        assert followed.forecasts.step[mine].tolist() == [f.step for f in plain.forecasts]
+        mine = flows.forecasts.flow == flow
+        assert flows.forecasts.step[mine].tolist() == [f.step for f in plain.forecasts]
         for name in ("alarm", "would_cross", "would_be_under_way", "reached"):
             expected = [getattr(forecast, name) for forecast in plain.forecasts]
-            assert getattr(followed.forecasts, name)[mine].tolist() == expected, name
+            assert getattr(flows.forecasts, name)[mine].tolist() == expected, name
         # what the monitor saw is what lay behind it
-        for occasion, forecast in enumerate(plain.forecasts):
-            seen = monitor.seen[row, occasion]
+        for number, forecast in enumerate(plain.forecasts):
+            seen = monitor.seen[row, number]
             last = plain.controlled[: forecast.step + 1]
             if forecast.step < timing.length:
                 np.testing.assert_array_equal(seen, last[-timing.washout :])
@@ -139,16 +141,16 @@ def test_actuation_lasts_from_the_alarm_for_366_integration_steps() -> None:
     monitor = never(1, timing)
     monitor.table[0, 0] = True
     washouts = turbulent_washouts(1, timing)
-    followed = follow(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
-    assert followed.controlled_states is not None
+    flows = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
+    assert flows.controlled_states is not None
     raised = MoehlisFaisstEckhardt(reynolds=2000.0)
     under_control = integrate(raised, washouts[:, -1].T, 0.25, 366, stride=1)
     after = integrate(FLOW, under_control[-1], 0.25, (timing.length - 30) * 4 - 366, stride=1)
     truth = np.concatenate([under_control, after[1:]])[::4, :, 0]
-    np.testing.assert_array_equal(followed.controlled_states[0, 29:], truth)
+    np.testing.assert_array_equal(flows.controlled_states[0, 29:], truth)
     # the next forecast is made at the end of the alarm's window
-    assert followed.forecasts.step[:3].tolist() == [29, 29 + 122, 29 + 183]
-    assert followed.actuated.sum() == 91
+    assert flows.forecasts.step[:3].tolist() == [29, 29 + 122, 29 + 183]
+    assert flows.actuated.sum() == 91
 
 
 def test_noise_belongs_to_flow_and_step_and_stays_out_of_the_truth() -> None:
@@ -156,19 +158,17 @@ def test_noise_belongs_to_flow_and_step_and_stays_out_of_the_truth() -> None:
     flows = 4
     washouts = turbulent_washouts(flows, timing)
     noise = np.random.default_rng(2).normal(size=(flows, timing.length + 3, 9))
-    table = np.random.default_rng(3).random((flows, most_forecasts(timing))) < 0.5
+    table = np.random.default_rng(3).random((flows, timing.most_forecasts)) < 0.5
     plain, noisy = table_monitor(table), table_monitor(table)
-    without = follow(FLOW, washouts, plain, RAISED, timing, np.inf)
-    with_noise = follow(FLOW, washouts, noisy, RAISED, timing, np.inf, noise=noise)
+    without = run_controlled_flows(FLOW, washouts, plain, RAISED, timing, np.inf)
+    with_noise = run_controlled_flows(FLOW, washouts, noisy, RAISED, timing, np.inf, noise=noise)
     np.testing.assert_array_equal(with_noise.controlled, without.controlled)
     assert table[:, :3].any()
     for flow in range(flows):
         steps = with_noise.forecasts.step[with_noise.forecasts.flow == flow]
-        for occasion, step in enumerate(steps):
-            expected = (
-                plain.seen[flow, occasion] + noise[flow, step + 1 - timing.washout : step + 1]
-            )
-            np.testing.assert_array_equal(noisy.seen[flow, occasion], expected)
+        for number, step in enumerate(steps):
+            expected = plain.seen[flow, number] + noise[flow, step + 1 - timing.washout : step + 1]
+            np.testing.assert_array_equal(noisy.seen[flow, number], expected)
 
 
 def assert_same(left: ControlledFlows, right: ControlledFlows) -> None:
@@ -191,16 +191,16 @@ def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> 
         timing,
         threshold=0.07,
     )
-    together = follow(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
+    together = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
     assert together.forecasts.alarm.any()
     assert 0 < len(together) < 7
     monkeypatch.setattr(flows_module, "FLOWS_PER_BATCH", 2)
-    in_pairs = follow(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
+    in_pairs = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
     assert_same(together, in_pairs)
 
     flow = int(together.forecasts.flow[together.forecasts.alarm][0])
     row = [together.rows[flow]]
-    alone = follow(
+    alone = run_controlled_flows(
         FLOW, washouts[row], monitor, RAISED, timing, 0.07, noise=noise[row], keep_states=True
     )
     np.testing.assert_array_equal(alone.controlled[0], together.controlled[flow])
@@ -219,17 +219,19 @@ def test_a_perfect_forecaster_raises_no_false_alarm() -> None:
         timing,
         threshold=0.1,
     )
-    followed = follow(FLOW, washouts, monitor, RAISED, timing, 0.1)
-    assert followed.forecasts.alarm.sum() > 5
-    np.testing.assert_array_equal(followed.forecasts.alarm, followed.forecasts.would_cross)
+    flows = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, 0.1)
+    assert flows.forecasts.alarm.sum() > 5
+    np.testing.assert_array_equal(flows.forecasts.alarm, flows.forecasts.would_cross)
 
 
 def test_no_flow_may_be_left() -> None:
     washouts = turbulent_washouts(2, SHORT)
-    followed = follow(FLOW, washouts, never(2, SHORT), RAISED, SHORT, 0.0, keep_states=True)
-    assert (len(followed), followed.left_out) == (0, 2)
-    assert followed.controlled.shape == (0, SHORT.length)
-    nothing = follow(FLOW, washouts[:0], never(0, SHORT), RAISED, SHORT, 0.1)
+    flows = run_controlled_flows(
+        FLOW, washouts, never(2, SHORT), RAISED, SHORT, 0.0, keep_states=True
+    )
+    assert (len(flows), flows.left_out) == (0, 2)
+    assert flows.controlled.shape == (0, SHORT.length)
+    nothing = run_controlled_flows(FLOW, washouts[:0], never(0, SHORT), RAISED, SHORT, 0.1)
     assert (len(nothing), nothing.left_out) == (0, 0)
 
 
@@ -237,15 +239,15 @@ def test_wrong_shapes_are_refused() -> None:
     washouts = turbulent_washouts(2, SHORT)
     monitor = never(2, SHORT)
     with pytest.raises(ValueError, match="washouts must have the shape"):
-        follow(FLOW, washouts[:, 1:], monitor, RAISED, SHORT, 0.1)
+        run_controlled_flows(FLOW, washouts[:, 1:], monitor, RAISED, SHORT, 0.1)
     with pytest.raises(ValueError, match="noise must have the shape"):
-        follow(
+        run_controlled_flows(
             FLOW, washouts, monitor, RAISED, SHORT, 0.1, noise=np.zeros((2, SHORT.length - 1, 9))
         )
     with pytest.raises(ValueError, match="another dimension"):
-        follow(FLOW, washouts, monitor, Actuation(Rotor(1.0), -1.0, 1.0), SHORT, 0.1)
+        run_controlled_flows(FLOW, washouts, monitor, Actuation(Rotor(1.0), -1.0, 1.0), SHORT, 0.1)
     with pytest.raises(ValueError, match="before the alarm"):
-        follow(FLOW, washouts, monitor, Actuation(FLOW, -2.0, 1.0), SHORT, 0.1)
+        run_controlled_flows(FLOW, washouts, monitor, Actuation(FLOW, -2.0, 1.0), SHORT, 0.1)
 
 
 def test_an_event_that_lasts_into_the_window_counts_as_reached() -> None:
@@ -265,8 +267,10 @@ def test_an_event_that_lasts_into_the_window_counts_as_reached() -> None:
     actuation = Actuation(system, -1.0, 1.0)
 
     def alarm(threshold: float) -> tuple[bool, bool, bool]:
-        followed = follow(system, crest_at_step_22, monitor, actuation, timing, threshold)
-        forecasts = followed.forecasts
+        flows = run_controlled_flows(
+            system, crest_at_step_22, monitor, actuation, timing, threshold
+        )
+        forecasts = flows.forecasts
         raised = forecasts.step == 25
         assert forecasts.alarm.tolist() == raised.tolist()
         return (
@@ -275,7 +279,9 @@ def test_an_event_that_lasts_into_the_window_counts_as_reached() -> None:
             bool(forecasts.reached[raised][0]),
         )
 
-    heights = follow(system, crest_at_step_22, monitor, actuation, timing, 2.0).controlled[0]
+    heights = run_controlled_flows(
+        system, crest_at_step_22, monitor, actuation, timing, 2.0
+    ).controlled[0]
     assert heights.argmax() == 22
     assert alarm(heights[30]) == (False, True, True)
     assert alarm(np.nextafter(heights[30], 2.0)) == (False, False, False)
@@ -304,7 +310,7 @@ def test_an_event_between_actuation_and_window_counts_as_reached(crest: int, rea
     start = np.array([[[np.cos(0.09 * crest), -np.sin(0.09 * crest)]]])
     monitor = never(1, timing)
     monitor.table[0, 3] = True  # at step 15
-    followed = follow(system, start, monitor, Actuation(system, -1.5, 1.0), timing, 0.98)
-    above = np.flatnonzero(followed.controlled[0, :30] >= 0.98)
+    flows = run_controlled_flows(system, start, monitor, Actuation(system, -1.5, 1.0), timing, 0.98)
+    above = np.flatnonzero(flows.controlled[0, :30] >= 0.98)
     assert (above[0], above[-1]) == (crest - 2, crest + 2)
-    assert followed.forecasts.reached[followed.forecasts.step == 15].tolist() == [reached]
+    assert flows.forecasts.reached[flows.forecasts.step == 15].tolist() == [reached]

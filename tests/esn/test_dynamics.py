@@ -9,7 +9,7 @@ import burstcast.esn
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import Reservoir, make_reservoir
 
-KERNELS = ["compiled", "scipy"]
+BACKENDS = ["numba", "scipy"]
 RANGE = np.array([2.0, 0.5, 1.0, 3.0])
 
 
@@ -31,10 +31,10 @@ def random_readout(reservoir, generator):
     return generator.normal(size=shape) / reservoir.neurons
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_open_loop_is_the_textbook_equation(reservoir, kernel):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_open_loop_is_the_textbook_equation(reservoir, backend):
     generator = np.random.default_rng(0)
-    dynamics = Dynamics(reservoir, 0.7, 1.3, kernel)
+    dynamics = Dynamics(reservoir, 0.7, 1.3, backend)
     inputs = generator.normal(size=(12, reservoir.dimension, 3))
     states = generator.uniform(-1, 1, size=(reservoir.neurons, 3))
     final = dynamics.open_loop(inputs, states)
@@ -48,12 +48,12 @@ def test_open_loop_is_the_textbook_equation(reservoir, kernel):
         np.testing.assert_allclose(from_zero[:, series], zero, rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("dimension", [1, 2, 3])
-def test_closed_loop_is_the_textbook_equation(kernel, dimension):
+def test_closed_loop_is_the_textbook_equation(backend, dimension):
     generator = np.random.default_rng(1)
     reservoir = make_reservoir(61, dimension, 5, 0.1, generator)
-    dynamics = Dynamics(reservoir, 0.9, 0.8, kernel)
+    dynamics = Dynamics(reservoir, 0.9, 0.8, backend)
     weights = random_readout(reservoir, generator)
     input_range = RANGE[:dimension]
     states = generator.uniform(-1, 1, size=(reservoir.neurons, 2))
@@ -67,22 +67,22 @@ def test_closed_loop_is_the_textbook_equation(kernel, dimension):
         np.testing.assert_allclose(final[:, trajectory], state, rtol=0, atol=1e-13)
 
 
-def test_compiled_and_scipy_agree_to_rounding(reservoir):
+def test_numba_and_scipy_agree_to_rounding(reservoir):
     generator = np.random.default_rng(2)
     weights = 5 * random_readout(reservoir, generator)
     states = generator.uniform(-1, 1, size=(reservoir.neurons, 19))
     results = [
-        Dynamics(reservoir, 0.9, 1.0, kernel).closed_loop(weights, RANGE, states, 30)
-        for kernel in KERNELS
+        Dynamics(reservoir, 0.9, 1.0, backend).closed_loop(weights, RANGE, states, 30)
+        for backend in BACKENDS
     ]
     for compiled, plain in zip(*results, strict=True):
         np.testing.assert_allclose(compiled, plain, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_trajectory_has_the_same_bits_in_any_batch(reservoir, kernel):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_trajectory_has_the_same_bits_in_any_batch(reservoir, backend):
     generator = np.random.default_rng(3)
-    dynamics = Dynamics(reservoir, 0.95, 0.6, kernel)
+    dynamics = Dynamics(reservoir, 0.95, 0.6, backend)
     weights = 30 * random_readout(reservoir, generator)  # chaotic: a changed bit would grow
     states = generator.uniform(-1, 1, size=(reservoir.neurons, 100))
     inputs = generator.normal(size=(20, reservoir.dimension, 100))
@@ -104,10 +104,10 @@ def test_trajectory_has_the_same_bits_in_any_batch(reservoir, kernel):
         )
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_forecast_continues_from_its_states(reservoir, kernel):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_forecast_continues_from_its_states(reservoir, backend):
     generator = np.random.default_rng(4)
-    dynamics = Dynamics(reservoir, 0.9, 1.0, kernel)
+    dynamics = Dynamics(reservoir, 0.9, 1.0, backend)
     weights = 10 * random_readout(reservoir, generator)
     states = generator.uniform(-1, 1, size=(reservoir.neurons, 18))
     kept = states.copy()
@@ -119,9 +119,9 @@ def test_forecast_continues_from_its_states(reservoir, kernel):
     np.testing.assert_array_equal(states, kept)
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_no_steps_and_no_trajectories(reservoir, kernel):
-    dynamics = Dynamics(reservoir, 0.9, 1.0, kernel)
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_no_steps_and_no_trajectories(reservoir, backend):
+    dynamics = Dynamics(reservoir, 0.9, 1.0, backend)
     weights = random_readout(reservoir, np.random.default_rng(0))
     states = np.full((reservoir.neurons, 3), 0.25)
     outputs, final = dynamics.closed_loop(weights, RANGE, states, 0)
@@ -133,9 +133,9 @@ def test_no_steps_and_no_trajectories(reservoir, kernel):
     assert final.shape == (reservoir.neurons, 0)
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_panels_hold_the_states_and_end_at_breakpoints(reservoir, signal, kernel):
-    dynamics = Dynamics(reservoir, 0.5, 1.0, kernel)
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_panels_hold_the_states_and_end_at_breakpoints(reservoir, signal, backend):
+    dynamics = Dynamics(reservoir, 0.5, 1.0, backend)
     inputs = signal[:101]
     start = np.full((reservoir.neurons, 5), 0.1)
     panels = list(
@@ -161,10 +161,10 @@ def test_panels_hold_the_states_and_end_at_breakpoints(reservoir, signal, kernel
         np.testing.assert_array_equal(panel.states[:, step - panel.start], states)
 
 
-@pytest.mark.parametrize("kernel", KERNELS)
-def test_read_only_and_strided_arrays_are_welcome(reservoir, kernel):
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_read_only_and_strided_arrays_are_welcome(reservoir, backend):
     generator = np.random.default_rng(5)
-    dynamics = Dynamics(reservoir, 0.9, 1.0, kernel)
+    dynamics = Dynamics(reservoir, 0.9, 1.0, backend)
     inputs = generator.normal(size=(3, 4, 17))
     states = generator.uniform(-1, 1, size=(reservoir.neurons, 17))
     weights = random_readout(reservoir, generator)
@@ -192,7 +192,7 @@ def test_tanh_is_accurate_to_a_few_units_in_the_last_place():
     inputs = np.concatenate(
         [np.geomspace(1e-300, 1e3, 30001), np.linspace(0, 25, 50001), [0.0, 20.0, 1e300]]
     )
-    states = Dynamics(reservoir, 1.0, 1.0, "compiled").open_loop(inputs[None, None, :])
+    states = Dynamics(reservoir, 1.0, 1.0, "numba").open_loop(inputs[None, None, :])
     exact = np.tanh(inputs.astype(np.longdouble))
     error = np.abs(states[0] - exact) / np.spacing(exact.astype(float))
     assert error.max() < 8
@@ -201,7 +201,7 @@ def test_tanh_is_accurate_to_a_few_units_in_the_last_place():
     np.testing.assert_array_equal(states[1], -states[0])
 
 
-def test_scipy_kernel_never_loads_numba():
+def test_scipy_backend_never_loads_numba():
     script = (
         "import sys, numpy as np\n"
         "from burstcast.esn.reservoir import make_reservoir\n"
@@ -215,10 +215,10 @@ def test_scipy_kernel_never_loads_numba():
 
 def test_missing_numba_says_what_to_do(reservoir, monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.delitem(sys.modules, "burstcast.esn.kernels_compiled", raising=False)
-    monkeypatch.delattr(burstcast.esn, "kernels_compiled", raising=False)
-    with pytest.raises(RuntimeError, match="kernel: scipy"):
-        Dynamics(reservoir, 0.5, 1.0, "compiled").open_loop(np.zeros((1, 4, 1)))
+    monkeypatch.delitem(sys.modules, "burstcast.esn.backend_numba", raising=False)
+    monkeypatch.delattr(burstcast.esn, "backend_numba", raising=False)
+    with pytest.raises(RuntimeError, match='backend "scipy"'):
+        Dynamics(reservoir, 0.5, 1.0, "numba").open_loop(np.zeros((1, 4, 1)))
 
 
 @pytest.mark.parametrize(
@@ -226,11 +226,11 @@ def test_missing_numba_says_what_to_do(reservoir, monkeypatch):
     [
         ({"spectral_radius": -0.1}, "spectral_radius"),
         ({"input_scaling": np.nan}, "input_scaling"),
-        ({"kernel": "fortran"}, "kernel"),
+        ({"backend": "fortran"}, "backend"),
     ],
 )
 def test_impossible_hyperparameters_raise(reservoir, changed, reason):
-    arguments = {"spectral_radius": 0.5, "input_scaling": 1.0, "kernel": "scipy", **changed}
+    arguments = {"spectral_radius": 0.5, "input_scaling": 1.0, "backend": "scipy", **changed}
     with pytest.raises(ValueError, match=reason):
         Dynamics(reservoir, **arguments)
 

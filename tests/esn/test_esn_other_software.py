@@ -24,9 +24,9 @@ def reservoirpy_reservoir(dynamics):
     )
 
 
-@pytest.mark.parametrize("kernel", ["compiled", "scipy"])
-def test_reservoirpy_gives_the_same_states_and_forecast(reservoir, signal, kernel):
-    dynamics = Dynamics(reservoir, 0.6, 0.7, kernel)
+@pytest.mark.parametrize("backend", ["numba", "scipy"])
+def test_reservoirpy_gives_the_same_states_and_forecast(reservoir, signal, backend):
+    dynamics = Dynamics(reservoir, 0.6, 0.7, backend)
     input_range = np.ptp(signal, axis=(0, 2))
     series = signal[:300, :, 0]
     node = reservoirpy_reservoir(dynamics)

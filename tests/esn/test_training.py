@@ -65,7 +65,7 @@ def assert_moments(moments, first, stop):
 def test_moments_are_those_of_all_states_after_the_washout():
     collected = collect(DYNAMICS, TRAINING, washout=WASHOUT)
     assert_moments(collected.moments, WASHOUT, LENGTH)
-    assert collected.snapshot is None
+    assert collected.snapshots == {}
     assert collected.states == {}
 
 
@@ -74,36 +74,46 @@ def test_moments_are_those_of_all_states_after_the_washout():
 def test_snapshots_last_steps_and_kept_states(data):
     washout = data.draw(st.integers(1, LENGTH - 3))
     last = data.draw(st.integers(washout + 1, LENGTH - 1))
-    snapshot = data.draw(st.integers(washout + 1, last))
+    snapshots = data.draw(st.lists(st.integers(washout + 1, last), max_size=3))
     keep = data.draw(st.lists(st.integers(washout, last), max_size=5))
     collected = collect(
-        DYNAMICS, TRAINING, washout=washout, snapshot=snapshot, last=last, keep=keep
+        DYNAMICS, TRAINING, washout=washout, snapshots=snapshots, last=last, keep=keep
     )
     assert_moments(collected.moments, washout, last + 1)
-    assert_moments(collected.snapshot, washout, snapshot)
+    assert set(collected.snapshots) == set(snapshots)
+    for snapshot, moments in collected.snapshots.items():
+        assert_moments(moments, washout, snapshot)
     assert set(collected.states) == set(keep)
     for step, states in collected.states.items():
         np.testing.assert_allclose(states, STATES[:, step].T, rtol=0, atol=1e-13)
 
 
 def test_the_snapshot_is_bit_for_bit_a_run_that_ends_there():
-    long = collect(DYNAMICS, TRAINING, washout=WASHOUT, snapshot=60, keep=[60])
-    short = collect(DYNAMICS, TRAINING, washout=WASHOUT, snapshot=60, last=60, keep=[60])
+    long = collect(DYNAMICS, TRAINING, washout=WASHOUT, snapshots=[60], keep=[60])
+    short = collect(DYNAMICS, TRAINING, washout=WASHOUT, snapshots=[60], last=60, keep=[60])
     for name in ("mean_state", "mean_target", "gram", "cross"):
-        np.testing.assert_array_equal(getattr(long.snapshot, name), getattr(short.snapshot, name))
+        np.testing.assert_array_equal(
+            getattr(long.snapshots[60], name), getattr(short.snapshots[60], name)
+        )
     np.testing.assert_array_equal(long.states[60], short.states[60])
+
+
+def test_the_series_are_not_changed_by_training_on_one_of_them():
+    observed = OBSERVED[:1].copy()
+    collect(DYNAMICS, TrainingSeries(observed, RANGE), washout=WASHOUT)
+    np.testing.assert_array_equal(observed, OBSERVED[:1])
 
 
 def test_many_panels():
     # more columns than fit into a panel, and a batch that does not divide them
     observed = np.random.default_rng(3).normal(size=(7, 800, DIMENSION))
     collected = collect(
-        DYNAMICS, TrainingSeries(observed, RANGE), washout=5, snapshot=611, keep=[5, 143, 799]
+        DYNAMICS, TrainingSeries(observed, RANGE), washout=5, snapshots=[611], keep=[5, 143, 799]
     )
     states = textbook_states(observed=observed)
     for step in (5, 143, 799):
         np.testing.assert_allclose(collected.states[step], states[:, step].T, rtol=0, atol=1e-13)
-    for moments, stop in ((collected.moments, 800), (collected.snapshot, 611)):
+    for moments, stop in ((collected.moments, 800), (collected.snapshots[611], 611)):
         flat = states[:, 5:stop].reshape(-1, NEURONS)
         centred = flat - flat.mean(axis=0)
         assert moments.count == len(flat)
@@ -120,8 +130,8 @@ def test_many_panels():
         {"washout": WASHOUT, "keep": [50], "last": 49},
         {"washout": WASHOUT, "last": WASHOUT},
         {"washout": WASHOUT, "last": LENGTH},
-        {"washout": WASHOUT, "snapshot": WASHOUT},
-        {"washout": WASHOUT, "snapshot": LENGTH},
+        {"washout": WASHOUT, "snapshots": [WASHOUT]},
+        {"washout": WASHOUT, "snapshots": [LENGTH]},
         {"washout": LENGTH},
         {"washout": 0},
     ],

@@ -158,8 +158,12 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         TIME,
         burst(TIME, 4.0),
         [
-            ValidationLayout("SSV", (0, 0.5), (0.5, 6.0), np.array([[6.0, 8.0]])),
-            ValidationLayout("RV", (0, 0.5), (0.5, 8.0), np.array([[0.5, 2.5], [2.5, 4.5]])),
+            ValidationLayout(
+                "SSV", "Single Shot Validation", (0, 0.5), (0.5, 6.0), np.array([[6.0, 8.0]])
+            ),
+            ValidationLayout(
+                "RV", "Recycle Validation", (0, 0.5), (0.5, 8.0), np.array([[0.5, 2.5], [2.5, 4.5]])
+            ),
         ],
         THRESHOLD,
     ),
@@ -194,7 +198,7 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         washout_lt=0.5,
     ),
     "horizon_schematic": lambda: horizon_schematic(
-        longest_start_lt=10, start_step_lt=0.5, tolerance=0.2
+        longest_lead_time_lt=10, lead_time_step_lt=0.5, tolerance=0.2
     ),
     "midplane_planes": lambda: midplane_planes(
         TIME,

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from burstcast.figures.style import FloatArray
+from burstcast.arrays import FloatArray
 
 THRESHOLD = 0.1
 NUMBER_KEYS = {"case": "Re400", "reynolds": 400.0}

@@ -9,7 +9,7 @@ from burstcast.forecast.example_events import (
     isolated_events,
     predicted_event,
 )
-from burstcast.forecast.forecasters import Forecaster
+from burstcast.forecasters.base import Forecaster
 
 CRITERION = EventCriterion(threshold=1.0, calm=0.5, quiet=10, longest=60, wanted_peak=2.0)
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from burstcast.forecast.examples import (
-    evaluate_starts,
+    evaluate_lead_times,
     forecast_observable,
     stretch,
 )
-from burstcast.forecast.forecasters import Forecaster
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
+from burstcast.forecasters.base import Forecaster
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ def first_component(state):
 
 
 SEARCH = HorizonSearch(
-    longest_start_lt=3.0,
-    start_step_lt=0.5,
+    longest_lead_time_lt=3.0,
+    lead_time_step_lt=0.5,
     tolerance=1.0,
     washout=3,
     # odd: half a Lyapunov time is no whole number of steps
@@ -60,9 +60,9 @@ def test_evaluations_agree_with_the_prediction_horizon(drift):
     horizon = prediction_horizons(
         Drift(drift), first_component, observed[np.newaxis], truth[np.newaxis, : event + 1], SEARCH
     )[0]
-    found = evaluate_starts(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
-    success = found.horizon_lt == found.start_lt
-    assert (found.start_lt[success][0] if success.any() else found.horizon_lt[-1]) == horizon
+    found = evaluate_lead_times(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
+    success = found.horizon_lt == found.lead_time_lt
+    assert (found.lead_time_lt[success][0] if success.any() else found.horizon_lt[-1]) == horizon
     # by hand: the error grows by the drift in each step and is lost at 1
     steps = np.array([15, 12, 10, 7, 5, 2])
     accurate = np.array([sum(drift * (n + 1) < 1 for n in range(count)) for count in steps])
@@ -72,7 +72,7 @@ def test_evaluations_agree_with_the_prediction_horizon(drift):
 
 def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
     observed, truth = ramp(after=4)
-    found = evaluate_starts(Drift(0.5), first_component, observed, truth, [2.0], SEARCH)
+    found = evaluate_lead_times(Drift(0.5), first_component, observed, truth, [2.0], SEARCH)
     start = SEARCH.steps_before_event - 10
     assert np.isnan(found.forecast[0, : start + 1]).all()
     np.testing.assert_allclose(found.forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15))
@@ -80,9 +80,9 @@ def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
 
 def test_a_truth_that_ends_early_does_not_matter_after_the_event():
     observed, truth = ramp(after=4)
-    whole = evaluate_starts(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
+    whole = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
     truth[-3:] = np.nan
-    cut = evaluate_starts(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
+    cut = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
     np.testing.assert_array_equal(whole.forecast, cut.forecast)
     np.testing.assert_array_equal(whole.horizon_lt, cut.horizon_lt)
 

@@ -9,13 +9,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.forecast import horizon
-from burstcast.forecast.forecasters import EquationsForecaster, Forecaster
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps, prediction_horizons
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.equations import EquationsForecaster
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 SEARCH = HorizonSearch(
-    longest_start_lt=4.0, start_step_lt=0.5, tolerance=0.125, washout=5, steps_per_lyapunov_time=13
+    longest_lead_time_lt=4.0,
+    lead_time_step_lt=0.5,
+    tolerance=0.125,
+    washout=5,
+    steps_per_lyapunov_time=13,
 )
 
 
@@ -55,7 +60,7 @@ def events(speeds):
 def horizon_by_hand(speeds, search):
     """One event: start by start, step by step, in whole steps until the last line."""
     event = len(speeds) - 1
-    tau = search.longest_start_lt
+    tau = search.longest_lead_time_lt
     while True:
         start = event - math.floor(tau * search.steps_per_lyapunov_time + 1e-9)
         accurate = 0
@@ -67,7 +72,7 @@ def horizon_by_hand(speeds, search):
             accurate += 1
         if accurate == event - start:
             return tau
-        shorter = tau - search.start_step_lt
+        shorter = tau - search.lead_time_step_lt
         if shorter * search.steps_per_lyapunov_time < 1 - 1e-6:
             return accurate / search.steps_per_lyapunov_time
         tau = shorter
@@ -89,7 +94,7 @@ SPEEDS = st.one_of(
     st.integers(0, 7),
 )
 def test_horizons_are_those_of_the_papers_procedure(data, starts, between_checks, count):
-    search = replace(SEARCH, longest_start_lt=starts[0], start_step_lt=starts[1])
+    search = replace(SEARCH, longest_lead_time_lt=starts[0], lead_time_step_lt=starts[1])
     length = search.steps_before_event + 1
     speeds = np.array(
         [data.draw(st.lists(SPEEDS, min_size=length, max_size=length)) for _ in range(count)]
@@ -199,8 +204,8 @@ def test_a_forecast_is_given_up_once_it_is_lost(monkeypatch):
 
 def test_starts_of_the_paper():
     search = HorizonSearch(10, 0.5, 0.01, washout=30, steps_per_lyapunov_time=61)
-    assert search.starts_lt == [10 - 0.5 * index for index in range(20)]
-    assert search.longest_start == 610
+    assert search.lead_times_lt == [10 - 0.5 * index for index in range(20)]
+    assert search.longest_lead_time == 610
     assert search.steps_before_event == 639  # and 640 observations up to the event
 
 
@@ -214,8 +219,8 @@ def test_starts_of_the_paper():
     ],
 )
 def test_starts_go_down_to_the_last_that_is_a_step(longest, step, starts):
-    search = replace(SEARCH, longest_start_lt=longest, start_step_lt=step)
-    np.testing.assert_allclose(search.starts_lt, starts)
+    search = replace(SEARCH, longest_lead_time_lt=longest, lead_time_step_lt=step)
+    np.testing.assert_allclose(search.lead_times_lt, starts)
 
 
 @pytest.mark.parametrize(
@@ -224,9 +229,9 @@ def test_starts_go_down_to_the_last_that_is_a_step(longest, step, starts):
         ({"tolerance": 0.0}, "event threshold must exceed the mean"),
         ({"tolerance": -0.01}, "event threshold must exceed the mean"),
         ({"tolerance": math.nan}, "event threshold must exceed the mean"),
-        ({"start_step_lt": 0.0}, r"start_step_lt must lie in"),
-        ({"start_step_lt": 4.5}, r"start_step_lt must lie in"),
-        ({"longest_start_lt": 0.05, "start_step_lt": 0.05}, "shorter than one step"),
+        ({"lead_time_step_lt": 0.0}, "must decrease by a step"),
+        ({"lead_time_step_lt": 4.5}, "must decrease by a step"),
+        ({"longest_lead_time_lt": 0.05, "lead_time_step_lt": 0.05}, "shorter than a step"),
     ],
 )
 def test_impossible_searches_are_refused(change, message):

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from burstcast.forecast import windows
-from burstcast.forecast.forecasters import Forecaster
 from burstcast.forecast.windows import (
     WindowSummaries,
     crosses,
@@ -15,6 +14,7 @@ from burstcast.forecast.windows import (
     summarise,
     window_boundaries,
 )
+from burstcast.forecasters.base import Forecaster
 
 THRESHOLD = 0.1
 

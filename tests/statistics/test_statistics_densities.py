@@ -11,6 +11,7 @@ from scipy.stats import wasserstein_distance
 
 from burstcast.statistics.densities import (
     Histogram,
+    bin_edges,
     histogram,
     kantorovich_metric,
     kantorovich_metric_of_samples,
@@ -198,3 +199,7 @@ def test_mean_density_needs_histograms_on_common_bins():
     other = Histogram(np.array([0.0, 1.0]), np.array([1]))
     with pytest.raises(ValueError, match="common bins"):
         mean_density([filled([1, 0, 0, 0]), other])
+
+
+def test_bins_are_equal_and_their_edges_include_both_ends() -> None:
+    np.testing.assert_allclose(bin_edges(0.0, 0.5, 5), [0, 0.1, 0.2, 0.3, 0.4, 0.5])

@@ -12,8 +12,8 @@ from burstcast.statistics.densities import (
     mean_logarithmic_error,
 )
 from burstcast.statistics.measures import Measures, compare, nearest, sampling_floor
+from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.profiles import (
-    StateMoments,
     flow_modes,
     midplane_mean_square,
     normalised_root_mean_square_error,

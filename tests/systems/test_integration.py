@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from burstcast.arrays import FloatArray
 from burstcast.systems import integration
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate, integrate_observed, step
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate, integrate_observed, step
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import (
+    alignment_of,
     attractor_size,
     lyapunov_spectrum,
     mean_with_interval,
@@ -285,3 +287,9 @@ def test_shear_flow_has_the_published_exponents(
     by_qr = spectrum.exponents.mean(axis=0)
     assert by_qr[0] == pytest.approx(growth.exponents[:100].mean(), abs=5e-5)
     assert abs(by_qr[2]) < 5e-4  # the direction of the flow itself
+
+
+def test_alignment_takes_a_quarter_in_whole_intervals() -> None:
+    assert alignment_of(4000, 10) == 1000
+    assert alignment_of(4039, 30) == 990
+    assert alignment_of(30, 10) == 0

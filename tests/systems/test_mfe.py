@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.systems.base import FloatArray
+from burstcast.arrays import FloatArray
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes
 

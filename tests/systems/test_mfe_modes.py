@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from burstcast.systems.base import FloatArray
+from burstcast.arrays import FloatArray
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes
 

@@ -1,4 +1,4 @@
-"""Both validation strategies against a textbook implementation: dense matrices and plain loops."""
+"""The validation strategies against a textbook implementation: dense matrices and plain loops."""
 
 import numpy as np
 import pytest
@@ -8,13 +8,15 @@ from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.training import TrainingSeries
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast.tuning import validation
-from burstcast.tuning.plan import ValidationPlan
+from burstcast.tuning.strategies.base import ValidationPlan
+from burstcast.tuning.strategies.recycle import RecycleValidation
+from burstcast.tuning.strategies.registry import make_strategy
+from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import DIVERGED_ERROR, Validation, best, validate
 
 NEURONS, DIMENSION = 40, 3
 SERIES, LENGTH = 4, 260
-PLAN = ValidationPlan(washout=15, interval=24, recycle_series=3, recycle_intervals=5)
+PLAN = ValidationPlan(washout=15, interval=24, series=3, intervals=5)
 
 
 def chaotic_series():
@@ -61,10 +63,10 @@ class Textbook:
             state = self.step(state, self.observed[series, step])
         return state
 
-    def rows(self, stop):
-        """States with bias, and targets, from the washout to step ``stop - 1``."""
+    def rows(self, stops):
+        """States with bias, and targets, from the washout to the step before each series' stop."""
         states, targets = [], []
-        for series in range(len(self.observed)):
+        for series, stop in enumerate(stops):
             state = self.open_loop(series, self.washout)
             for step in range(self.washout, stop):
                 states.append(np.append(state, 1.0))
@@ -72,8 +74,8 @@ class Textbook:
                 state = self.step(state, self.observed[series, step])
         return np.array(states), np.array(targets)
 
-    def weights(self, stop, tikhonov, solver):
-        states, targets = self.rows(stop)
+    def weights(self, stops, tikhonov, solver):
+        states, targets = self.rows(stops)
         if solver == "normal equations":
             matrix = states.T @ states + tikhonov * np.eye(states.shape[1])
             return np.linalg.solve(matrix, states.T @ targets)
@@ -99,31 +101,44 @@ def textbook_objective(strategy, tikhonov, solver, plan=PLAN):
     network = Textbook(DYNAMICS, OBSERVED, RANGE, plan.washout)
     if strategy == "SSV":
         cut = length - plan.interval
-        weights = network.weights(cut, tikhonov, solver)
+        weights = network.weights([cut] * SERIES, tikhonov, solver)
         return network.log_error(weights, 0, cut, plan.interval)
-    weights = network.weights(length, tikhonov, solver)
+    starts = [plan.washout + number * plan.interval for number in range(plan.intervals)]
+    if strategy == "WFV":
+        errors = []
+        for series in range(plan.series):
+            for start in starts:
+                stops = [start if other == series else length for other in range(SERIES)]
+                weights = network.weights(stops, tikhonov, solver)
+                errors.append(network.log_error(weights, series, start, plan.interval))
+        return sum(errors) / len(errors)
+    weights = network.weights([length] * SERIES, tikhonov, solver)
     errors = [
-        network.log_error(weights, series, plan.washout + number * plan.interval, plan.interval)
-        for series in range(plan.recycle_series)
-        for number in range(plan.recycle_intervals)
+        network.log_error(weights, series, start, plan.interval)
+        for series in range(plan.series)
+        for start in starts
     ]
     return sum(errors) / len(errors)
 
 
 def validations(tikhonov=(1e-6,), strategies=("SSV", "RV"), plan=PLAN, training=TRAINING):
-    return validate(DYNAMICS, training, observable, plan, tikhonov, strategies)
+    made = [make_strategy(name) for name in strategies]
+    return validate(DYNAMICS, training, observable, plan, tikhonov, made)
 
 
-@pytest.mark.parametrize("strategy", ["SSV", "RV"])
+ALL = ("SSV", "RV", "WFV")
+
+
+@pytest.mark.parametrize("strategy", ALL)
 def test_objective_of_the_textbook(strategy):
-    (found,) = [result for result in validations() if result.strategy == strategy]
+    (found,) = [result for result in validations(strategies=ALL) if result.strategy == strategy]
     expected = textbook_objective(strategy, 1e-6, "normal equations")
     assert found.objective == pytest.approx(expected, abs=1e-6)
 
 
-@pytest.mark.parametrize("strategy", ["SSV", "RV"])
+@pytest.mark.parametrize("strategy", ALL)
 def test_objective_without_regularisation_is_that_of_the_states_themselves(strategy):
-    (found,) = [result for result in validations((1e-12,)) if result.strategy == strategy]
+    (found,) = [result for result in validations((1e-12,), ALL) if result.strategy == strategy]
     expected = textbook_objective(strategy, 1e-12, "QR of the states")
     assert found.objective == pytest.approx(expected, abs=1e-3)
 
@@ -170,41 +185,38 @@ def test_recycle_validation_trains_on_everything_and_scores_the_first_series():
 def test_intervals_may_reach_the_very_end():
     length = OBSERVED.shape[1]
     plan = ValidationPlan(20, 30, 2, 8)
-    assert plan.recycle_starts()[-1] + plan.interval == length
+    assert plan.starts()[-1] + plan.interval == length
     (found,) = validations(strategies=["RV"], plan=plan)
     expected = textbook_objective("RV", 1e-6, "normal equations", plan)
     assert found.objective == pytest.approx(expected, abs=1e-6)
 
 
 def test_the_papers_intervals():
-    at_400 = ValidationPlan(washout=30, interval=122, recycle_series=3, recycle_intervals=30)
-    at_400.check(10, 4001)
-    assert len(at_400.recycle_starts()) * at_400.recycle_series == 90
-    assert np.diff(at_400.recycle_starts()).tolist() == [122] * 29
-    assert at_400.recycle_starts()[0] == 30
-    assert at_400.single_shot_start(4001) == 4001 - 122
+    at_400 = ValidationPlan(washout=30, interval=122, series=3, intervals=30)
+    (recycle,) = RecycleValidation().folds(at_400, 10, 4001)
+    assert len(recycle.starts) * len(recycle.series) == 90
+    assert np.diff(recycle.starts).tolist() == [122] * 29
+    assert recycle.starts[0] == 30
+    (single_shot,) = SingleShotValidation().folds(at_400, 10, 4001)
+    assert (single_shot.series, single_shot.starts) == (range(1), (4001 - 122,))
     for steps in (74, 79, 82):
-        plan = ValidationPlan(steps // 2, 2 * steps, recycle_series=4, recycle_intervals=22)
-        plan.check(10, 4001)
-        assert len(plan.recycle_starts()) * plan.recycle_series == 88
+        plan = ValidationPlan(steps // 2, 2 * steps, series=4, intervals=22)
+        (recycle,) = RecycleValidation().folds(plan, 10, 4001)
+        assert len(recycle.starts) * len(recycle.series) == 88
 
 
 @pytest.mark.parametrize(
-    ("plan", "message"),
+    ("strategies", "plan", "message"),
     [
-        (ValidationPlan(15, 24, 5, 5), r"recycle_validation.series is 5, but there are only 4"),
-        (ValidationPlan(15, 24, 3, 11), r"intervals_per_series is 11, but only 10"),
-        (ValidationPlan(100, 160, 1, 1), "leave nothing to train on"),
+        (("RV", "WFV"), ValidationPlan(15, 24, 5, 5), "5 series .* there are only 4"),
+        (("RV", "WFV"), ValidationPlan(15, 24, 3, 11), "11 validation intervals .* only 10"),
+        (("SSV",), ValidationPlan(100, 160, 1, 1), "leave nothing to train on"),
     ],
 )
-def test_plans_that_do_not_fit_name_the_setting(plan, message):
-    with pytest.raises(ValueError, match=message):
-        validations(plan=plan)
-
-
-def test_unknown_strategies_are_refused():
-    with pytest.raises(ValueError, match=r"unknown validation strategies \['KCV'\]"):
-        validations(strategies=["RV", "KCV"])
+def test_plans_that_do_not_fit_are_refused(strategies, plan, message):
+    for strategy in strategies:
+        with pytest.raises(ValueError, match=message):
+            validations(strategies=[strategy], plan=plan)
 
 
 def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
@@ -216,11 +228,11 @@ def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
 
     monkeypatch.setattr(Dynamics, "closed_loop", lost)
     (found,) = validations(strategies=["RV"])
-    starts = PLAN.recycle_starts()
+    starts = PLAN.starts()
     truth = [
         [0.5 * (step**2).sum() for step in OBSERVED[series, start : start + PLAN.interval]]
         for start in starts
-        for series in range(PLAN.recycle_series)
+        for series in range(PLAN.series)
     ]
     logs = np.log10(((1.5 - np.array(truth)) ** 2).mean(axis=1))
     logs[:2] = np.log10(DIVERGED_ERROR)
@@ -240,7 +252,3 @@ def test_the_best_is_the_first_of_the_smallest_of_its_strategy():
     ]
     assert best(results, "RV") is results[2]
     assert best(results, "SSV") is results[0]
-
-
-def test_the_strategies_are_those_of_the_paper():
-    assert validation.STRATEGIES == ("SSV", "RV")

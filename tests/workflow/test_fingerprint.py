@@ -298,7 +298,7 @@ def test_ordinary_script_reads_nothing_forbidden(tmp_path):
 
 @pytest.mark.parametrize("path", SOURCES + SCRIPTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_fingerprints_see_all_code_of_the_project(path):
-    if path != ROOT / "src" / "burstcast" / "systems" / "registry.py":
+    if path != ROOT / "src" / "burstcast" / "discovery.py":
         assert forbidden_imports(path) == []
 
 
@@ -318,3 +318,14 @@ def test_closure_in_the_project_is_selective(tmp_path):
     entries = {entry.split("@")[0] for entry in fingerprint(script, ROOT / "src")}
     assert "burstcast_workflow.canonical" in entries  # through job
     assert not any(name.startswith("burstcast.") for name in entries)
+
+
+@pytest.mark.parametrize(
+    "rule", ["control", "control_random", "control_equations", "suppressed_event"]
+)
+def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
+    script = ROOT / "workflow" / "scripts" / f"{rule}.py"
+    modules = {entry.split("@")[0] for entry in fingerprint(script, ROOT / "src")}
+    assert "burstcast.control.flows" in modules
+    for name in ("statistics.measures", "statistics.profiles", "systems.mfe_modes"):
+        assert f"burstcast.{name}" not in modules

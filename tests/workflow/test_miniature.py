@@ -6,7 +6,7 @@ from edits import merged
 from helpers_rebuilds import ROOT, digests
 from recomputation import Recomputation, assert_same_rows, percentiles
 
-from burstcast_workflow.cases import case_records
+from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.table_files import read_table
 
 PRESET = "workflow/presets/miniature.yaml"

@@ -8,16 +8,12 @@ import pytest
 import yaml
 from snakemake.utils import update_config
 
-from burstcast.systems.registry import make_system
+from burstcast.systems.registry import make_system, parameters_of
+from burstcast.tables import described_parameters
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.table_layouts import (
-    CAPTIONS,
-    SUMMARIES,
-    described_parameters,
-    head,
-)
+from burstcast_workflow.table_layouts import CAPTIONS, SUMMARIES, head
 
 ROOT = Path(__file__).parents[2]
 WORKFLOW = ROOT / "workflow"
@@ -112,6 +108,8 @@ def test_scripts_read_every_setting_of_their_rule_and_no_other(name):
     read = set(re.findall(r'settings\["(\w+)"\]', text))
     if "steps_per_lyapunov_time(settings" in text:
         read |= {"sampling_interval", "steps_per_lyapunov_time"}
+    if "validation_plan(settings" in text:
+        read |= {"washout_lt", "interval_lt", "recycle_validation"}
     assert read == given
 
 
@@ -153,11 +151,11 @@ def test_heads_are_latex():
 
 def test_parameters_of_the_shear_flow_are_the_papers():
     system = make_system("mfe", {"reynolds": 600.0})
-    rows = described_parameters("mfe", system)
+    rows = described_parameters("mfe", parameters_of(system))
     assert [row[0] for row in rows] == ["L_x", "L_y", "L_z", r"\mathrm{Re}"]
     assert [row[2] for row in rows][1::2] == [2.0, 600.0]
 
 
 def test_parameters_of_another_system_have_their_own_names():
-    rows = described_parameters("lorenz63", make_system("lorenz63", {"rho": 30.0}))
+    rows = described_parameters("lorenz63", parameters_of(make_system("lorenz63", {"rho": 30.0})))
     assert [r"\mathrm{rho}", "Parameter of the equations", 30.0] in rows

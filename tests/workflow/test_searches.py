@@ -9,10 +9,12 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.tuning.hyperparameters import HyperparameterPoint
-from burstcast.tuning.plan import ValidationPlan
+from burstcast.tuning.strategies.base import ValidationPlan
+from burstcast.tuning.strategies.recycle import RecycleValidation
+from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.network_files import reservoir, training_series
-from burstcast_workflow.searches import PointValidator, trace_rows
+from burstcast_workflow.searches import point_validator, trace_rows
 from burstcast_workflow.storage import Variable, write_netcdf
 
 STEPS = 25  # in a Lyapunov time
@@ -51,14 +53,15 @@ def inputs(tmp_path_factory):
 
 
 def test_durations_are_those_of_the_settings(inputs):
-    found = PointValidator(SETTINGS, inputs)(POINT, ["SSV", "RV"])
-    plan = ValidationPlan(washout=12, interval=50, recycle_series=2, recycle_intervals=4)
+    found = point_validator(SETTINGS, inputs)(POINT, [SingleShotValidation(), RecycleValidation()])
+    plan = ValidationPlan(washout=12, interval=50, series=2, intervals=4)
     expected = validate(
         Dynamics(reservoir(SETTINGS, 3), 0.5, 2.0, "scipy"),
         training_series(SETTINGS, inputs.ensemble),
         Lorenz63().observable,
         plan,
         [1e-6, 1e-9],
+        [SingleShotValidation(), RecycleValidation()],
     )
     assert found == expected
     assert len(found) == 4
@@ -78,16 +81,16 @@ def test_durations_are_those_of_the_settings(inputs):
 )
 def test_what_does_not_fit_is_told_before_anything_is_computed(inputs, change, message):
     with pytest.raises(ValueError, match=message):
-        PointValidator({**SETTINGS, **change}, inputs)
+        point_validator({**SETTINGS, **change}, inputs)
 
 
 def test_intervals_that_just_fit_are_accepted(inputs):
     settings = {**SETTINGS, "recycle_validation": {"series": 3, "intervals_per_series": 5}}
-    assert len(PointValidator(settings, inputs)(POINT, ["RV"])) == 2
+    assert len(point_validator(settings, inputs)(POINT, [RecycleValidation()])) == 2
 
 
 def test_rows_of_the_trace(inputs):
-    validations = PointValidator(SETTINGS, inputs)(POINT, ["RV"])
+    validations = point_validator(SETTINGS, inputs)(POINT, [RecycleValidation()])
     rows = trace_rows(7, "bayesian", POINT, validations)
     assert [row["tikhonov"] for row in rows] == [1e-6, 1e-9]
     for row, validation in zip(rows, validations, strict=True):

@@ -9,13 +9,12 @@ import yaml
 from snakemake.utils import update_config
 
 from burstcast.statistics.densities import Histogram
-from burstcast.statistics.profiles import StateMoments
+from burstcast.statistics.measures import best_network
+from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.job import provenance
-from burstcast_workflow.statistics_files import best_network, write_statistics
 
 ROOT = Path(__file__).parents[2]
 FLOW = {"midplane_planes", "vorticity_isosurfaces"}
@@ -193,12 +192,6 @@ NOTHING, NEAR, NEAREST = statistics([0, 0, 0]), statistics([10, 6, 5]), statisti
         ([NEAR], "ESN (500 neurons, seed 4)"),
     ],
 )
-def test_the_best_network_is_the_nearest_to_the_data(tmp_path, networks, label):
-    paths = [tmp_path / f"{number}.nc" for number in range(len(networks))]
-    kind = {"case": "Re400", "neurons": 500, "validation": "RV"}
-    keys = [{**kind, "seed": seed} for seed in (4, 7)][: len(networks)]
-    for path, key, network in zip(paths, keys, networks, strict=True):
-        write_statistics(path, network, provenance({"rule": "climate", **key}, {}))
-    # in any order: the files say whose they are
-    best = best_network(NEAREST, keys, paths[::-1])
+def test_the_best_network_is_the_nearest_to_the_data(networks, label):
+    best = best_network(NEAREST, dict(zip([(500, 4), (500, 7)], networks, strict=False)))
     assert (best.label if best else None) == label

@@ -1,7 +1,7 @@
 import pytest
 
 from burstcast_workflow.storage import write_json
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def settings(known, interval=1.0):
@@ -15,7 +15,7 @@ def computed(tmp_path, exponent):
 
 
 def test_the_config_is_believed_without_a_file():
-    assert steps_per_lyapunov_time(settings(61), []) == 61
+    assert read_steps_per_lyapunov_time(settings(61), []) == 61
 
 
 @pytest.mark.parametrize(
@@ -23,8 +23,8 @@ def test_the_config_is_believed_without_a_file():
 )
 def test_the_computed_exponent(tmp_path, exponent, interval, steps):
     path = computed(tmp_path, exponent)
-    assert steps_per_lyapunov_time(settings(None, interval), path) == steps
-    assert steps_per_lyapunov_time(settings(7, interval), path) == 7
+    assert read_steps_per_lyapunov_time(settings(None, interval), path) == steps
+    assert read_steps_per_lyapunov_time(settings(7, interval), path) == 7
 
 
 @pytest.mark.parametrize(
@@ -32,4 +32,4 @@ def test_the_computed_exponent(tmp_path, exponent, interval, steps):
 )
 def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path, exponent, reason):
     with pytest.raises(ValueError, match=rf"{reason}.*lyapunov\.published_exponent"):
-        steps_per_lyapunov_time(settings(None), computed(tmp_path, exponent))
+        read_steps_per_lyapunov_time(settings(None), computed(tmp_path, exponent))

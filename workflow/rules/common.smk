@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+from burstcast.tuning.strategies import registry as strategies
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.config.loading import ConfigError, load
@@ -84,16 +85,25 @@ def settings_of(name):
 
 
 def code_of(name):
-    """Fingerprints of the code that a rule runs, its system's module included."""
+    """Fingerprints of the code that a rule runs, with the modules that are found by name.
+
+    These are its system's, and the validation strategies' where the script looks for them.
+    """
     script = SCRIPTS / f"{name}.py"
+    finds_strategies = any(
+        entry.startswith("burstcast.tuning.strategies.registry@")
+        for entry in fingerprint(script, SOURCES)
+    )
 
     @of_job
     def code(wildcards):
         case = wildcards.get("case")
-        systems = [campaign.cases[case]["system"]] if case else []
-        return fingerprint(
-            script, SOURCES, [f"burstcast.systems.{system}" for system in systems]
-        )
+        found = [f"burstcast.systems.{campaign.cases[case]['system']}"] if case else []
+        if finds_strategies:
+            names = campaign.settings(name, dict(wildcards.items()))["validation"]
+            names = [names] if isinstance(names, str) else names
+            found += map(strategies.module_of, names)
+        return fingerprint(script, SOURCES, found)
 
     return code
 

@@ -3,56 +3,63 @@
 from typing import Any
 
 from burstcast import durations
-from burstcast.forecast.test_set import segments
-from burstcast.statistics.climate import (
-    ClimateSettings,
+from burstcast.forecast.starting_points import segments
+from burstcast.statistics.densities import bin_edges
+from burstcast.statistics.long_term import (
     Fate,
-    StuckCriterion,
-    climate_starting_points,
-    run_climate,
+    FixedPointCriterion,
+    LongTermSettings,
+    long_term_starting_points,
+    run_long_term,
 )
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster, training_series
-from burstcast_workflow.statistics_files import bin_edges, write_statistics
+from burstcast_workflow.statistics_files import write_statistics
 from burstcast_workflow.storage import Variable
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the network's long-term statistics and what became of each closed loop."""
     system = make_system(settings["system"], settings["parameters"])
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = training_series(settings, inputs.ensemble)
     washout = durations.steps(settings["washout_lt"], lyapunov_time)
-    points = climate_starting_points(
+    points = long_term_starting_points(
         training.series,
         training.length,
         durations.steps(settings["start_spacing_lt"], lyapunov_time),
         washout,
         settings["starting_points"],
     )
-    climate = run_climate(
+    fixed_point = settings["stuck"]
+    density = settings["density"]
+    try:
+        how = LongTermSettings(
+            steps=round(settings["duration"] / settings["sampling_interval"]),
+            edges=bin_edges(*density["range"], density["bins"]),
+            laminarisation_threshold=settings["laminarisation_threshold"],
+            fixed_point=FixedPointCriterion(
+                fixed_point["variation"],
+                fixed_point["above"],
+                durations.steps(settings["stuck_interval_lt"], lyapunov_time),
+            ),
+        )
+    except ValueError as error:
+        raise ValueError(f"{error} (statistics.duration, statistics.stuck_interval_lt)") from error
+    run = run_long_term(
         read_forecaster(inputs.network, settings["kernel"], settings["divergence_bound"]),
         system.observable,
         segments(training.observed, points, washout - 1, 0),
-        ClimateSettings(
-            steps=round(settings["duration"] / settings["sampling_interval"]),
-            edges=bin_edges(settings["density"]),
-            laminarisation_threshold=settings["laminarisation_threshold"],
-            stuck=StuckCriterion(
-                settings["stuck"]["variation"],
-                settings["stuck"]["above"],
-                durations.steps(settings["stuck_interval_lt"], lyapunov_time),
-            ),
-        ),
+        how,
     )
     fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
     write_statistics(
         outputs.climate,
-        climate.statistics,
+        run.statistics,
         provenance,
-        {"fate": Variable(("start",), climate.fates, "1", f"fate of each closed loop: {fates}")},
+        {"fate": Variable(("start",), run.fates, "1", f"fate of each closed loop: {fates}")},
     )
 
 

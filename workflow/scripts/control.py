@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from burstcast_workflow.controls import ControlSetting, write_accounting
+from burstcast_workflow.controls import ControlSetting, write_outcome
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 
@@ -11,8 +11,8 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     """Write what control achieved."""
     setting = ControlSetting.read(settings, inputs)
     forecaster = read_forecaster(inputs.network, settings["kernel"])
-    followed = setting.follow(setting.forecast_monitor(forecaster), noisy=True)
-    write_accounting(outputs, setting.account(followed), provenance)
+    flows = setting.run(setting.forecast_monitor(forecaster), noisy=True)
+    write_outcome(outputs, setting.outcome(flows), provenance)
 
 
 if __name__ == "__main__":

@@ -2,15 +2,19 @@
 
 from typing import Any
 
-from burstcast_workflow.controls import ControlSetting, write_accounting
+from burstcast.forecasters.equations import EquationsForecaster
+from burstcast_workflow.controls import ControlSetting, write_outcome
 from burstcast_workflow.job import Provenance, run_job
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write what control achieved."""
     setting = ControlSetting.read(settings, inputs)
-    followed = setting.follow(setting.equations_monitor(), noisy=False)
-    write_accounting(outputs, setting.account(followed), provenance)
+    equations = EquationsForecaster(
+        setting.system, settings["time_step"], settings["sampling_stride"]
+    )
+    flows = setting.run(setting.forecast_monitor(equations), noisy=False)
+    write_outcome(outputs, setting.outcome(flows), provenance)
 
 
 if __name__ == "__main__":

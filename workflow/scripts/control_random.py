@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from burstcast_workflow.controls import ControlSetting, write_accounting
+from burstcast.control.monitors.random import RandomMonitor, random_draws
+from burstcast_workflow.controls import ControlSetting, write_outcome
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_json
 
@@ -11,8 +12,15 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     """Write what control achieved."""
     setting = ControlSetting.read(settings, inputs)
     alarm_rate = read_json(inputs.counts)["alarm_rate"] or 0.0
-    followed = setting.follow(setting.random_monitor(alarm_rate), noisy=False)
-    write_accounting(outputs, setting.account(followed), provenance)
+    draws = random_draws(
+        setting.series,
+        setting.timing.most_forecasts,
+        settings["random_seed"],
+        settings["case"],
+        settings.get("seed", 0),
+    )
+    flows = setting.run(RandomMonitor(alarm_rate, draws), noisy=False)
+    write_outcome(outputs, setting.outcome(flows), provenance)
 
 
 if __name__ == "__main__":

@@ -5,17 +5,22 @@ from typing import Any
 import numpy as np
 
 from burstcast import durations
-from burstcast.dataset import component_scales, observe
-from burstcast.forecast.test_set import SeriesPoints, horizon_events, segments, upward_crossings
+from burstcast.dataset import component_scales, observed_series
+from burstcast.forecast.starting_points import (
+    SeriesPoints,
+    crossing_points,
+    horizon_events,
+    segments,
+)
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.series_fit import check_horizon, check_kept_series
 from burstcast_workflow.storage import Variable, read_netcdf, read_rows, write_json, write_netcdf
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the events, with what was observed and what was true before each of them."""
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = settings["training"]
     kept = read_netcdf(inputs.ensemble, "series")["series"].size
     check_kept_series(kept, {"training.series": training["series"]})
@@ -29,25 +34,21 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
             f"event_threshold is {settings['event_threshold']}, but it must exceed the mean of the "
             f"observable over all data, {observable.mean():.4g}"
         )
-    crossings = upward_crossings(observable, settings["event_threshold"])
-    unseen = crossings.series >= training["series"]
+    crossings = crossing_points(observable, settings["event_threshold"])
     before = (
         durations.steps(settings["longest_start_lt"], lyapunov_time)
         + durations.steps(settings["washout_lt"], lyapunov_time)
         - 1
     )
-    events = horizon_events(
-        SeriesPoints(crossings.series[unseen], crossings.step[unseen]), before, settings["events"]
-    )
+    events = horizon_events(crossings, training["series"], before, settings["events"])
     first = training["series"]
     last = int(events.series.max()) + 1 if len(events) else first
-    observed = observe(
+    observed = observed_series(
         read_rows(inputs.ensemble, "state", first, last),
         first,
         training["noise"],
         scales,
         settings["random_seed"],
-        "noise",
         settings["case"],
     )
     in_part = SeriesPoints(events.series - first, events.step)

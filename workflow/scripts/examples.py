@@ -7,7 +7,7 @@ import numpy as np
 from burstcast import durations
 from burstcast.forecast.examples import (
     OUTCOMES,
-    evaluate_starts,
+    evaluate_lead_times,
     forecast_observable,
     horizon_example,
     outcome_examples,
@@ -19,12 +19,12 @@ from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, read_json, read_netcdf, read_rows, write_netcdf
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write true and forecast observables of the examples."""
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     observable = make_system(settings["system"], settings["parameters"]).observable
     forecaster = read_forecaster(inputs.network, settings["kernel"])
     variables = {
@@ -86,8 +86,8 @@ def _evaluations(inputs, settings, forecaster, observable, lyapunov_time):
     horizon = settings["horizon"]
     threshold = settings["event_threshold"]
     search = HorizonSearch(
-        longest_start_lt=horizon["longest_start_lt"],
-        start_step_lt=horizon["start_step_lt"],
+        longest_lead_time_lt=horizon["longest_start_lt"],
+        lead_time_step_lt=horizon["start_step_lt"],
         tolerance=horizon["tolerance"] * (threshold - read_json(inputs.summary)["mean_observable"]),
         washout=durations.steps(settings["washout_lt"], lyapunov_time),
         steps_per_lyapunov_time=lyapunov_time,
@@ -95,7 +95,7 @@ def _evaluations(inputs, settings, forecaster, observable, lyapunov_time):
     events = read_netcdf(inputs.events)
     example = horizon_example(
         read_netcdf(inputs.horizon)["prediction_horizon_lt"],
-        search.starts_lt,
+        search.lead_times_lt,
         settings["horizon_lt"],
     )
     before = search.steps_before_event
@@ -107,8 +107,8 @@ def _evaluations(inputs, settings, forecaster, observable, lyapunov_time):
         series, step = (int(events[name][example.event]) for name in ("series", "step"))
         truth = stretch(_observable(inputs, series), step - before, steps)
         observed = events["observed"][example.event]
-        starts = example.starts_lt
-    evaluations = evaluate_starts(forecaster, observable, observed, truth, starts, search)
+        starts = example.lead_times_lt
+    evaluations = evaluate_lead_times(forecaster, observable, observed, truth, starts, search)
     return {
         "evaluation_time_lt": Variable(
             ("event_step",),
@@ -121,7 +121,7 @@ def _evaluations(inputs, settings, forecaster, observable, lyapunov_time):
             ("evaluation", "event_step"), evaluations.forecast, "1", "forecast observable"
         ),
         "evaluation_start_lt": Variable(
-            ("evaluation",), evaluations.start_lt, "1", "tau_e in Lyapunov times"
+            ("evaluation",), evaluations.lead_time_lt, "1", "tau_e in Lyapunov times"
         ),
         "evaluation_horizon_lt": Variable(
             ("evaluation",), evaluations.horizon_lt, "1", "horizon in Lyapunov times"

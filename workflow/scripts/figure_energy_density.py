@@ -4,16 +4,24 @@ from typing import Any
 
 from burstcast.figures.energy_density import energy_density
 from burstcast.published import published_percentiles
+from burstcast.statistics.measures import best_network
 from burstcast_workflow.figure_files import write_figure
+from burstcast_workflow.gather import NETWORK, gathered
 from burstcast_workflow.job import Provenance, run_job
-from burstcast_workflow.statistics_files import best_network, read_statistics
+from burstcast_workflow.statistics_files import read_statistics
 from burstcast_workflow.table_files import read_table
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the data, the training set and the best network, and the measures of all networks."""
     data, training = read_statistics(inputs.data), read_statistics(inputs.training)
-    best = best_network(data, settings["networks"], inputs.climates)
+    best = best_network(
+        data,
+        {
+            (network["neurons"], network["seed"]): read_statistics(path)
+            for network, path in gathered(settings["networks"], inputs.climates, NETWORK)
+        },
+    )
     table = read_table(inputs.percentiles)
     published = None
     if settings["published_overlay"]:

@@ -23,7 +23,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         )
     ]
     if evaluations:
-        shown = time_lt >= -evaluations[0].start_lt - settings["washout_lt"]
+        shown = time_lt >= -evaluations[0].lead_time_lt - settings["washout_lt"]
         figure = horizon_evaluations(
             time_lt[shown],
             data["evaluation_truth"][shown],

@@ -9,7 +9,13 @@ from burstcast_workflow.job import Provenance, run_job
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw it with the values of the configuration."""
-    write_figure(outputs, horizon_schematic(**settings))
+    figure = horizon_schematic(
+        longest_lead_time_lt=settings["longest_start_lt"],
+        lead_time_step_lt=settings["start_step_lt"],
+        tolerance=settings["tolerance"],
+        symbol=settings["symbol"],
+    )
+    write_figure(outputs, figure)
 
 
 if __name__ == "__main__":

@@ -5,17 +5,25 @@ from typing import Any
 from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.statistics import profiles
+from burstcast.statistics.measures import best_network
 from burstcast_workflow.figure_files import write_figure
 from burstcast_workflow.flow_fields import flow_grid
+from burstcast_workflow.gather import NETWORK, gathered
 from burstcast_workflow.job import Provenance, run_job
-from burstcast_workflow.statistics_files import best_network, read_statistics
+from burstcast_workflow.statistics_files import read_statistics
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw the data, and how far the best network and the training set are from them."""
     grid = flow_grid(settings)
     data, training = read_statistics(inputs.data), read_statistics(inputs.training)
-    best = best_network(data, settings["networks"], inputs.climates)
+    best = best_network(
+        data,
+        {
+            (network["neurons"], network["seed"]): read_statistics(path)
+            for network, path in gathered(settings["networks"], inputs.climates, NETWORK)
+        },
+    )
     if best is None:
         figure = nothing_to_show("No network has any long-term statistics.")
     else:

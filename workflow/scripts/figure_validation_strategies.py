@@ -4,38 +4,35 @@ from typing import Any
 
 import numpy as np
 
-from burstcast import durations
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
-from burstcast.tuning.plan import ValidationPlan
+from burstcast.tuning.strategies.base import use_of_series
+from burstcast.tuning.strategies.registry import make_strategy
 from burstcast_workflow.figure_files import write_figure
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.storage import read_rows
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
+from burstcast_workflow.validation_plans import validation_plan
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Draw where each strategy trains and validates."""
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     observable = read_rows(inputs.ensemble, "observable", 0, 1)[0]
-    plan = ValidationPlan(
-        washout=durations.steps(settings["washout_lt"], lyapunov_time),
-        interval=durations.steps(settings["interval_lt"], lyapunov_time),
-        recycle_series=settings["recycle_validation"]["series"],
-        recycle_intervals=settings["recycle_validation"]["intervals_per_series"],
-    )
+    plan = validation_plan(settings, lyapunov_time)
     length = len(observable)
-    cut = plan.single_shot_start(length)
-    used = {"SSV": (cut, [cut]), "RV": (length, plan.recycle_starts())}
     layouts = []
-    for validation in settings["validation"]:
-        end, starts = used[validation]
-        intervals = np.array([(start, start + plan.interval) for start in starts])
+    for strategy in map(make_strategy, settings["validation"]):
+        # how many more series there are changes nothing in the first one
+        folds = strategy.folds(plan, plan.series, length)
+        stop, starts = use_of_series(folds, 0)
         layouts.append(
             ValidationLayout(
-                validation=validation,
+                validation=strategy.name,
+                title=strategy.title,
                 washout=(0.0, plan.washout / lyapunov_time),
-                training=(plan.washout / lyapunov_time, end / lyapunov_time),
-                intervals=intervals / lyapunov_time,
+                training=(plan.washout / lyapunov_time, stop / lyapunov_time),
+                intervals=np.array([(start, start + plan.interval) for start in starts])
+                / lyapunov_time,
             )
         )
     figure = validation_strategies(

@@ -5,32 +5,31 @@ from typing import Any
 import numpy as np
 
 from burstcast import durations
-from burstcast.dataset import component_scales, observe
+from burstcast.dataset import component_scales, observed_series
 from burstcast.forecast.example_events import EventCriterion, isolated_events, predicted_event
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, read_json, read_rows, write_netcdf
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the observable through the event and the states at four times, true and forecast."""
     system = make_system(settings["system"], settings["parameters"])
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     wanted, threshold = settings["flow_event"], settings["event_threshold"]
     calm = read_json(inputs.summary)["mean_observable"]
     training = settings["training"]["series"]
     truth = read_rows(inputs.ensemble, "observable", training, training + settings["test_series"])
     trained = read_rows(inputs.ensemble, "state", 0, training)
     states = read_rows(inputs.ensemble, "state", training, training + settings["test_series"])
-    observed = observe(
+    observed = observed_series(
         states,
         training,
         settings["training"]["noise"],
         component_scales(trained),
         settings["random_seed"],
-        "noise",
         settings["case"],
     )
     forecaster = read_forecaster(inputs.network, settings["kernel"])

@@ -7,7 +7,7 @@ from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, read_netcdf, write_netcdf
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
@@ -17,7 +17,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     boundaries = window_boundaries(
         windows["resolution_lt"],
         windows["count"],
-        steps_per_lyapunov_time(settings, inputs.lyapunov),
+        read_steps_per_lyapunov_time(settings, inputs.lyapunov),
     )
     summaries, diverged = forecast_summaries(
         read_forecaster(inputs.network, settings["kernel"], settings["divergence_bound"]),

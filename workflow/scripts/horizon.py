@@ -8,19 +8,19 @@ from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
 from burstcast_workflow.storage import Variable, read_json, read_netcdf, write_netcdf
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the prediction horizon of every event."""
     system = make_system(settings["system"], settings["parameters"])
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     events = read_netcdf(inputs.events)
     mean = read_json(inputs.summary)["mean_observable"]
     horizon = settings["horizon"]
     search = HorizonSearch(
-        longest_start_lt=horizon["longest_start_lt"],
-        start_step_lt=horizon["start_step_lt"],
+        longest_lead_time_lt=horizon["longest_start_lt"],
+        lead_time_step_lt=horizon["start_step_lt"],
         tolerance=horizon["tolerance"] * (settings["event_threshold"] - mean),
         washout=durations.steps(settings["washout_lt"], lyapunov_time),
         steps_per_lyapunov_time=lyapunov_time,

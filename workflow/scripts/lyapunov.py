@@ -6,6 +6,7 @@ import numpy as np
 
 from burstcast import random_streams
 from burstcast.systems.lyapunov import (
+    alignment_of,
     attractor_size,
     lyapunov_spectrum,
     mean_with_interval,
@@ -28,8 +29,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     # along the kept series, which are known not to laminarise
     steps = (states.shape[1] - 1) * ensemble["sampling_stride"]
     interval = round(lyapunov["orthonormalisation_interval"] / ensemble["time_step"])
-    # the first exponents lie so close together that perturbations take long to line up
-    alignment = steps // 4 // interval * interval
+    alignment = alignment_of(steps, interval)
     spectrum = lyapunov_spectrum(
         system,
         start,

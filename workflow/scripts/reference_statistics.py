@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from burstcast import random_streams
+from burstcast.statistics.densities import bin_edges
 from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
-from burstcast_workflow.statistics_files import bin_edges, write_statistics
+from burstcast_workflow.statistics_files import write_statistics
 from burstcast_workflow.storage import Variable, read_json, read_rows, write_netcdf
 
 SERIES_AT_A_TIME = 100
@@ -25,7 +26,11 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         read_rows(inputs.ensemble, "state", start, min(start + SERIES_AT_A_TIME, kept))
         for start in range(0, kept, SERIES_AT_A_TIME)
     )
-    series = reduce_series(blocks, system.observable, bin_edges(settings["density"]))
+    series = reduce_series(
+        blocks,
+        system.observable,
+        bin_edges(*settings["density"]["range"], settings["density"]["bins"]),
+    )
     training = slice(0, settings["training_series"])
     write_statistics(outputs.data, series.merged(slice(None)), provenance)
     write_statistics(outputs.training, series.merged(training), provenance)

@@ -1,23 +1,25 @@
-"""Validate a reservoir on the grid of the search, for both strategies."""
+"""Validate a reservoir on the grid of the search, by both strategies of the paper."""
 
 from typing import Any
 
 import pandas as pd
 
 from burstcast.tuning.hyperparameters import SearchSpace
-from burstcast.tuning.validation import STRATEGIES
+from burstcast.tuning.strategies.recycle import RecycleValidation
+from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast_workflow.job import Provenance, run_job
-from burstcast_workflow.searches import PointValidator, trace_rows
+from burstcast_workflow.searches import point_validator, trace_rows
 from burstcast_workflow.table_files import write_table
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write the objective at every point, for every strategy and Tikhonov parameter."""
     space = SearchSpace(tuple(settings["spectral_radius"]), tuple(settings["input_scaling"]))
-    validator = PointValidator(settings, inputs)
+    validator = point_validator(settings, inputs)
+    strategies = (SingleShotValidation(), RecycleValidation())
     rows = []
     for number, point in enumerate(space.grid(settings["grid"])):
-        rows += trace_rows(number, "grid", point, validator(point, STRATEGIES))
+        rows += trace_rows(number, "grid", point, validator(point, strategies))
     write_table(outputs.scan, pd.DataFrame(rows))
 
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from burstcast.statistics.climate import Fate
+from burstcast.statistics.long_term import Fate
 from burstcast.statistics.measures import compare
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.systems.registry import make_system

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.control.accounting import largest_suppressed_event
 from burstcast.control.example import suppressed_event_times
+from burstcast.control.outcome import largest_suppressed_event
 from burstcast_workflow.controls import ControlSetting
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.network_files import read_forecaster
@@ -22,7 +22,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     forecaster = read_forecaster(inputs.network, settings["kernel"])
     monitor = setting.forecast_monitor(forecaster)
     chosen = largest_suppressed_event(
-        setting.follow(monitor, noisy=True), settings["laminarisation_threshold"]
+        setting.run(monitor, noisy=True), settings["laminarisation_threshold"]
     )
     timing, dimension = setting.timing, setting.system.dimension
     start, stop = setting.actuation.interval(timing)
@@ -33,7 +33,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         uncontrolled = controlled = forecast = np.empty((0, dimension))
     else:
         only = slice(chosen.row, chosen.row + 1)
-        flow = setting.follow(monitor, noisy=True, rows=only, keep_states=True)
+        flow = setting.run(monitor, noisy=True, rows=only, keep_states=True)
         times = suppressed_event_times(
             flow.uncontrolled[0, chosen.alarm_step :],
             settings["event_threshold"],
@@ -86,7 +86,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         },
         {
             **provenance,
-            "series": -1 if chosen is None else setting.first_series + chosen.row,
+            "series": -1 if chosen is None else setting.series[chosen.row],
             "alarm_step": -1 if chosen is None else chosen.alarm_step,
         },
     )

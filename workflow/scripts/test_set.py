@@ -5,20 +5,20 @@ from typing import Any
 import numpy as np
 
 from burstcast import durations
-from burstcast.dataset import component_scales, observe
-from burstcast.forecast.test_set import segments, starting_points
+from burstcast.dataset import component_scales, observed_series
+from burstcast.forecast.starting_points import segments, starting_points
 from burstcast.forecast.windows import summarise, window_boundaries
 from burstcast.systems.registry import make_system
 from burstcast_workflow.job import Provenance, run_job
 from burstcast_workflow.series_fit import check_classification, check_kept_series
 from burstcast_workflow.storage import Variable, read_netcdf, read_rows, write_netcdf
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
     """Write starting points, observed washouts, and the true window summaries."""
     system = make_system(settings["system"], settings["parameters"])
-    lyapunov_time = steps_per_lyapunov_time(settings, inputs.lyapunov)
+    lyapunov_time = read_steps_per_lyapunov_time(settings, inputs.lyapunov)
     training = settings["training"]
     first, last = training["series"], training["series"] + settings["test_series"]
     check_kept_series(
@@ -36,13 +36,12 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         windows["resolution_lt"],
         (windows["count"] + 1) * windows["resolution_lt"],
     )
-    observed = observe(
+    observed = observed_series(
         states,
         first,
         training["noise"],
         scales,
         settings["random_seed"],
-        "noise",
         settings["case"],
     )
     washout = durations.steps(settings["washout_lt"], lyapunov_time)

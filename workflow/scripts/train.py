@@ -7,9 +7,9 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.training import train
 from burstcast_workflow.job import Provenance, run_job
-from burstcast_workflow.network_files import reservoir, training_series, write_network
+from burstcast_workflow.network_files import backend_of, reservoir, training_series, write_network
 from burstcast_workflow.storage import read_json
-from burstcast_workflow.time_unit import steps_per_lyapunov_time
+from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
 
 
 def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Provenance) -> None:
@@ -20,13 +20,13 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         reservoir(settings, training.observed.shape[2]),
         chosen["spectral_radius"],
         chosen["input_scaling"],
-        settings["kernel"],
+        backend_of(settings["kernel"]),
     )
     readout = train(
         dynamics,
         training,
         washout=durations.steps(
-            settings["washout_lt"], steps_per_lyapunov_time(settings, inputs.lyapunov)
+            settings["washout_lt"], read_steps_per_lyapunov_time(settings, inputs.lyapunov)
         ),
         tikhonov=chosen["tikhonov"],
     )

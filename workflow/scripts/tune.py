@@ -7,9 +7,10 @@ import pandas as pd
 from burstcast import random_streams
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
 from burstcast.tuning.search import bayesian_search
+from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.validation import best
 from burstcast_workflow.job import Provenance, run_job
-from burstcast_workflow.searches import PointValidator, trace_rows
+from burstcast_workflow.searches import point_validator, trace_rows
 from burstcast_workflow.storage import write_json
 from burstcast_workflow.table_files import read_table, write_table
 
@@ -23,10 +24,10 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     for row in trace:
         point = HyperparameterPoint(row["spectral_radius"], row["input_scaling"])
         grid[point] = min(row["objective"], grid.get(point, float("inf")))
-    validator = PointValidator(settings, inputs)
+    validator = point_validator(settings, inputs)
 
     def evaluate(point: HyperparameterPoint) -> float:
-        validations = validator(point, [strategy])
+        validations = validator(point, [make_strategy(strategy)])
         trace.extend(trace_rows(trace[-1]["evaluation"] + 1, "bayesian", point, validations))
         return best(validations, strategy).objective
 

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast import durations
+from burstcast.arrays import FloatArray
 from burstcast.control.timing import Timing
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.systems.base import DynamicalSystem
 
 
 @dataclass(frozen=True)

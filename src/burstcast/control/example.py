@@ -5,7 +5,8 @@ Source: section "Control of extreme events" of the paper, figure of a suppressed
 
 import numpy as np
 
-from burstcast.systems.base import FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.events import upward_crossings
 
 
 def suppressed_event_times(
@@ -37,7 +38,7 @@ def suppressed_event_times(
     """
     above = uncontrolled >= threshold
     first, last = window
-    crossings = np.flatnonzero(above[first + 1 : last + 1] & ~above[first:last])
+    crossings = np.flatnonzero(upward_crossings(uncontrolled, threshold)[first + 1 : last + 1])
     if crossings.size == 0:
         raise ValueError("the observable does not cross the threshold in the window")
     crossing = first + 1 + int(crossings[0])

@@ -7,16 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import Actuation
-from burstcast.control.monitor import (
-    BoolArray,
-    IntArray,
-    Monitor,
-    crosses_in_window,
-    most_forecasts,
-)
+from burstcast.control.monitors.base import Monitor
 from burstcast.control.timing import Timing
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.events import upward_crossings
+from burstcast.forecast.windows import crosses_in_window
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
 
 FLOWS_PER_BATCH = 1024
@@ -30,7 +27,7 @@ class Forecasts:
     Attributes
     ----------
     flow
-        Position of each forecast's flow among the followed ones, ``(forecasts,)``.
+        Position of each forecast's flow among those that count, ``(forecasts,)``.
     step
         Step at which the forecast was made, ``(forecasts,)``.
     alarm
@@ -66,7 +63,7 @@ class ControlledFlows:
     threshold
         The event threshold, k_e.
     rows
-        Which of the given flows were followed, ``(flows,)``.
+        Which of the given flows these are, ``(flows,)``.
     left_out
         How many of the given flows were not, since they had an event at the start.
     uncontrolled, controlled
@@ -99,7 +96,7 @@ class ControlledFlows:
         return len(self.rows)
 
 
-def follow(
+def run_controlled_flows(
     system: DynamicalSystem,
     washouts: FloatArray,
     monitor: Monitor,
@@ -168,7 +165,7 @@ def follow(
     if actuation.system.dimension != system.dimension:
         raise ValueError("the equations under actuation have another dimension")
     batches = [
-        _follow_batch(
+        _run_batch(
             system, washouts, monitor, actuation, timing, threshold, noise, keep_states, rows
         )
         for rows in _batches(flows)
@@ -184,7 +181,7 @@ def _batches(flows: int) -> list[IntArray]:
     ]
 
 
-def _follow_batch(
+def _run_batch(
     system: DynamicalSystem,
     washouts: FloatArray,
     monitor: Monitor,
@@ -214,10 +211,10 @@ def _follow_batch(
                 observed = observed + _stretches_ending_at(noise, rows[due], ends, timing.washout)
             alarm = monitor.alarms(
                 rows[due],
-                running.occasions[due],
+                running.forecast_number[due],
                 np.ascontiguousarray(observed.transpose(1, 2, 0)),
             )
-            running.take_note(due, alarm)
+            running.record_alarms(due, alarm)
         running.advance()
 
     return ControlledFlows(
@@ -252,9 +249,9 @@ class _RunningFlows:
 
     All flows move together, one window at a time. A flow that stops earlier, since its next
     forecast is due, moves on from there. What it costs is one integration for all, whatever their
-    clocks say. A flow whose alarm is being acted on is accompanied by a shadow: what would have
-    become of it without that. It has one at most, since the next forecast is made when the alarm's
-    window is over.
+    clocks say. A flow whose alarm is being acted on is accompanied by a counterfactual flow: what
+    would have become of it without that. It has one at most, since the next forecast is made when
+    the alarm's window is over.
 
     Attributes
     ----------
@@ -262,8 +259,8 @@ class _RunningFlows:
         ``(flows, steps, dimension)``; known up to each flow's clock.
     clock
         Step that each flow has reached, ``(flows,)``.
-    occasions
-        How many forecasts have been made in each flow, ``(flows,)``.
+    forecast_number
+        Number of each flow's next forecast, from 0, ``(flows,)``.
     """
 
     def __init__(
@@ -297,12 +294,12 @@ class _RunningFlows:
         self._stop = self.clock.copy()
 
         since_alarm = timing.window_end + timing.window_steps
-        self._has_shadow = np.zeros(flows, dtype=bool)
-        self._shadow_states = np.empty((flows, since_alarm + 1, system.dimension))
-        self._shadow_acting = np.zeros((flows, since_alarm * stride), dtype=bool)
+        self._has_counterfactual = np.zeros(flows, dtype=bool)
+        self._counterfactual_states = np.empty((flows, since_alarm + 1, system.dimension))
+        self._counterfactual_acting = np.zeros((flows, since_alarm * stride), dtype=bool)
 
-        self.occasions = np.zeros(flows, dtype=np.int64)
-        entries = (flows, most_forecasts(timing))
+        self.forecast_number = np.zeros(flows, dtype=np.int64)
+        entries = (flows, timing.most_forecasts)
         self._forecast_step = np.zeros(entries, dtype=np.int64)
         self._alarm = np.zeros(entries, dtype=bool)
         self._would_cross = np.zeros(entries, dtype=bool)
@@ -321,42 +318,44 @@ class _RunningFlows:
         """Return the true washouts that end now, ``(flows, washout, dimension)``."""
         return _stretches_ending_at(self.states, flows, self.clock[flows], self._timing.washout)
 
-    def take_note(self, due: IntArray, alarm: BoolArray) -> None:
+    def record_alarms(self, due: IntArray, alarm: BoolArray) -> None:
         """Note what the monitor said of the flows that were due, and act on the alarms."""
         timing = self._timing
         stride = timing.sampling_stride
         now = self.clock[due]
-        self._forecast_step[due, self.occasions[due]] = now
-        self._alarm[due, self.occasions[due]] = alarm
-        self.occasions[due] += 1
+        self._forecast_step[due, self.forecast_number[due]] = now
+        self._alarm[due, self.forecast_number[due]] = alarm
+        self.forecast_number[due] += 1
         self._stop[due] = now + np.where(alarm, timing.window_end, timing.window_steps)
         for flow, step in zip(due[alarm], now[alarm], strict=True):
-            self._has_shadow[flow] = True
-            self._shadow_states[flow, 0] = self.states[flow, step]
-            # an earlier actuation that is still on stays on for the shadow, too
-            ahead = self._acting[flow, step * stride :][: self._shadow_acting.shape[1]]
-            self._shadow_acting[flow] = False
-            self._shadow_acting[flow, : len(ahead)] = ahead
+            self._has_counterfactual[flow] = True
+            self._counterfactual_states[flow, 0] = self.states[flow, step]
+            # an earlier actuation that is still on stays on for the counterfactual, too
+            ahead = self._acting[flow, step * stride :][: self._counterfactual_acting.shape[1]]
+            self._counterfactual_acting[flow] = False
+            self._counterfactual_acting[flow, : len(ahead)] = ahead
             start, stop = step * stride + np.array([self._actuation_start, self._actuation_stop])
             self._acting[flow, start:stop] = True
 
     def advance(self) -> None:
-        """Move all flows and their shadows on, each up to its next stop at most."""
+        """Move all flows and their counterfactuals on, each up to its next stop at most."""
         stride, steps = self._timing.sampling_stride, self._timing.window_steps
         flows = self.moving()
-        shadows = np.flatnonzero(self._has_shadow)
+        others = np.flatnonzero(self._has_counterfactual)
         now = self.clock[flows]
-        since_alarm = self.clock[shadows] - self._alarm_step(shadows)
+        since_alarm = self.clock[others] - self._alarm_step(others)
         ahead = np.arange(steps * stride)
         samples = _integrate_with_actuation(
             self._system,
             self._actuated_system,
-            np.concatenate([self.states[flows, now], self._shadow_states[shadows, since_alarm]]).T,
+            np.concatenate(
+                [self.states[flows, now], self._counterfactual_states[others, since_alarm]]
+            ).T,
             np.concatenate(
                 [
                     self._acting[flows[:, np.newaxis], now[:, np.newaxis] * stride + ahead],
-                    self._shadow_acting[
-                        shadows[:, np.newaxis], since_alarm[:, np.newaxis] * stride + ahead
+                    self._counterfactual_acting[
+                        others[:, np.newaxis], since_alarm[:, np.newaxis] * stride + ahead
                     ],
                 ]
             ),
@@ -365,38 +364,41 @@ class _RunningFlows:
         ).transpose(2, 0, 1)
         next_steps = np.arange(1, steps + 1)
         self.states[flows[:, np.newaxis], now[:, np.newaxis] + next_steps] = samples[: len(flows)]
-        self._shadow_states[shadows[:, np.newaxis], since_alarm[:, np.newaxis] + next_steps] = (
-            samples[len(flows) :]
-        )
+        self._counterfactual_states[
+            others[:, np.newaxis], since_alarm[:, np.newaxis] + next_steps
+        ] = samples[len(flows) :]
         self.clock[flows] = np.minimum(now + steps, self._stop[flows])
 
-        self._judge_alarms(shadows[self.clock[shadows] == self._stop[shadows]])
+        self._judge_alarms(others[self.clock[others] == self._stop[others]])
         # flows that are monitored no longer move on to the last step that counts
         over = (self.clock == self._stop) & (self.clock > self._last_forecast)
         self._stop[over] = np.maximum(self.clock[over], self._timing.counted_until)
 
     def _alarm_step(self, flows: IntArray) -> IntArray:
-        steps: IntArray = self._forecast_step[flows, self.occasions[flows] - 1]
+        steps: IntArray = self._forecast_step[flows, self.forecast_number[flows] - 1]
         return steps
 
     def _judge_alarms(self, flows: IntArray) -> None:
         """Note what came of alarms whose windows are over, and what would have come otherwise."""
         timing = self._timing
-        entry = flows, self.occasions[flows] - 1
-        otherwise = self._observable(self._shadow_states[flows, : timing.window_end + 1])
-        self._would_cross[entry] = crosses_in_window(otherwise[1:], timing, self._threshold)
+        entry = flows, self.forecast_number[flows] - 1
+        otherwise = self._observable(self._counterfactual_states[flows, : timing.window_end + 1])
+        self._would_cross[entry] = crosses_in_window(
+            otherwise[1:], timing.window_start, timing.window_end, self._threshold
+        )
         self._would_be_under_way[entry] = otherwise[timing.window_start] >= self._threshold
 
         ends = self.clock[flows]
         since_alarm = _stretches_ending_at(self.states, flows, ends, timing.window_end + 1)
-        above = self._observable(since_alarm) >= self._threshold
-        upward = above[1:] & ~above[:-1]  # entry i: between i and i + 1 steps after the alarm
+        observable = self._observable(since_alarm)
+        above = observable >= self._threshold
+        upward = upward_crossings(observable, self._threshold, axis=0)
         # a step under actuation in part is one that actuation could have changed
         first = self._actuation_start // timing.sampling_stride
-        before_window = np.any(upward[first : timing.window_start], axis=0)
+        before_window = np.any(upward[first + 1 : timing.window_start + 1], axis=0)
         in_window = np.any(above[timing.window_start :], axis=0)
         self._reached[entry] = before_window | in_window
-        self._has_shadow[flows] = False
+        self._has_counterfactual[flows] = False
 
     def _observable(self, states: FloatArray) -> FloatArray:
         """Observable of states with the components last, time first: ``(steps, flows)``."""
@@ -404,7 +406,7 @@ class _RunningFlows:
 
     def forecasts(self) -> Forecasts:
         """All forecasts, flow by flow in the order of time."""
-        made = np.arange(self._alarm.shape[1]) < self.occasions[:, np.newaxis]
+        made = np.arange(self._alarm.shape[1]) < self.forecast_number[:, np.newaxis]
         return Forecasts(
             flow=np.nonzero(made)[0],
             step=self._forecast_step[made],

@@ -19,10 +19,10 @@ class Timing:
     stretch of one prediction time between that and the next window is covered by no forecast.
 
     Steps count from the end of the first window, for ``span_lt``, in each flow: flows are chosen to
-    be free of events up to there (see `burstcast.control.flows.follow`), so that earlier steps say
-    nothing. The span has the same length in all flows. If it ended with the first stretch without
-    an alarm, how long a flow is followed would depend on what happens in it, and long or short
-    flows would weigh the wrong way in the statistics.
+    be free of events up to there (see `burstcast.control.flows.run_controlled_flows`), so that
+    earlier steps say nothing. The span has the same length in all flows. If it ended with the first
+    stretch without an alarm, how long a flow runs would depend on what happens in it, and long or
+    short flows would weigh the wrong way in the statistics.
 
     Attributes
     ----------
@@ -106,3 +106,8 @@ class Timing:
     def length(self) -> int:
         """Steps of a flow, washout included."""
         return self.counted_until + 1
+
+    @property
+    def most_forecasts(self) -> int:
+        """Most forecasts that a flow can see: one per window, up to the last step that counts."""
+        return (self.window_end + self.span_steps) // self.window_steps + 1

@@ -12,16 +12,14 @@ from itertools import pairwise
 from typing import Literal, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from burstcast.esn.kernels_scipy import ScipyKernel
+from burstcast.arrays import FloatArray
+from burstcast.esn.backend_scipy import ScipyBackend
 from burstcast.esn.reservoir import Reservoir
 
-FloatArray = npt.NDArray[np.float64]
 
-
-class Kernel(Protocol):
-    """What an implementation of the dynamics provides (see `kernels_scipy.ScipyKernel`)."""
+class Backend(Protocol):
+    """What an implementation of the dynamics provides (see `backend_scipy.ScipyBackend`)."""
 
     def open_loop(
         self, inputs: FloatArray, states: FloatArray, record: FloatArray | None
@@ -77,27 +75,27 @@ class Dynamics:
         rho, multiplies the recurrent weights.
     input_scaling
         sigma_in, multiplies the input weights, those of the bias included.
-    kernel
-        Implementation: "compiled" (numba) or "scipy". They agree to rounding error.
+    backend
+        Implementation: "numba" (compiled) or "scipy". They agree to rounding error.
 
     Raises
     ------
     ValueError
-        If a hyperparameter is negative or not finite, or the kernel is unknown.
+        If a hyperparameter is negative or not finite, or the backend is unknown.
     """
 
     reservoir: Reservoir
     spectral_radius: float
     input_scaling: float
-    kernel: Literal["compiled", "scipy"] = "compiled"
+    backend: Literal["numba", "scipy"] = "numba"
 
     def __post_init__(self) -> None:
         for name in ("spectral_radius", "input_scaling"):
             value = getattr(self, name)
             if not (value >= 0 and np.isfinite(value)):
                 raise ValueError(f"{name} must be finite and not negative, not {value}")
-        if self.kernel not in ("compiled", "scipy"):
-            raise ValueError(f"the kernel is 'compiled' or 'scipy', not {self.kernel!r}")
+        if self.backend not in ("numba", "scipy"):
+            raise ValueError(f"the backend is 'numba' or 'scipy', not {self.backend!r}")
 
     def open_loop(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
         """States after a sequence of inputs.
@@ -221,23 +219,23 @@ class Dynamics:
         return self._implementation.closed_loop(weights, input_range, states, steps)
 
     @cached_property
-    def _implementation(self) -> Kernel:
+    def _implementation(self) -> Backend:
         recurrent = self.reservoir.recurrent * self.spectral_radius
         weight = self.reservoir.input_weight * self.input_scaling
         arguments = (recurrent, self.reservoir.input_column, weight, self.reservoir.input_bias)
-        if self.kernel == "scipy":
-            return ScipyKernel(*arguments)
+        if self.backend == "scipy":
+            return ScipyBackend(*arguments)
         # Imported here only: numba takes half a second to load, and may be missing.
         try:
-            from burstcast.esn import kernels_compiled
+            from burstcast.esn import backend_numba
         except Exception as error:
             raise RuntimeError(
-                "the compiled kernel cannot be loaded "
+                "the numba backend cannot be loaded "
                 f"({type(error).__name__}: {error}); repair the installation of numba (it also "
-                "needs a directory to write to, NUMBA_CACHE_DIR), or set `kernel: scipy` under "
-                "`network` in the configuration, which is several times slower"
+                'needs a directory to write to, NUMBA_CACHE_DIR), or take the backend "scipy", '
+                "which is several times slower"
             ) from error
-        return kernels_compiled.CompiledKernel(*arguments)
+        return backend_numba.NumbaBackend(*arguments)
 
     def _panels(
         self, inputs: FloatArray, states: FloatArray, edges: Sequence[int], steps_per_panel: int

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from burstcast.arrays import BoolArray, FloatArray
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import Readout
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,7 @@ class EchoStateNetwork:
         """
         return self.dynamics.closed_loop(self.readout.weights, self.input_range, states, steps)
 
-    def diverged(self, outputs: FloatArray, bound: float) -> npt.NDArray[np.bool_]:
+    def diverged(self, outputs: FloatArray, bound: float) -> BoolArray:
         """Which forecasts of a batch have diverged.
 
         Parameters

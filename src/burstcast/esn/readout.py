@@ -15,10 +15,9 @@ then fails for some networks, while the centred one loses fewer digits.
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import blas, lapack
 
-FloatArray = npt.NDArray[np.float64]
+from burstcast.arrays import FloatArray
 
 
 @dataclass(frozen=True)

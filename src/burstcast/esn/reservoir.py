@@ -8,13 +8,11 @@ the paper.
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg
 import scipy.sparse
 import scipy.sparse.linalg
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
+from burstcast.arrays import FloatArray, Int32Array, IntArray
 
 # Below this size the dense eigenvalues cost less than a tenth of a second.
 _DENSE_NEURONS = 200
@@ -43,7 +41,7 @@ class Reservoir:
         The constant b_in that is appended to every input.
     """
 
-    input_column: IntArray
+    input_column: Int32Array
     input_weight: FloatArray
     recurrent: scipy.sparse.csr_array
     dimension: int
@@ -149,7 +147,7 @@ def _dense_spectral_radius(matrix: scipy.sparse.csr_array) -> float:
 
 def _bernoulli_positions(
     count: int, probability: float, generator: np.random.Generator
-) -> npt.NDArray[np.int64]:
+) -> IntArray:
     """Draw the indices of the successes in ``count`` independent trials, ascending.
 
     The gaps between successes are geometric, so that only the successes are drawn.

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from burstcast.arrays import FloatArray
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import Moments, MomentsAccumulator, Readout, solve_ridge
-from burstcast.systems.base import FloatArray
 
 
 @dataclass(frozen=True)
@@ -50,14 +50,14 @@ class Collected:
     ----------
     moments
         Of all states after the washout.
-    snapshot
-        Of those before the step of the snapshot; None where none was asked for.
+    snapshots
+        Of those before a step, by step, where they were asked for.
     states
         Reservoir states ``(neurons, series)`` by step, where they were asked for.
     """
 
     moments: Moments
-    snapshot: Moments | None
+    snapshots: dict[int, Moments]
     states: dict[int, FloatArray]
 
 
@@ -66,7 +66,7 @@ def collect(
     training: TrainingSeries,
     *,
     washout: int,
-    snapshot: int | None = None,
+    snapshots: Sequence[int] = (),
     last: int | None = None,
     keep: Sequence[int] = (),
 ) -> Collected:
@@ -80,8 +80,8 @@ def collect(
         The series.
     washout
         Number of inputs before the first state that counts, which is the one at step ``washout``.
-    snapshot
-        Step before which a snapshot of the moments ends.
+    snapshots
+        Steps before which snapshots of the moments end.
     last
         Last step that is needed; None: the end of the series. The states up to and including it
         are driven; its own state counts in the moments as all others do.
@@ -99,17 +99,18 @@ def collect(
         raise ValueError(f"the washout must have at least one step, not {washout}")
     outside = [
         *(step for step in wanted if not washout <= step <= end),
-        *(step for step in (snapshot,) if step is not None and not washout < step <= end),
+        *(step for step in snapshots if not washout < step <= end),
     ]
     if outside or not washout < end <= training.length - 1:
         raise ValueError("the steps asked for lie outside of the training series")
     # inputs 0 .. end - 1 lead to the states at steps 1 .. end
-    inputs = np.ascontiguousarray(training.observed[:, :end].transpose(1, 2, 0))
+    # a copy always: for a single series the transpose is contiguous as it is
+    inputs = np.array(training.observed[:, :end].transpose(1, 2, 0), order="C")
     inputs /= training.input_range[:, np.newaxis]
     accumulator = MomentsAccumulator(dynamics.reservoir.neurons, training.observed.shape[2])
-    taken: Moments | None = None
+    taken: dict[int, Moments] = {}
     states: dict[int, FloatArray] = {}
-    breakpoints = [washout - 1, *([] if snapshot is None else [snapshot - 1])]
+    breakpoints = [washout - 1, *(step - 1 for step in snapshots)]
     for panel in dynamics.state_panels(inputs, breakpoints=breakpoints):
         first, stop = panel.start + 1, panel.stop + 1  # steps of the states in this panel
         for step in wanted:
@@ -117,11 +118,11 @@ def collect(
                 states[step] = panel.states[:, step - first].copy()
         if first < washout:
             continue
-        if first == snapshot:
-            taken = accumulator.moments()
+        if first in snapshots and first not in taken:
+            taken[first] = accumulator.moments()
         targets = training.observed[:, first:stop].transpose(2, 1, 0)
         accumulator.add(panel.columns, targets.reshape(len(targets), -1))
-    return Collected(moments=accumulator.moments(), snapshot=taken, states=states)
+    return Collected(moments=accumulator.moments(), snapshots=taken, states=states)
 
 
 def train(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.style import (
     BLUE,
     DOUBLE_COLUMN,
@@ -13,7 +14,6 @@ from burstcast.figures.style import (
     THRESHOLD,
     TRUTH,
     VERMILLION,
-    FloatArray,
     legend_above,
     new_figure,
     observable_label,

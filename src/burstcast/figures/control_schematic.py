@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.prediction_schematic import draw_span
 from burstcast.figures.style import (
     BLUE,
@@ -13,7 +14,6 @@ from burstcast.figures.style import (
     TRUTH,
     VERMILLION,
     WINDOW,
-    FloatArray,
     LineStyle,
     draw_threshold,
     legend_above,

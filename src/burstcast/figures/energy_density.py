@@ -3,6 +3,7 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.percentile_curves import published_handle, require_single_case
 from burstcast.figures.profile_errors import draw_statistic_by_size
 from burstcast.figures.style import (
@@ -11,7 +12,6 @@ from burstcast.figures.style import (
     THRESHOLD,
     TRAINING,
     TRUTH,
-    FloatArray,
     legend_above,
     letter_panels,
     new_figure,

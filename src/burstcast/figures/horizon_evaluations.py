@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
     NETWORK,
     TRUTH,
     WINDOW,
-    FloatArray,
     draw_threshold,
     legend_above,
     new_figure,
@@ -27,17 +27,17 @@ class HorizonEvaluation:
 
     Attributes
     ----------
-    start_lt
+    lead_time_lt
         tau_e: how long before the event the forecast starts.
     time_lt
-        Time from the event, ``(time,)``; the forecast starts at ``-start_lt``.
+        Time from the event, ``(time,)``; the forecast starts at ``-lead_time_lt``.
     forecast
         Observable, ``(time,)``.
     horizon_lt
         Prediction horizon of this forecast.
     """
 
-    start_lt: float
+    lead_time_lt: float
     time_lt: FloatArray
     forecast: FloatArray
     horizon_lt: float
@@ -98,21 +98,23 @@ def horizon_evaluations(
         )
         draw_threshold(panel, threshold, f"${symbol}_e$", at_left=True)
         panel.axvline(0, **WINDOW)
-        panel.axvline(-evaluation.start_lt, color=NETWORK["color"], linewidth=0.6, linestyle=":")
-        predicted = evaluation.horizon_lt >= evaluation.start_lt
+        panel.axvline(
+            -evaluation.lead_time_lt, color=NETWORK["color"], linewidth=0.6, linestyle=":"
+        )
+        predicted = evaluation.horizon_lt >= evaluation.lead_time_lt
         verdict = (
             r"PH $\geq \tau_e$: predicted"
             if predicted
             else rf"PH = {evaluation.horizon_lt:.1f} LT $< \tau_e$"
         )
         panel.set_title(
-            rf"({chr(ord('a') + index)}) $\tau_e$ = {evaluation.start_lt:g} LT, {verdict}",
+            rf"({chr(ord('a') + index)}) $\tau_e$ = {evaluation.lead_time_lt:g} LT, {verdict}",
             loc="left",
         )
         if not predicted:
             panel.plot(
-                evaluation.horizon_lt - evaluation.start_lt,
-                _value_at(evaluation, evaluation.horizon_lt - evaluation.start_lt),
+                evaluation.horizon_lt - evaluation.lead_time_lt,
+                _value_at(evaluation, evaluation.horizon_lt - evaluation.lead_time_lt),
                 marker="x",
                 color="black",
                 markersize=5,

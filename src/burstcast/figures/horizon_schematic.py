@@ -9,13 +9,13 @@ from burstcast.figures.style import BLUE, DOUBLE_COLUMN, GREEN, VERMILLION, new_
 
 @styled
 def horizon_schematic(
-    *, longest_start_lt: float, start_step_lt: float, tolerance: float, symbol: str = "k"
+    *, longest_lead_time_lt: float, lead_time_step_lt: float, tolerance: float, symbol: str = "k"
 ) -> Figure:
     """Draw the procedure that yields PH_ee of one event, with the values in use.
 
     Parameters
     ----------
-    longest_start_lt, start_step_lt
+    longest_lead_time_lt, lead_time_step_lt
         First tau_e, and by how much it decreases.
     tolerance
         Of the normalised error.
@@ -29,7 +29,9 @@ def horizon_schematic(
     axes.set_aspect("equal")
     axes.set_axis_off()
 
-    _box(axes, 16, 30, 27, 15, f"event at $t^{{(e)}}$\n$\\tau_e = {longest_start_lt:g}$ LT", BLUE)
+    _box(
+        axes, 16, 30, 27, 15, f"event at $t^{{(e)}}$\n$\\tau_e = {longest_lead_time_lt:g}$ LT", BLUE
+    )
     _box(
         axes,
         52,
@@ -41,7 +43,7 @@ def horizon_schematic(
     )
     _diamond(axes, 90, 30, 29, 21, "PH $> \\tau_e$ ?")
     _box(axes, 124, 30, 25, 15, "event predicted\n$\\mathrm{PH}_{\\mathrm{ee}} = \\tau_e$", GREEN)
-    decrease = f"$\\tau_e \\leftarrow \\tau_e - {start_step_lt:g}$ LT"
+    decrease = f"$\\tau_e \\leftarrow \\tau_e - {lead_time_step_lt:g}$ LT"
     _box(axes, 71, 7.5, 31, 9, decrease, VERMILLION)
     _arrow(axes, (29.5, 30), (36.5, 30))
     _arrow(axes, (67.5, 30), (75.5, 30))

@@ -2,6 +2,7 @@
 
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.planes import (
     add_row_bar,
     draw_plane,
@@ -13,7 +14,6 @@ from burstcast.figures.style import (
     DOUBLE_COLUMN,
     NETWORK,
     TRUTH,
-    FloatArray,
     new_figure,
     styled,
 )

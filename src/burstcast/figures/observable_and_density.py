@@ -2,12 +2,12 @@
 
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
     THRESHOLD,
     TRUTH,
-    FloatArray,
     draw_threshold,
     letter_panels,
     new_figure,

@@ -9,7 +9,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from burstcast.figures.style import BLUE, FloatArray, draw_threshold, observable_label
+from burstcast.arrays import FloatArray
+from burstcast.figures.style import BLUE, draw_threshold, observable_label
 
 
 def draw_plane(

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
     NETWORK,
     TRUTH,
     WINDOW,
-    FloatArray,
     draw_threshold,
     new_figure,
     observable_label,

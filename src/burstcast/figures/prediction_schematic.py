@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.style import (
     BLUE,
     DOUBLE_COLUMN,
@@ -13,7 +14,6 @@ from burstcast.figures.style import (
     TRUTH,
     VERMILLION,
     WINDOW,
-    FloatArray,
     draw_threshold,
     legend_above,
     new_figure,

@@ -4,6 +4,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.percentile_curves import (
     METRIC_LABELS,
     NEURONS_LABEL,
@@ -19,7 +20,6 @@ from burstcast.figures.style import (
     NETWORK,
     TRAINING,
     TRUTH,
-    FloatArray,
     legend_above,
     letter_panels,
     new_figure,

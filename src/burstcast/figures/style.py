@@ -13,14 +13,14 @@ from typing import Any, Literal, ParamSpec, TypedDict
 
 import matplotlib
 import numpy as np
-import numpy.typing as npt
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-FloatArray = npt.NDArray[np.float64]
+from burstcast.arrays import BoolArray
+
 P = ParamSpec("P")
 
 SINGLE_COLUMN = 3.4
@@ -212,7 +212,7 @@ def observable_label(symbol: str, name: str | None = None) -> str:
     return f"{name[:1].upper()}{name[1:]}, ${symbol}$"
 
 
-def true_runs(condition: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+def true_runs(condition: BoolArray) -> list[tuple[int, int]]:
     """First and last index of each run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], condition, [False]]).astype(np.int8)))
     return [(int(first), int(last) - 1) for first, last in edges.reshape(-1, 2)]

@@ -2,6 +2,7 @@
 
 from matplotlib.figure import Figure
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.control_schematic import CONTROLLED
 from burstcast.figures.planes import (
     add_row_bar,
@@ -14,7 +15,6 @@ from burstcast.figures.style import (
     DOUBLE_COLUMN,
     GREEN,
     TRUTH,
-    FloatArray,
     new_figure,
     styled,
 )

@@ -7,12 +7,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from burstcast.arrays import FloatArray
 from burstcast.figures.style import (
     DOUBLE_COLUMN,
     GREY,
     LIGHT_GREY,
     TRUTH,
-    FloatArray,
     draw_threshold,
     letter_panels,
     new_figure,
@@ -29,7 +29,9 @@ class ValidationLayout:
     Attributes
     ----------
     validation
-        Name of the strategy: "SSV", "RV".
+        Short name of the strategy: "SSV", "RV".
+    title
+        Its name in full.
     washout, training
         Start and end of the washout and of the data used for training.
     intervals
@@ -37,12 +39,10 @@ class ValidationLayout:
     """
 
     validation: str
+    title: str
     washout: tuple[float, float]
     training: tuple[float, float]
     intervals: FloatArray
-
-
-_NAMES = {"SSV": "Single Shot Validation", "RV": "Recycle Validation"}
 
 
 @styled
@@ -131,6 +131,5 @@ def validation_strategies(
     panels[-1].set_xlim(float(time_lt[0]), float(np.ceil(time_lt[-1])))
     letter_panels(list(panels))
     for index, (panel, layout) in enumerate(zip(panels, layouts, strict=True)):
-        title = _NAMES.get(layout.validation, layout.validation)
-        panel.set_title(f"({chr(ord('a') + index)}) {title}", loc="left")
+        panel.set_title(f"({chr(ord('a') + index)}) {layout.title}", loc="left")
     return figure

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LightSource, Normalize, to_rgb
 from matplotlib.figure import Figure
@@ -16,8 +15,9 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 from scipy.ndimage import map_coordinates
 from skimage.measure import marching_cubes
 
+from burstcast.arrays import FloatArray, IntArray
 from burstcast.figures.planes import symmetric_norm
-from burstcast.figures.style import BLUE, DOUBLE_COLUMN, VERMILLION, FloatArray, new_figure, styled
+from burstcast.figures.style import BLUE, DOUBLE_COLUMN, VERMILLION, new_figure, styled
 
 _COLOURS = {1: VERMILLION, -1: BLUE}
 _VELOCITY_COLOURS = "PRGn"
@@ -187,7 +187,7 @@ def _draw_vectors(
     """Draw the in-plane velocity on the far side of the box and on its left end."""
     scale = 1.1 * float(np.ptp(x)) / (arrows * largest)
 
-    def inner(axis: FloatArray, count: int) -> npt.NDArray[np.int64]:
+    def inner(axis: FloatArray, count: int) -> IntArray:
         """Give indices of evenly spaced points, away from the ends."""
         return np.round((np.arange(count) + 0.5) / count * (len(axis) - 1)).astype(np.int64)
 

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.systems.base import FloatArray
-
-BoolArray = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -25,26 +23,26 @@ class Counts:
         How many forecasts of each kind there are.
     """
 
-    true_positive: npt.NDArray[np.int64]
-    false_positive: npt.NDArray[np.int64]
-    false_negative: npt.NDArray[np.int64]
-    true_negative: npt.NDArray[np.int64]
+    true_positive: IntArray
+    false_positive: IntArray
+    false_negative: IntArray
+    true_negative: IntArray
 
     @property
     def precision(self) -> FloatArray:
-        """TP / (TP + FP); not a number where nothing was predicted."""
+        """TP / (TP + FP); NaN where nothing was predicted."""
         return ratio(self.true_positive, self.true_positive + self.false_positive)
 
     @property
     def recall(self) -> FloatArray:
-        """TP / (TP + FN); not a number where nothing happened."""
+        """TP / (TP + FN); NaN where nothing happened."""
         return ratio(self.true_positive, self.true_positive + self.false_negative)
 
     @property
     def f_score(self) -> FloatArray:
         """2 / (1 / precision + 1 / recall) = 2 TP / (2 TP + FP + FN).
 
-        Not a number where nothing was predicted and nothing happened.
+        NaN where nothing was predicted and nothing happened.
         """
         return ratio(
             2 * self.true_positive,
@@ -53,14 +51,14 @@ class Counts:
 
 
 def ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike) -> FloatArray:
-    """Quotient that is not a number, without a warning, where the denominator is zero."""
+    """Quotient that is NaN, without a warning, where the denominator is zero."""
     top = np.asarray(numerator, dtype=np.float64)
     bottom = np.asarray(denominator, dtype=np.float64)
     return np.divide(top, bottom, out=np.full_like(bottom, np.nan), where=bottom != 0)
 
 
 def count_by_series(
-    predicted: BoolArray, happened: BoolArray, scored: BoolArray, series: npt.NDArray[np.int64]
+    predicted: BoolArray, happened: BoolArray, scored: BoolArray, series: IntArray
 ) -> Counts:
     """Outcomes in each test series.
 
@@ -79,7 +77,7 @@ def count_by_series(
     """
     number = int(series.max()) + 1 if series.size else 0
 
-    def tally(outcome: BoolArray) -> npt.NDArray[np.int64]:
+    def tally(outcome: BoolArray) -> IntArray:
         return np.bincount(series[outcome & scored], minlength=number).astype(np.int64)
 
     return Counts(
@@ -94,7 +92,7 @@ def score_forecasts(
     forecast: WindowSummaries,
     truth: WindowSummaries,
     washout_maximum: FloatArray,
-    series: npt.NDArray[np.int64],
+    series: IntArray,
     *,
     first_window: int,
     windows: int,
@@ -155,7 +153,7 @@ def bootstrap_interval(
 
     Returns
     -------
-    Lower and upper end for each score; not a number where it is undefined in every resample.
+    Lower and upper end for each score; NaN where it is undefined in every resample.
     """
     series = counts.true_positive.shape[-1]
     weights = generator.multinomial(series, np.full(series, 1 / series), size=resamples)
@@ -170,9 +168,7 @@ def bootstrap_interval(
     return intervals
 
 
-def _map(
-    counts: Counts, function: Callable[[npt.NDArray[np.int64]], npt.NDArray[np.int64]]
-) -> Counts:
+def _map(counts: Counts, function: Callable[[IntArray], IntArray]) -> Counts:
     return Counts(
         true_positive=function(counts.true_positive),
         false_positive=function(counts.false_positive),

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.forecast.base import Forecaster
-from burstcast.forecast.test_set import SeriesPoints, segments
-from burstcast.systems.base import FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.events import upward_crossings
+from burstcast.forecast.starting_points import SeriesPoints, segments
+from burstcast.forecasters.base import Forecaster
 
 CANDIDATES_PER_BATCH = 64
 """Events that are forecast side by side: bounds the time and memory, changes no result."""
@@ -103,7 +104,7 @@ def isolated_events(
     for row, values in enumerate(observable):
         calm = values <= criterion.calm
         above = values >= criterion.threshold
-        crossings = np.flatnonzero(above[1:] & ~above[:-1]) + 1
+        crossings = np.flatnonzero(upward_crossings(values, criterion.threshold))
         for crossing in crossings.tolist():
             calm_before = np.flatnonzero(calm[:crossing])
             calm_after = np.flatnonzero(calm[crossing:])
@@ -180,7 +181,7 @@ def predicted_event(
         )
         needed = np.array([event.times[3] for event in batch]) - points.step
         ahead = int(needed.max())
-        # not a number beyond the breakdown: no forecast counts as accurate there
+        # NaN beyond the breakdown: no forecast counts as accurate there
         true = np.full((ahead, states.shape[2], len(batch)), np.nan)
         for column, event in enumerate(batch):
             start = int(points.step[column])

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast import durations
-from burstcast.forecast.base import Forecaster
+from burstcast.arrays import FloatArray
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps
 from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.systems.base import FloatArray
+from burstcast.forecasters.base import Forecaster
 
 OUTCOMES = ("true positive", "false positive", "false negative")
 
@@ -64,16 +64,16 @@ class HorizonExample:
     ----------
     event
         Row of the event.
-    starts_lt
+    lead_times_lt
         tau_e of the last evaluations, the successful one at the end.
     """
 
     event: int
-    starts_lt: tuple[float, ...]
+    lead_times_lt: tuple[float, ...]
 
 
 def horizon_example(
-    horizons: FloatArray, starts_lt: list[float], wanted_lt: float, evaluations: int = 4
+    horizons: FloatArray, lead_times_lt: list[float], wanted_lt: float, evaluations: int = 4
 ) -> HorizonExample | None:
     """Event whose prediction horizon lies nearest to the wanted one, with its last evaluations.
 
@@ -81,7 +81,7 @@ def horizon_example(
     ----------
     horizons
         PH_ee of the events in Lyapunov times, ``(events,)``.
-    starts_lt
+    lead_times_lt
         All tau_e in the order of the search.
     wanted_lt
         Wanted horizon.
@@ -93,7 +93,7 @@ def horizon_example(
     None where no event was predicted from any start.
     """
     # an event that every start has failed on has a horizon below the shortest start
-    match = np.isclose(horizons[:, np.newaxis], np.asarray(starts_lt))
+    match = np.isclose(horizons[:, np.newaxis], np.asarray(lead_times_lt))
     success = np.where(match.any(axis=1), match.argmax(axis=1), -1)
     usable = np.flatnonzero(success >= evaluations - 1)
     if usable.size == 0:
@@ -102,7 +102,7 @@ def horizon_example(
         return None
     event = int(usable[np.argmin(np.abs(horizons[usable] - wanted_lt))])
     last = int(success[event])
-    return HorizonExample(event, tuple(starts_lt[max(0, last - evaluations + 1) : last + 1]))
+    return HorizonExample(event, tuple(lead_times_lt[max(0, last - evaluations + 1) : last + 1]))
 
 
 @dataclass(frozen=True)
@@ -111,25 +111,25 @@ class Evaluations:
 
     Attributes
     ----------
-    start_lt
+    lead_time_lt
         tau_e in Lyapunov times, ``(evaluations,)``.
     forecast
-        Forecast observable, ``(evaluations, steps)``; not a number up to the start.
+        Forecast observable, ``(evaluations, steps)``; NaN up to the start.
     horizon_lt
         Prediction horizon of each forecast in Lyapunov times; tau_e where it reaches the event.
     """
 
-    start_lt: FloatArray
+    lead_time_lt: FloatArray
     forecast: FloatArray
     horizon_lt: FloatArray
 
 
-def evaluate_starts(
+def evaluate_lead_times(
     forecaster: Forecaster,
     observable: Callable[[FloatArray], FloatArray],
     observed: FloatArray,
     truth: FloatArray,
-    starts_lt: Sequence[float],
+    lead_times_lt: Sequence[float],
     search: HorizonSearch,
 ) -> Evaluations:
     """Forecast one event from several starts, and beyond it.
@@ -144,16 +144,16 @@ def evaluate_starts(
         Observed states up to the event, ``(search.steps_before_event + 1, dimension)``.
     truth
         True observable of the same steps and of any number of steps after the event.
-    starts_lt
+    lead_times_lt
         Each tau_e.
     search
         What counts as a success.
     """
     event = search.steps_before_event
-    forecast = np.full((len(starts_lt), len(truth)), np.nan)
-    horizon = np.full(len(starts_lt), np.nan)
-    for number, start_lt in enumerate(starts_lt):
-        start = event - durations.steps(start_lt, search.steps_per_lyapunov_time)
+    forecast = np.full((len(lead_times_lt), len(truth)), np.nan)
+    horizon = np.full(len(lead_times_lt), np.nan)
+    for number, lead_time_lt in enumerate(lead_times_lt):
+        start = event - durations.steps(lead_time_lt, search.steps_per_lyapunov_time)
         washout = observed[np.newaxis, start - search.washout + 1 : start + 1]
         forecast[number, start + 1 :] = forecast_observable(
             forecaster, observable, washout, len(truth) - 1 - start
@@ -167,8 +167,8 @@ def evaluate_starts(
         )[0]
         # a Lyapunov time is cut to whole steps: a success is worth all of tau_e
         reached = accurate == event - start
-        horizon[number] = start_lt if reached else accurate / search.steps_per_lyapunov_time
-    return Evaluations(np.array(starts_lt, dtype=np.float64), forecast, horizon)
+        horizon[number] = lead_time_lt if reached else accurate / search.steps_per_lyapunov_time
+    return Evaluations(np.array(lead_times_lt, dtype=np.float64), forecast, horizon)
 
 
 def forecast_observable(
@@ -200,7 +200,7 @@ def forecast_observable(
 
 
 def stretch(series: FloatArray, first: int, count: int) -> FloatArray:
-    """Cut ``count`` samples out of a series from ``first`` on; not a number beyond its ends."""
+    """Cut ``count`` samples out of a series from ``first`` on; NaN beyond its ends."""
     result = np.full(count, np.nan)
     start, stop = max(first, 0), min(first + count, len(series))
     if start < stop:

@@ -8,11 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from burstcast import durations
-from burstcast.forecast.base import Forecaster
-from burstcast.systems.base import FloatArray
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.forecasters.base import Forecaster
 
 STEPS_BETWEEN_CHECKS = 16
 """Forecast steps between two looks at which forecasts are decided: changes no result."""
@@ -27,9 +26,9 @@ class HorizonSearch:
 
     Attributes
     ----------
-    longest_start_lt
+    longest_lead_time_lt
         First tau_e: the forecast starts this long before the event, in Lyapunov times.
-    start_step_lt
+    lead_time_step_lt
         By how much tau_e decreases while the forecast fails.
     tolerance
         Largest error of the observable that still counts as a prediction, in the observable's
@@ -40,8 +39,8 @@ class HorizonSearch:
         Steps of the network in a Lyapunov time.
     """
 
-    longest_start_lt: float
-    start_step_lt: float
+    longest_lead_time_lt: float
+    lead_time_step_lt: float
     tolerance: float
     washout: int
     steps_per_lyapunov_time: int
@@ -59,34 +58,39 @@ class HorizonSearch:
                 f"the tolerance of the prediction horizon must be positive, not {self.tolerance}: "
                 f"the event threshold must exceed the mean of the observable"
             )
-        if not 0 < self.start_step_lt <= self.longest_start_lt:
-            raise ValueError("horizon.start_step_lt must lie in (0, horizon.longest_start_lt]")
-        if not self.starts_lt:
+        if not 0 < self.lead_time_step_lt <= self.longest_lead_time_lt:
             raise ValueError(
-                f"horizon.longest_start_lt is {self.longest_start_lt}, which is shorter than one "
-                f"step of the network: a Lyapunov time has {self.steps_per_lyapunov_time}"
+                f"the lead time must decrease by a step in (0, {self.longest_lead_time_lt}], the "
+                f"longest lead time, not by {self.lead_time_step_lt} Lyapunov times"
+            )
+        if not self.lead_times_lt:
+            raise ValueError(
+                f"the longest lead time, {self.longest_lead_time_lt} Lyapunov times, is shorter "
+                f"than a step of the network: a Lyapunov time has {self.steps_per_lyapunov_time}"
             )
 
     @property
-    def starts_lt(self) -> list[float]:
+    def lead_times_lt(self) -> list[float]:
         """All tau_e in the order in which they are tried, in Lyapunov times."""
         # down to the last one that is positive
-        count = math.ceil(self.longest_start_lt / self.start_step_lt - 1e-9)
-        starts = [self.longest_start_lt - index * self.start_step_lt for index in range(count)]
+        count = math.ceil(self.longest_lead_time_lt / self.lead_time_step_lt - 1e-9)
+        starts = [
+            self.longest_lead_time_lt - index * self.lead_time_step_lt for index in range(count)
+        ]
         # a start less than a step before the event leaves nothing to forecast
         return [
             start for start in starts if durations.steps(start, self.steps_per_lyapunov_time) > 0
         ]
 
     @property
-    def longest_start(self) -> int:
+    def longest_lead_time(self) -> int:
         """First tau_e in steps."""
-        return durations.steps(self.longest_start_lt, self.steps_per_lyapunov_time)
+        return durations.steps(self.longest_lead_time_lt, self.steps_per_lyapunov_time)
 
     @property
     def steps_before_event(self) -> int:
-        """Steps before an event that the search looks at: the longest start and its washout."""
-        return self.longest_start + self.washout - 1
+        """Steps before an event that the search looks at: the longest lead time and the washout."""
+        return self.longest_lead_time + self.washout - 1
 
 
 def accurate_steps(
@@ -95,7 +99,7 @@ def accurate_steps(
     washouts: FloatArray,
     truth: FloatArray,
     tolerance: float,
-) -> npt.NDArray[np.int64]:
+) -> IntArray:
     """Steps during which each forecast stays within the tolerance of the truth (paper, eq. 11).
 
     A forecast is given up as soon as it leaves the tolerance.
@@ -179,10 +183,10 @@ def prediction_horizons(
     horizons = np.full(len(truth), np.nan)
     event = observed.shape[1] - 1
     undecided = np.arange(len(truth))
-    for start_lt in search.starts_lt:
+    for lead_time_lt in search.lead_times_lt:
         if undecided.size == 0:
             break
-        start = event - durations.steps(start_lt, search.steps_per_lyapunov_time)
+        start = event - durations.steps(lead_time_lt, search.steps_per_lyapunov_time)
         accurate = np.concatenate(
             [
                 accurate_steps(
@@ -199,10 +203,10 @@ def prediction_horizons(
         )
         horizons[undecided] = accurate / search.steps_per_lyapunov_time
         predicted = accurate == event - start
-        horizons[undecided[predicted]] = start_lt
+        horizons[undecided[predicted]] = lead_time_lt
         undecided = undecided[~predicted]
     return horizons
 
 
-def _batches(rows: npt.NDArray[np.int64], size: int) -> list[npt.NDArray[np.int64]]:
+def _batches(rows: IntArray, size: int) -> list[IntArray]:
     return [rows[start : start + size] for start in range(0, len(rows), size)]

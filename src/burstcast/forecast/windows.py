@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from burstcast import durations
-from burstcast.forecast.base import Forecaster
-from burstcast.systems.base import FloatArray
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.forecasters.base import Forecaster
 
 POINTS_PER_BATCH = 1024
 """Forecasts that run side by side: bounds the memory, changes no result."""
@@ -79,7 +78,7 @@ def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSumm
 
 def crosses(
     summaries: WindowSummaries, first_window: int, windows: int, threshold: float
-) -> npt.NDArray[np.bool_]:
+) -> BoolArray:
     """Whether the observable crosses the threshold in a prediction window.
 
     It does if it is below the threshold at the window's first step and at or above it later on. A
@@ -106,12 +105,31 @@ def crosses(
     return np.asarray(below_at_first & (largest >= threshold) & np.isfinite(largest))
 
 
+def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: float) -> BoolArray:
+    """Whether the observable crosses the threshold in one window (see `crosses`).
+
+    Parameters
+    ----------
+    observable
+        ``(steps, batch)``; entry 0 is one step after the forecast was made.
+    start, end
+        Steps from the forecast to the first and to the last step of the window.
+    threshold
+        The event threshold, k_e.
+
+    Returns
+    -------
+    ``(batch,)``.
+    """
+    return crosses(summarise(observable, (start, end)), 0, 1, threshold)
+
+
 def forecast_summaries(
     forecaster: Forecaster,
     observable: Callable[[FloatArray], FloatArray],
     washouts: FloatArray,
     boundaries: tuple[int, ...],
-) -> tuple[WindowSummaries, npt.NDArray[np.bool_]]:
+) -> tuple[WindowSummaries, BoolArray]:
     """Forecast from many starting points and keep the window summaries.
 
     Parameters

@@ -7,11 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from burstcast.systems.base import FloatArray
-
-IntArray = npt.NDArray[np.int64]
+from burstcast.arrays import FloatArray, IntArray
 
 SATURATED_ERROR = 1.0
 """Logarithmic error of a bin that is empty in either density (paper, below the MLE)."""
@@ -60,7 +57,7 @@ class Histogram:
     def density(self) -> FloatArray:
         """Probability density, normalised over the values inside the range, ``(bins,)``.
 
-        Not a number where no value lies inside.
+        NaN where no value lies inside.
         """
         return self.counts / (self.inside or np.nan) / np.diff(self.edges)
 
@@ -68,7 +65,7 @@ class Histogram:
     def cumulative(self) -> FloatArray:
         """Cumulative distribution at the edges, from 0 to 1, ``(bins + 1,)``.
 
-        Not a number where no value lies inside.
+        NaN where no value lies inside.
         """
         return np.concatenate([[0], np.cumsum(self.counts)]) / (self.inside or np.nan)
 
@@ -87,6 +84,11 @@ class Histogram:
             self.below + other.below,
             self.above + other.above,
         )
+
+
+def bin_edges(low: float, high: float, bins: int) -> FloatArray:
+    """Edges of equal bins from ``low`` to ``high``, ``(bins + 1,)``."""
+    return np.linspace(low, high, bins + 1)
 
 
 def check_edges(edges: FloatArray) -> None:
@@ -141,7 +143,7 @@ def histogram(values: FloatArray, edges: FloatArray) -> Histogram:
 def mean_density(histograms: Sequence[Histogram]) -> FloatArray:
     """Mean of the densities of several histograms, each with the same weight, ``(bins,)``.
 
-    Histograms without values in their range are left out; not a number if none is left.
+    Histograms without values in their range are left out; NaN if none is left.
 
     Raises
     ------
@@ -167,7 +169,7 @@ def kantorovich_metric(first: Histogram, second: Histogram) -> float:
 
     Returns
     -------
-    In units of the observable; not a number where a histogram has no values inside its range.
+    In units of the observable; NaN where a histogram has no values inside its range.
 
     Raises
     ------
@@ -212,7 +214,7 @@ def mean_logarithmic_error(first: Histogram, second: Histogram) -> float:
 
     Returns
     -------
-    Not a number where a histogram has no values inside its range.
+    NaN where a histogram has no values inside its range.
 
     Raises
     ------

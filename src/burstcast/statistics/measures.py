@@ -3,7 +3,7 @@
 Source: section "Statistical prediction of extreme events" of the paper; the sampling floor is ours.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,7 @@ from burstcast.systems.mfe_modes import ProfileMatrices
 
 @dataclass(frozen=True)
 class Measures:
-    """Distances between two long-term statistics; not a number where one is not defined.
+    """Distances between two long-term statistics; NaN where one is not defined.
 
     Attributes
     ----------
@@ -152,3 +152,41 @@ def nearest(reference: LongTermStatistics, candidates: Sequence[LongTermStatisti
     if np.isnan(distances).all():
         return None
     return int(np.nanargmin(distances))
+
+
+@dataclass(frozen=True)
+class BestNetwork:
+    """The network whose statistics are nearest to the data's, of those that are compared.
+
+    Attributes
+    ----------
+    statistics
+        Its statistics.
+    label
+        What figures call it.
+    """
+
+    statistics: LongTermStatistics
+    label: str
+
+
+def best_network(
+    reference: LongTermStatistics,
+    networks: Mapping[tuple[int, int], LongTermStatistics],
+) -> BestNetwork | None:
+    """Network with the smallest Kantorovich metric; None if none has any statistics.
+
+    Parameters
+    ----------
+    reference
+        Of all the true data.
+    networks
+        Statistics of networks of one size, by their neurons and seed.
+    """
+    best = nearest(reference, [*networks.values()])
+    if best is None:
+        return None
+    which = f"best of {len(networks)}: " if len(networks) > 1 else ""
+    neurons, seed = [*networks][best]
+    label = f"ESN ({neurons} neurons, {which}seed {seed})"
+    return BestNetwork(networks[neurons, seed], label)

@@ -12,40 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.statistics.moments import StateMoments
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes, ProfileMatrices
-
-
-@dataclass(frozen=True)
-class StateMoments:
-    """First and second moments of a state over time.
-
-    Attributes
-    ----------
-    count
-        Number of states.
-    mean
-        Mean of a_i, ``(dimension,)``; not a number without states.
-    mean_product
-        Mean of a_i a_j (not of the deviations from the mean), ``(dimension, dimension)``; likewise.
-    """
-
-    count: int
-    mean: FloatArray
-    mean_product: FloatArray
-
-    def merge(self, other: "StateMoments") -> "StateMoments":
-        """Moments of the states of both."""
-        if self.count == 0 or other.count == 0:
-            return other if self.count == 0 else self
-        count = self.count + other.count
-        weight = other.count / count
-        return StateMoments(
-            count,
-            (1 - weight) * self.mean + weight * other.mean,
-            (1 - weight) * self.mean_product + weight * other.mean_product,
-        )
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,10 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.statistics.densities import Histogram, check_edges, from_slots, slots
-from burstcast.statistics.profiles import StateMoments
-from burstcast.systems.base import FloatArray
-
-IntArray = npt.NDArray[np.int64]
+from burstcast.statistics.moments import StateMoments
 
 STEPS_PER_BLOCK = 64
 """Steps whose products are held at a time: bounds the memory, changes no result."""
@@ -62,7 +59,7 @@ class SeriesReductions:
         """Return the number of series."""
         return len(self.counts)
 
-    def merged(self, rows: npt.NDArray[np.bool_] | IntArray | slice) -> LongTermStatistics:
+    def merged(self, rows: BoolArray | IntArray | slice) -> LongTermStatistics:
         """Statistics of the chosen series together.
 
         Parameters

@@ -3,10 +3,7 @@
 import abc
 from typing import ClassVar
 
-import numpy as np
-import numpy.typing as npt
-
-FloatArray = npt.NDArray[np.float64]
+from burstcast.arrays import FloatArray
 
 
 class DynamicalSystem(abc.ABC):

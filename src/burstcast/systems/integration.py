@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
 
 # Trajectories that are integrated together. So many that the cost of a numpy call is spread over
 # many numbers, so few that the states and slopes of a nine-dimensional system stay in the cache.
@@ -207,7 +208,7 @@ def _check_steps(steps: int, stride: int) -> None:
 
 def _check_finite(state: FloatArray, tile: slice, time_step: float) -> None:
     # Looking at the last state is enough: each step adds to the state, so what is once infinite
-    # or not a number stays so.
+    # or NaN stays so.
     finite = np.isfinite(state).all(axis=0)
     if not finite.all():
         first = tile.start + int(np.argmin(finite))

@@ -9,7 +9,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
 
 
 @dataclass(frozen=True)

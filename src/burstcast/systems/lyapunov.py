@@ -13,10 +13,10 @@ the very same trajectories, bit for bit, and stay in the chaotic phase.
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import stdtrit
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import check_batch, combine, step
 
 # Ratio of the weakest to the strongest growth between two orthonormalisations below which the
@@ -56,7 +56,7 @@ class PerturbationGrowth:
     """
 
     exponents: FloatArray
-    restarts: npt.NDArray[np.int64]
+    restarts: IntArray
     duration: float
 
 
@@ -101,6 +101,21 @@ def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Esti
         low=np.asarray(mean - margin),
         high=np.asarray(mean + margin),
     )
+
+
+def alignment_of(steps: int, orthonormalisation_steps: int) -> int:
+    """Steps of a series that its perturbations are given to line up: a quarter of them.
+
+    The first exponents lie so close together that this takes long (see `lyapunov_spectrum`).
+
+    Parameters
+    ----------
+    steps
+        Integration steps of the series.
+    orthonormalisation_steps
+        Steps between two factorisations; the quarter is rounded down to whole intervals.
+    """
+    return steps // 4 // orthonormalisation_steps * orthonormalisation_steps
 
 
 def lyapunov_spectrum(

@@ -14,7 +14,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from burstcast.systems.base import DynamicalSystem, FloatArray
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
 
 _WALL_WAVENUMBER = math.pi / 2  # beta: half a wave between the walls
 

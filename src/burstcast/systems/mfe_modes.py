@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from burstcast.systems.base import FloatArray
+from burstcast.arrays import FloatArray
 
 _MODES = 9
 

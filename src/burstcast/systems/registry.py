@@ -5,21 +5,18 @@ be registered.
 """
 
 import dataclasses
-import difflib
-import importlib
-import inspect
 import math
 import numbers
-import pkgutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import burstcast.systems
+from burstcast.discovery import concrete_classes, module_names, suggestion
 from burstcast.systems.base import DynamicalSystem
 
 
 def available_systems() -> list[str]:
     """Names of all the systems, sorted."""
-    return [name for name in _module_names() if _systems_in(name)]
+    return [name for name in module_names(burstcast.systems) if _systems_in(name)]
 
 
 def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
@@ -40,11 +37,11 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     TypeError
         If the module defines more than one system.
     """
-    classes = _systems_in(name) if name in _module_names() else []
+    classes = _systems_in(name) if name in module_names(burstcast.systems) else []
     if not classes:
         available = available_systems()
         raise ValueError(
-            f"unknown system {name!r}{_suggestion(name, available)}; "
+            f"unknown system {name!r}{suggestion(name, available)}; "
             f"the available systems are {', '.join(available)}"
         )
     if len(classes) > 1:
@@ -53,21 +50,19 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     return classes[0](**_checked_parameters(name, classes[0], parameters))
 
 
-def _module_names() -> list[str]:
-    return sorted(module.name for module in pkgutil.iter_modules(burstcast.systems.__path__))
+def parameters_of(system: DynamicalSystem) -> dict[str, float]:
+    """Values of all the parameters of a system, those with a default included, by their names."""
+    assert dataclasses.is_dataclass(system)
+    return {
+        field.name: getattr(system, field.name)
+        for field in dataclasses.fields(system)
+        if field.init
+    }
 
 
 def _systems_in(module_name: str) -> list[type[DynamicalSystem]]:
-    """Concrete systems that a module itself defines (not those that it imports)."""
-    module = importlib.import_module(f"burstcast.systems.{module_name}")
-    return [
-        candidate
-        for candidate in vars(module).values()
-        if inspect.isclass(candidate)
-        and issubclass(candidate, DynamicalSystem)
-        and candidate.__module__ == module.__name__
-        and not inspect.isabstract(candidate)
-    ]
+    # the interface is abstract
+    return concrete_classes(burstcast.systems, module_name, DynamicalSystem)  # type: ignore[type-abstract]
 
 
 def _checked_parameters(
@@ -80,7 +75,7 @@ def _checked_parameters(
     for key in parameters:
         if key not in known:
             raise ValueError(
-                f"system {name!r} has no parameter {key!r}{_suggestion(key, known)}; "
+                f"system {name!r} has no parameter {key!r}{suggestion(key, known)}; "
                 f"its parameters are {', '.join(known) or 'none'}"
             )
     for field in fields:
@@ -97,8 +92,3 @@ def _checked_parameters(
                 f"parameter {key!r} of system {name!r} must be a finite number, not {value!r}"
             )
     return {key: float(value) for key, value in parameters.items()}
-
-
-def _suggestion(name: str, candidates: Iterable[str]) -> str:
-    closest = difflib.get_close_matches(str(name), list(candidates), n=1)
-    return f" (did you mean {closest[0]!r}?)" if closest else ""

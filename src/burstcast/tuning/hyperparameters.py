@@ -48,7 +48,7 @@ class SearchSpace:
             low, high = getattr(self, name)
             if not 0 < low < high:
                 raise ValueError(
-                    f"search.{name} must be positive and increasing, not {low}, {high}"
+                    f"the bounds of {name} must be positive and increasing, not {low}, {high}"
                 )
 
     def grid(self, points: int) -> list[HyperparameterPoint]:

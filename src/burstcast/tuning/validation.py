@@ -1,24 +1,25 @@
-"""Single Shot and Recycle Validation of one point of the hyperparameter space.
+"""Validation of one point of the hyperparameter space, by any strategy.
 
-Source: section "Validation" and the appendix "Training and validation sets" of the paper; Racca &
-Magri, "Robust optimization and validation of echo state networks for learning chaotic dynamics",
-Neural Networks 142 (2021). One open loop over the training series serves both strategies: the
-moments of the Single Shot Validation are a snapshot of those of the Recycle Validation, taken one
+Source: section "Validation" and the appendix "Training and validation sets" of the paper. One open
+loop over the training series serves all the strategies that train on all series alike: the moments
+of the Single Shot Validation are a snapshot of those of the Recycle Validation, taken one
 validation interval before the series end.
 """
 
-from collections.abc import Callable, Sequence
+import functools
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
+from burstcast.arrays import FloatArray
 from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.readout import Readout, solve_ridge
-from burstcast.esn.training import TrainingSeries, collect
-from burstcast.systems.base import FloatArray
-from burstcast.tuning.plan import ValidationPlan
-
-STRATEGIES = ("SSV", "RV")
+from burstcast.esn.readout import Moments, Readout, solve_ridge
+from burstcast.esn.reservoir import Reservoir
+from burstcast.esn.training import Collected, TrainingSeries, collect
+from burstcast.tuning.hyperparameters import HyperparameterPoint
+from burstcast.tuning.strategies.base import Fold, ValidationPlan, ValidationStrategy
 
 DIVERGED_ERROR = 1e12
 """Mean square error that a diverged forecast counts as: far beyond any other, yet finite."""
@@ -31,15 +32,14 @@ class Validation:
     Attributes
     ----------
     strategy
-        "SSV" or "RV".
+        Name of the strategy.
     tikhonov
         beta.
     objective
         log10 of the mean square error of the observable, averaged over the intervals.
-    solver
-        How the ridge regression was solved.
-    reciprocal_condition
-        Estimate of the reciprocal condition number of its matrix.
+    solver, reciprocal_condition
+        How the ridge regression was solved, and the estimate of the reciprocal condition number of
+        its matrix: of the fold where it is the smallest.
     """
 
     strategy: str
@@ -55,7 +55,7 @@ def validate(
     observable: Callable[[FloatArray], FloatArray],
     plan: ValidationPlan,
     tikhonov: Sequence[float],
-    strategies: Sequence[str] = STRATEGIES,
+    strategies: Sequence[ValidationStrategy],
 ) -> list[Validation]:
     """Train one network and validate it by each strategy with each Tikhonov parameter.
 
@@ -68,61 +68,82 @@ def validate(
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     plan
-        The validation intervals.
+        Parameters of the strategies.
     tikhonov
         Values of beta.
     strategies
-        Any of `STRATEGIES`.
+        How to validate.
+
+    Returns
+    -------
+    One validation for each strategy and beta, in their order.
 
     Raises
     ------
     ValueError
-        If a strategy is unknown or the plan does not fit the series.
+        If a strategy finds that the plan does not fit the series.
     """
-    unknown = set(strategies) - set(STRATEGIES)
-    if unknown:
-        raise ValueError(f"unknown validation strategies {sorted(unknown)}; known: {STRATEGIES}")
-    plan.check(training.series, training.length)
-    cut = plan.single_shot_start(training.length)
-    recycle_starts = plan.recycle_starts() if "RV" in strategies else []
-    collected = collect(
-        dynamics,
-        training,
-        washout=plan.washout,
-        # moments of all steps before the cut; Single Shot Validation alone needs no others
-        snapshot=cut if "SSV" in strategies else None,
-        last=None if "RV" in strategies else cut,
-        keep=[*recycle_starts, *([cut] if "SSV" in strategies else [])],
-    )
+    folds = [strategy.folds(plan, training.series, training.length) for strategy in strategies]
+    loops = _open_loops(dynamics, training, plan.washout, [fold for some in folds for fold in some])
     results = []
-    for strategy in strategies:
-        if strategy == "SSV":
-            moments, starts, series = collected.snapshot, [cut], 1
-        else:
-            moments, starts, series = collected.moments, recycle_starts, plan.recycle_series
-        assert moments is not None
-        states = np.concatenate([collected.states[start][:, :series] for start in starts], axis=1)
-        truth = np.concatenate(
-            [
-                observable(
-                    training.observed[:series, start : start + plan.interval].transpose(2, 1, 0)
+    for strategy, of_strategy in zip(strategies, folds, strict=True):
+        readouts: list[list[Readout]] = [[] for _ in tikhonov]
+        errors: list[list[FloatArray]] = [[] for _ in tikhonov]
+        for fold in of_strategy:
+            moments = loops.moments(fold)
+            states = loops.states(fold)
+            truth = _truth(training, observable, fold, plan.interval)
+            for number, beta in enumerate(tikhonov):
+                readout = solve_ridge(moments, beta)
+                readouts[number].append(readout)
+                errors[number].append(
+                    _log_errors(dynamics, training, observable, readout, states, truth)
                 )
-                for start in starts
-            ],
-            axis=1,
-        )
-        for beta in tikhonov:
-            readout = solve_ridge(moments, beta)
+        for number, beta in enumerate(tikhonov):
+            worst = min(readouts[number], key=lambda readout: readout.reciprocal_condition)
             results.append(
                 Validation(
-                    strategy=strategy,
+                    strategy=strategy.name,
                     tikhonov=beta,
-                    objective=_objective(dynamics, training, observable, readout, states, truth),
-                    solver=readout.solver,
-                    reciprocal_condition=readout.reciprocal_condition,
+                    objective=float(np.mean(np.concatenate(errors[number]))),
+                    solver=worst.solver,
+                    reciprocal_condition=worst.reciprocal_condition,
                 )
             )
     return results
+
+
+@dataclass(frozen=True)
+class PointValidator:
+    """Validates points of the search of one reservoir.
+
+    Attributes
+    ----------
+    reservoir
+        The random matrices.
+    training, observable, plan, tikhonov
+        As in `validate`.
+    backend
+        Implementation of the dynamics (`Dynamics`).
+    """
+
+    reservoir: Reservoir
+    training: TrainingSeries
+    observable: Callable[[FloatArray], FloatArray]
+    plan: ValidationPlan
+    tikhonov: Sequence[float]
+    backend: Literal["numba", "scipy"]
+
+    def __call__(
+        self, point: HyperparameterPoint, strategies: Sequence[ValidationStrategy]
+    ) -> list[Validation]:
+        """Validate a point by each strategy with each Tikhonov parameter (see `validate`)."""
+        dynamics = Dynamics(
+            self.reservoir, point.spectral_radius, point.input_scaling, self.backend
+        )
+        return validate(
+            dynamics, self.training, self.observable, self.plan, self.tikhonov, strategies
+        )
 
 
 def best(validations: Sequence[Validation], strategy: str) -> Validation:
@@ -133,20 +154,95 @@ def best(validations: Sequence[Validation], strategy: str) -> Validation:
     )
 
 
-def _objective(
+@dataclass(frozen=True)
+class _OpenLoops:
+    """What the open loops over parts of the training series have left behind, by their rows."""
+
+    length: int
+    by_rows: dict[range, Collected]
+
+    def moments(self, fold: Fold) -> Moments:
+        """Moments of all that a fold is trained on."""
+        parts = []
+        for block in fold.trained:
+            collected = self.by_rows[block.series]
+            whole = block.stop == self.length
+            parts.append(collected.moments if whole else collected.snapshots[block.stop])
+        return functools.reduce(Moments.merge, parts)
+
+    def states(self, fold: Fold) -> FloatArray:
+        """States ``(neurons, intervals)`` from which the closed loops of a fold start."""
+        rows = _within(self.by_rows, fold.series)
+        columns = slice(fold.series.start - rows.start, fold.series.stop - rows.start)
+        states = self.by_rows[rows].states
+        return np.concatenate([states[start][:, columns] for start in fold.starts], axis=1)
+
+
+def _open_loops(
+    dynamics: Dynamics, training: TrainingSeries, washout: int, folds: Sequence[Fold]
+) -> _OpenLoops:
+    """Drive the reservoir by all that the folds need, each block of series once."""
+    needs: dict[range, tuple[set[int], set[int]]] = {}
+    for fold in folds:
+        for block in fold.trained:
+            needs.setdefault(block.series, (set(), set()))[0].add(block.stop)
+    for fold in folds:
+        rows = _within(needs, fold.series)
+        needs.setdefault(rows, (set(), set()))[1].update(fold.starts)
+    by_rows = {}
+    for rows, (stops, starts) in needs.items():
+        last = max(stops | starts)
+        by_rows[rows] = collect(
+            dynamics,
+            TrainingSeries(training.observed[rows.start : rows.stop], training.input_range),
+            washout=washout,
+            # moments of all the steps are there anyway
+            snapshots=sorted(stops - {training.length}),
+            last=last if last < training.length else None,
+            keep=sorted(starts),
+        )
+    return _OpenLoops(training.length, by_rows)
+
+
+def _within(driven: Iterable[range], rows: range) -> range:
+    """Block of series that contains some rows; if there is none, these rows themselves."""
+    for block in driven:
+        if block.start <= rows.start and rows.stop <= block.stop:
+            return block
+    return rows
+
+
+def _truth(
+    training: TrainingSeries,
+    observable: Callable[[FloatArray], FloatArray],
+    fold: Fold,
+    interval: int,
+) -> FloatArray:
+    """Observed observable of a fold's intervals, ``(interval, intervals)``."""
+    rows = slice(fold.series.start, fold.series.stop)
+    return np.concatenate(
+        [
+            observable(training.observed[rows, start : start + interval].transpose(2, 1, 0))
+            for start in fold.starts
+        ],
+        axis=1,
+    )
+
+
+def _log_errors(
     dynamics: Dynamics,
     training: TrainingSeries,
     observable: Callable[[FloatArray], FloatArray],
     readout: Readout,
     states: FloatArray,
     truth: FloatArray,
-) -> float:
-    """Mean over the intervals of log10 of the mean square error of the observable."""
+) -> FloatArray:
+    """log10 of the mean square error of the observable over each interval, ``(intervals,)``."""
     outputs, _ = dynamics.closed_loop(
         readout.weights, training.input_range, states, steps=truth.shape[0]
     )
     with np.errstate(over="ignore", invalid="ignore"):
         error = np.mean((observable(outputs.transpose(1, 0, 2)) - truth) ** 2, axis=0)
-    # not a number compares as False: a forecast that is lost counts as the largest error
+    # a comparison with NaN is False: a forecast that is lost counts as the largest error
     error = np.where(error < DIVERGED_ERROR, error, DIVERGED_ERROR)
-    return float(np.mean(np.log10(error)))
+    return np.asarray(np.log10(error))

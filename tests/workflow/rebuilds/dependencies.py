@@ -120,12 +120,15 @@ def and_what_follows(rules: set[str]) -> set[str]:
 
 
 # Modules that put values of their own into the settings of a rule whose script does not load them.
-RULES_WITH_VALUES_OF = {"burstcast_workflow.table_layouts": {"data_generation_parameters"}}
+RULES_WITH_VALUES_OF: dict[str, set[str]] = {}
 
 
-# What a system's module defines is found by its name; kernels are chosen while a job runs.
+# What a system's or a validation strategy's module defines is found by its name; backends are
+# chosen while a job runs.
 def may_be_found_otherwise(module: str, rule_has_case: bool, loaded: set[str]) -> bool:
     """Whether code may depend on a module that importing the script does not load."""
     if module.startswith("burstcast.systems."):
         return rule_has_case
-    return module == "burstcast.esn.kernels_compiled" and "burstcast.esn.dynamics" in loaded
+    if module in ("burstcast.tuning.strategies.single_shot", "burstcast.tuning.strategies.recycle"):
+        return "burstcast.tuning.strategies.registry" in loaded
+    return module == "burstcast.esn.backend_numba" and "burstcast.esn.dynamics" in loaded

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from helpers_control import PAPER
 
-from burstcast.control.monitor import ForecastMonitor, RandomMonitor, most_forecasts
+from burstcast.arrays import FloatArray
+from burstcast.control.monitors.forecast import ForecastMonitor
+from burstcast.control.monitors.random import RandomMonitor
 from burstcast.control.timing import Timing
-from burstcast.forecast.forecasters import Forecaster
-from burstcast.systems.base import FloatArray
+from burstcast.forecasters.base import Forecaster
 
 TIMING = Timing(
     prediction_time_lt=1.0,
@@ -70,5 +71,5 @@ def test_random_alarms_need_a_probability(probability: float) -> None:
 
 def test_most_forecasts_of_the_paper_s_control() -> None:
     # at 0, 1, ..., 21 Lyapunov times, and one to spare
-    assert most_forecasts(PAPER) == 23
-    assert most_forecasts(replace(PAPER, prediction_time_lt=2.0)) == 24
+    assert PAPER.most_forecasts == 23
+    assert replace(PAPER, prediction_time_lt=2.0).most_forecasts == 24

@@ -6,11 +6,9 @@ Source: sections "Precision and recall" and "Prediction horizon of extreme event
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from burstcast.systems.base import FloatArray
-
-IntArray = npt.NDArray[np.int64]
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.events import upward_crossings
 
 
 @dataclass(frozen=True)
@@ -60,16 +58,15 @@ def starting_points(
     if steps.size == 0:
         raise ValueError(
             f"series of {length} samples leave no room for a washout of {washout} steps and a "
-            f"forecast of {longest_forecast}: lengthen ensemble.duration or shorten "
-            f"classification.longest_prediction_time_lt"
+            f"forecast of {longest_forecast}"
         )
     return SeriesPoints(
         series=np.repeat(np.arange(series), steps.size), step=np.tile(steps, series)
     )
 
 
-def upward_crossings(observable: FloatArray, threshold: float) -> SeriesPoints:
-    """Starts of extreme events: first samples at or above the threshold after one below it.
+def crossing_points(observable: FloatArray, threshold: float) -> SeriesPoints:
+    """Starts of the extreme events of series (`burstcast.events.upward_crossings`).
 
     Parameters
     ----------
@@ -82,15 +79,29 @@ def upward_crossings(observable: FloatArray, threshold: float) -> SeriesPoints:
     -------
     Events in the order of series, then time.
     """
-    above = observable >= threshold
-    series, step = np.nonzero(above[:, 1:] & ~above[:, :-1])
-    return SeriesPoints(series=series, step=step + 1)
+    series, step = np.nonzero(upward_crossings(observable, threshold))
+    return SeriesPoints(series=series, step=step)
 
 
-def horizon_events(crossings: SeriesPoints, earliest_step: int, count: int) -> SeriesPoints:
-    """First ``count`` events that leave ``earliest_step`` steps of their series before them."""
-    usable = np.flatnonzero(crossings.step >= earliest_step)[:count]
-    return SeriesPoints(series=crossings.series[usable], step=crossings.step[usable])
+def horizon_events(
+    crossings: SeriesPoints, first_series: int, earliest_step: int, count: int
+) -> SeriesPoints:
+    """First events of the series that no network was trained on, with room before them.
+
+    Parameters
+    ----------
+    crossings
+        All events (`crossing_points`).
+    first_series
+        Row of the first series that was not used for training.
+    earliest_step
+        Steps of their series that events leave before them, at least.
+    count
+        How many to take; fewer where there are no more.
+    """
+    usable = (crossings.series >= first_series) & (crossings.step >= earliest_step)
+    rows = np.flatnonzero(usable)[:count]
+    return SeriesPoints(series=crossings.series[rows], step=crossings.step[rows])
 
 
 def segments(series: FloatArray, points: SeriesPoints, before: int, after: int) -> FloatArray:

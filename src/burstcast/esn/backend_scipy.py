@@ -1,20 +1,18 @@
 """Dynamics of the reservoir in numpy and scipy: the plain implementation.
 
-It is the reference for `burstcast.esn.kernels_compiled`, and serves where numba is not available.
+It is the reference for `burstcast.esn.backend_numba`, and serves where numba is not available.
 The state of a trajectory is bit for bit the same whatever the batch that it is part of: every
 product is one of a sparse matrix with a batch, summed in the order of the row's entries. (A product
 of BLAS would depend on the size of the batch.)
 """
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
+from burstcast.arrays import FloatArray, Int32Array
 
 
-class ScipyKernel:
+class ScipyBackend:
     """Open and closed loop of one reservoir with its hyperparameters applied.
 
     Parameters
@@ -31,7 +29,7 @@ class ScipyKernel:
     def __init__(
         self,
         recurrent: scipy.sparse.csr_array,
-        input_column: IntArray,
+        input_column: Int32Array,
         input_weight: FloatArray,
         input_bias: float,
     ) -> None:

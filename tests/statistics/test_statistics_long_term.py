@@ -1,4 +1,4 @@
-"""Climate runs of made-up forecasters whose fate is known, against brute force over all steps."""
+"""Long-term runs of made-up forecasters whose fate is known, against brute force over all steps."""
 
 from dataclasses import dataclass, field
 
@@ -11,20 +11,22 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import make_reservoir
-from burstcast.forecast.forecasters import EquationsForecaster, Forecaster, NetworkForecaster
-from burstcast.statistics import climate
-from burstcast.statistics.climate import (
-    ClimateSettings,
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.equations import EquationsForecaster
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.statistics import long_term
+from burstcast.statistics.long_term import (
     Fate,
-    StuckCriterion,
-    climate_starting_points,
-    run_climate,
+    FixedPointCriterion,
+    LongTermSettings,
+    long_term_starting_points,
+    run_long_term,
 )
 from burstcast.statistics.reductions import reduce_series
 from burstcast.systems.lorenz63 import Lorenz63
 
 EDGES = np.linspace(0.0, 1.0, 11)
-STUCK = StuckCriterion(variation=0.01, above=0.05, interval=40)
+FIXED_POINT = FixedPointCriterion(variation=0.01, above=0.05, interval=40)
 
 
 def first_component(state):
@@ -61,7 +63,7 @@ class Scripted(Forecaster):
         return washouts
 
 
-def brute_force(script, threshold, stuck, bound):
+def brute_force(script, threshold, criterion, bound):
     """Fate of each trajectory from its whole course, step by step."""
     fates = []
     for column in range(script.shape[2]):
@@ -73,9 +75,13 @@ def brute_force(script, threshold, stuck, bound):
                 fate = Fate.LAMINAR
             if fate != Fate.KEPT:
                 break
-        last = script[:, 0, column][-stuck.interval :]
-        if fate == Fate.KEPT and np.ptp(last) < stuck.variation and last.min() > stuck.above:
-            fate = Fate.STUCK
+        last = script[:, 0, column][-criterion.interval :]
+        if (
+            fate == Fate.KEPT
+            and np.ptp(last) < criterion.variation
+            and last.min() > criterion.above
+        ):
+            fate = Fate.FIXED_POINT
         fates.append(fate)
     return np.array(fates)
 
@@ -100,9 +106,9 @@ def script_of(kinds, steps, seed=0):
         elif kind == "settling low":
             values = 0.04 + 0.1 * np.exp(-time / 3)
         elif kind == "settling late":
-            values[-STUCK.interval :] = 0.3
+            values[-FIXED_POINT.interval :] = 0.3
         elif kind == "settling too late":
-            values[-STUCK.interval + 1 :] = 0.3
+            values[-FIXED_POINT.interval + 1 :] = 0.3
         elif kind == "resting and leaving":
             values[: steps // 4] = 0.3
         columns.append(np.stack([values, -values], axis=1))
@@ -127,12 +133,14 @@ KINDS = (
 )
 
 
-def run(script, threshold=0.48, stuck=STUCK, bound=10.0, chunk=100):
+def run(script, threshold=0.48, fixed_point=FIXED_POINT, bound=10.0, chunk=100):
     forecaster = Scripted(script, bound)
-    settings = ClimateSettings(len(script), EDGES, threshold, stuck)
+    settings = LongTermSettings(len(script), EDGES, threshold, fixed_point)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(climate, "STEPS_PER_CHUNK", chunk)
-        return run_climate(forecaster, first_component, forecaster.washouts(), settings), forecaster
+        patch.setattr(long_term, "STEPS_PER_CHUNK", chunk)
+        return run_long_term(
+            forecaster, first_component, forecaster.washouts(), settings
+        ), forecaster
 
 
 def assert_same(first, second):
@@ -147,14 +155,14 @@ def assert_same(first, second):
 @settings(max_examples=60, deadline=None)
 @given(
     st.lists(st.sampled_from(KINDS), min_size=1, max_size=12),
-    st.integers(STUCK.interval, 260),
+    st.integers(FIXED_POINT.interval, 260),
     st.integers(1, 300),
     st.integers(0, 1000),
 )
 def test_fates_and_statistics_are_those_of_the_whole_series(kinds, steps, chunk, seed):
     script = script_of(kinds, steps, seed)
     found, _ = run(script, chunk=chunk)
-    fates = brute_force(script, 0.48, STUCK, 10.0)
+    fates = brute_force(script, 0.48, FIXED_POINT, 10.0)
     np.testing.assert_array_equal(found.fates, fates)
     kept = script[:, :, fates == Fate.KEPT].transpose(2, 0, 1)
     assert found.statistics.moments.count == kept.shape[0] * steps
@@ -172,13 +180,13 @@ def test_counts_and_share_of_the_discarded():
     assert found.starting_points == 7
     assert found.discarded_laminar == 2
     assert found.discarded_diverged == 1
-    assert found.discarded_stuck == 1
+    assert found.discarded_at_fixed_point == 1
     assert found.discarded_fraction == pytest.approx(4 / 7)
 
 
 def test_nothing_is_discarded_without_criteria():
     script = script_of(["chaotic", "laminar", "settling"], 120)
-    found, _ = run(script, threshold=None, stuck=None)
+    found, _ = run(script, threshold=None, fixed_point=None)
     assert (found.fates == Fate.KEPT).all()
 
 
@@ -231,7 +239,7 @@ def test_slow_departure_from_an_unstable_fixed_point_is_not_cut_off():
     assert forecaster.asked == 3 * steps
 
 
-def test_rest_of_the_observable_alone_is_no_fixed_point():
+def test_quiet_of_the_observable_alone_is_no_fixed_point():
     # the first component, the observable, rests; the second moves, and moves the first one later
     time = np.arange(1000)
     values = np.where(time < 900, 0.2, 0.2 + 0.1 * np.sin(time))
@@ -256,13 +264,13 @@ def test_a_network_on_a_fixed_point_is_found_out_early():
             return super().advance(memory, steps)
 
     washouts = generator.uniform(0, 1, (4, 20, 2))
-    found = run_climate(
+    found = run_long_term(
         Counting(network, 10.0),
         first_component,
         washouts,
-        ClimateSettings(3000, EDGES, 0.48, STUCK),
+        LongTermSettings(3000, EDGES, 0.48, FIXED_POINT),
     )
-    assert found.discarded_stuck == 4
+    assert found.discarded_at_fixed_point == 4
     assert sum(asked) < 0.6 * 4 * 3000
 
 
@@ -271,8 +279,8 @@ def test_equations_have_the_statistics_of_their_own_trajectories():
     forecaster = EquationsForecaster(system, 0.01, 2)
     washouts = np.random.default_rng(2).normal(0, 5, (5, 4, 3)) + np.array([0, 0, 20])
     edges = np.linspace(-30, 30, 31)
-    found = run_climate(
-        forecaster, system.observable, washouts, ClimateSettings(700, edges, None, None)
+    found = run_long_term(
+        forecaster, system.observable, washouts, LongTermSettings(700, edges, None, None)
     )
     states, _ = forecaster.advance(np.ascontiguousarray(washouts[:, -1].T), 700)
     expected = reduce_series([states.transpose(2, 0, 1)], system.observable, edges)
@@ -301,27 +309,27 @@ def test_trajectories_do_not_depend_on_their_neighbours():
 
 
 def test_settings_that_make_no_sense_are_refused():
-    with pytest.raises(ValueError, match="stuck_interval_lt"):
-        ClimateSettings(39, EDGES, None, STUCK)
+    with pytest.raises(ValueError, match="judged by its last 40"):
+        LongTermSettings(39, EDGES, None, FIXED_POINT)
     with pytest.raises(ValueError, match="one step"):
-        ClimateSettings(0, EDGES, None, None)
+        LongTermSettings(0, EDGES, None, None)
     with pytest.raises(ValueError, match="starting point"):
-        run_climate(
+        run_long_term(
             Scripted(np.zeros((5, 2, 1))),
             first_component,
             np.zeros((0, 3, 2)),
-            ClimateSettings(5, EDGES, None, None),
+            LongTermSettings(5, EDGES, None, None),
         )
 
 
 def test_starting_points_are_shared_out_evenly():
-    points = climate_starting_points(3, 100, spacing=10, washout=5, count=8)
+    points = long_term_starting_points(3, 100, spacing=10, washout=5, count=8)
     assert points.series.tolist() == [0, 0, 0, 1, 1, 1, 2, 2]
     assert points.step.tolist() == [4, 14, 24, 4, 14, 24, 4, 14]
 
 
 def test_starting_points_are_as_many_as_there_is_room_for():
-    points = climate_starting_points(2, 30, spacing=10, washout=5, count=500)
+    points = long_term_starting_points(2, 30, spacing=10, washout=5, count=500)
     assert points.series.tolist() == [0, 0, 0, 1, 1, 1]
     with pytest.raises(ValueError, match="no room"):
-        climate_starting_points(2, 4, spacing=10, washout=5, count=500)
+        long_term_starting_points(2, 4, spacing=10, washout=5, count=500)

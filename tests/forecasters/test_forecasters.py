@@ -5,7 +5,8 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import make_reservoir
-from burstcast.forecast.forecasters import EquationsForecaster, NetworkForecaster
+from burstcast.forecasters.equations import EquationsForecaster
+from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 

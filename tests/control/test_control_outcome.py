@@ -6,18 +6,15 @@ from helpers_control import PlainFlow, Rotor, plain_flow, table_monitor, washout
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.control.accounting import (
-    Accounting,
-    account,
-    largest_suppressed_event,
-    upward_crossings,
-)
+from burstcast.arrays import FloatArray
 from burstcast.control.actuation import Actuation, actuated_system
-from burstcast.control.flows import ControlledFlows, Forecasts, follow
-from burstcast.control.monitor import ForecastMonitor, RandomMonitor, most_forecasts
+from burstcast.control.flows import ControlledFlows, Forecasts, run_controlled_flows
+from burstcast.control.monitors.forecast import ForecastMonitor
+from burstcast.control.monitors.random import RandomMonitor
+from burstcast.control.outcome import Outcome, count_outcome, largest_suppressed_event
 from burstcast.control.timing import Timing
-from burstcast.forecast.forecasters import EquationsForecaster
-from burstcast.systems.base import FloatArray
+from burstcast.events import upward_crossings
+from burstcast.forecasters.equations import EquationsForecaster
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -48,7 +45,7 @@ def forecasts_of(*entries: tuple[int, int, str]) -> Forecasts:
     )
 
 
-def followed_of(
+def flows_of(
     controlled: list[list[float]],
     forecasts: Forecasts,
     uncontrolled: list[list[float]] | None = None,
@@ -94,14 +91,14 @@ QUIET = [(0, step, "") for step in (0, 3, 6, 9, 12)]
 def test_an_event_without_alarms_is_missed_if_a_window_covers_it(
     above: tuple[int, ...], kind: str
 ) -> None:
-    counts = account(followed_of([series(*above)], forecasts_of(*QUIET)), None, EDGES)
+    counts = count_outcome(flows_of([series(*above)], forecasts_of(*QUIET)), None, EDGES)
     assert counts.events_controlled == 1
     assert getattr(counts, kind) == 1
 
 
 def test_an_event_in_a_window_that_began_in_one_is_under_way() -> None:
     # the window from step 6 to 9 begins at or above the threshold
-    counts = account(followed_of([series(6, 8)], forecasts_of(*QUIET)), None, EDGES)
+    counts = count_outcome(flows_of([series(6, 8)], forecasts_of(*QUIET)), None, EDGES)
     assert counts.missed_events == 1
     assert counts.events_under_way == 1
     assert counts.events_controlled == 2
@@ -118,9 +115,9 @@ def test_an_event_in_a_window_that_began_in_one_is_under_way() -> None:
 def test_an_event_after_an_alarm(outcome: str, kind: str) -> None:
     # alarm at step 3: window 6 to 9, next forecast at 9, next window from 12
     forecasts = forecasts_of((0, 0, ""), (0, 3, outcome), (0, 9, ""), (0, 12, ""))
-    counts = account(followed_of([series(9)], forecasts), None, EDGES)
+    counts = count_outcome(flows_of([series(9)], forecasts), None, EDGES)
     assert getattr(counts, kind) == counts.events_controlled == 1
-    between = account(followed_of([series(10, 12, 13)], forecasts), None, EDGES)
+    between = count_outcome(flows_of([series(10, 12, 13)], forecasts), None, EDGES)
     assert between.events_between_windows == between.events_controlled == 2
     # the second of these events lasts into the next window, which it does not cross
     assert between.missed_events == 0
@@ -136,7 +133,7 @@ def test_alarms_are_told_apart() -> None:
         (1, 12, "suppressed"),
     )
     # the first alarm's event is delayed: it comes after step 6, before the next window at 9
-    counts = account(followed_of([series(8), series(9)], forecasts), None, EDGES)
+    counts = count_outcome(flows_of([series(8), series(9)], forecasts), None, EDGES)
     assert (counts.forecasts, counts.alarms) == (6, 5)
     assert (counts.true_alarms, counts.false_alarms, counts.early_alarms) == (3, 2, 1)
     assert (counts.suppressed_events, counts.unsuppressed_events) == (2, 1)
@@ -150,19 +147,19 @@ def test_a_delayed_event_comes_between_the_alarm_s_window_and_the_next(
 ) -> None:
     # alarm at step 0: window 3 to 6, next window 9 to 12
     forecasts = forecasts_of((0, 0, "suppressed"), (0, 6, ""), (0, 9, ""), (0, 12, ""))
-    counts = account(followed_of([series(step)], forecasts), None, EDGES)
+    counts = count_outcome(flows_of([series(step)], forecasts), None, EDGES)
     assert counts.delayed_events == delayed
     assert counts.events_between_windows == delayed
 
 
 def test_statistics_of_the_steps_that_count() -> None:
-    followed = followed_of(
+    flows = flows_of(
         [series(6, 7, 8), series(9)],
         forecasts_of(*QUIET),
         uncontrolled=[series(5, 12, 13, 14), series(7, 8, level=0.6)],
         actuated=(8, 11),
     )
-    counts = account(followed, None, EDGES)
+    counts = count_outcome(flows, None, EDGES)
     assert counts.left_out == 2
     assert counts.steps == 18
     assert counts.exceeding_uncontrolled == 3
@@ -180,22 +177,20 @@ def test_statistics_of_the_steps_that_count() -> None:
 def test_a_flow_that_laminarises_in_one_sample_counts_in_neither() -> None:
     forecasts = forecasts_of(*((flow, 0, "suppressed") for flow in range(4)))
     calm, high = series(9), series(9, level=2.0)
-    followed = followed_of(
-        [high, calm, high, calm], forecasts, uncontrolled=[calm, high, high, calm]
-    )
-    counts = account(followed, 1.5, EDGES)
+    flows = flows_of([high, calm, high, calm], forecasts, uncontrolled=[calm, high, high, calm])
+    counts = count_outcome(flows, 1.5, EDGES)
     assert (counts.flows, counts.left_out, counts.laminarised) == (1, 2, 3)
     assert (counts.laminarised_controlled, counts.laminarised_uncontrolled) == (2, 2)
     assert (counts.alarms, counts.forecasts) == (1, 1)
     assert (counts.steps, counts.events_uncontrolled, counts.events_controlled) == (9, 1, 1)
-    assert account(followed, None, EDGES).flows == 4
+    assert count_outcome(flows, None, EDGES).flows == 4
     # exactly at the threshold is not above it
-    assert account(followed, 2.0, EDGES).flows == 4
+    assert count_outcome(flows, 2.0, EDGES).flows == 4
 
 
 def test_ratios_without_flows_are_not_numbers() -> None:
-    followed = followed_of([series(9)], forecasts_of(*QUIET), uncontrolled=[series(9)])
-    counts = account(followed, 0.5, EDGES)
+    flows = flows_of([series(9)], forecasts_of(*QUIET), uncontrolled=[series(9)])
+    counts = count_outcome(flows, 0.5, EDGES)
     assert counts.flows == 0
     for ratio in ("exceedance_uncontrolled", "exceedance_free", "reduction", "alarm_rate"):
         assert np.isnan(getattr(counts, ratio))
@@ -258,9 +253,9 @@ def test_the_counts_add_up(
     system = Rotor(0.35)
     actuation = Actuation(Rotor(frequency), start_lt=-1.0, duration_lt=1.5)
     washouts = washouts_of(system, generator.normal(size=(2, 12)), timing)
-    table = generator.random((12, most_forecasts(timing))) < alarm_share
-    followed = follow(system, washouts, table_monitor(table), actuation, timing, 0.9)
-    counts = account(followed, laminarisation_threshold, np.linspace(-4.0, 4.0, 9))
+    table = generator.random((12, timing.most_forecasts)) < alarm_share
+    flows = run_controlled_flows(system, washouts, table_monitor(table), actuation, timing, 0.9)
+    counts = count_outcome(flows, laminarisation_threshold, np.linspace(-4.0, 4.0, 9))
 
     assert counts.flows + counts.left_out + counts.laminarised == 12
     assert counts.alarms == counts.true_alarms + counts.false_alarms <= counts.forecasts
@@ -279,14 +274,14 @@ def test_the_counts_add_up(
     assert counts.histogram_controlled.sum() == counts.histogram_uncontrolled.sum() == counts.steps
     assert counts.histogram_free.sum() == counts.steps_free <= counts.steps
     assert counts.exceeding_free <= counts.exceeding_controlled <= counts.steps
-    for field in fields(Accounting):
+    for field in fields(Outcome):
         assert np.all(getattr(counts, field.name) >= 0) or field.name == "edges"
 
     # and they are those of a plain loop over the steps of each flow
     start, steps = int((prediction_time_lt - 1.0) * 10), 15
     expected = dict.fromkeys(KINDS, 0)
     alarms = exceeding = acting = 0
-    for row in followed.rows:
+    for row in flows.rows:
         flow = plain_flow(
             system, washouts[row], list(table[row]), actuation, timing, 0.9, start, steps
         )
@@ -324,14 +319,14 @@ def test_the_largest_suppressed_event_is_found() -> None:
     # the event of flow 4 is only delayed; that of flow 2 does not follow its first alarm; that of
     # flow 5 has no room for the steps after it
     controlled = [series(), series(), series(), series(9), series(11), series()]
-    followed = followed_of(controlled, forecasts, uncontrolled=uncontrolled)
-    event = largest_suppressed_event(followed, None)
+    flows = flows_of(controlled, forecasts, uncontrolled=uncontrolled)
+    event = largest_suppressed_event(flows, None)
     assert event is not None
     assert (event.flow, event.row, event.alarm_step) == (1, 11, 3)
-    first_below = largest_suppressed_event(followed, 1.15)
+    first_below = largest_suppressed_event(flows, 1.15)
     assert first_below is not None
     assert first_below.flow == 0
-    assert largest_suppressed_event(followed, 1.05) is None
+    assert largest_suppressed_event(flows, 1.05) is None
 
 
 FLOW = MoehlisFaisstEckhardt(reynolds=400.0)
@@ -351,8 +346,8 @@ def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
     washouts = turbulent_washouts(200)
     edges = np.linspace(0.012, 0.48, 101)
     forecaster = EquationsForecaster(FLOW, timing.time_step, timing.sampling_stride)
-    perfect = account(
-        follow(
+    perfect = count_outcome(
+        run_controlled_flows(
             FLOW,
             washouts,
             ForecastMonitor(forecaster, FLOW.observable, timing, 0.1),
@@ -363,9 +358,11 @@ def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
         0.48,
         edges,
     )
-    draws = np.random.default_rng(4).random((200, most_forecasts(timing)))
-    chance = account(
-        follow(FLOW, washouts, RandomMonitor(perfect.alarm_rate, draws), RAISED, timing, 0.1),
+    draws = np.random.default_rng(4).random((200, timing.most_forecasts))
+    chance = count_outcome(
+        run_controlled_flows(
+            FLOW, washouts, RandomMonitor(perfect.alarm_rate, draws), RAISED, timing, 0.1
+        ),
         0.48,
         edges,
     )

@@ -1,8 +1,8 @@
-"""Both kernels give the same tables, as far as tables are determined by the data.
+"""Both backends give the same tables, as far as tables are determined by the data.
 
-Over short times the kernels agree to rounding, which the tests of the kernels show. Over long ones
-chaos magnifies rounding: searches may end at neighbouring hyperparameters, and single forecasts
-come out otherwise. Scores must then agree within the intervals that resampling the data gives.
+Over short times the backends agree to rounding, which their own tests show. Over long ones chaos
+magnifies rounding: searches may end at neighbouring hyperparameters, and single forecasts come out
+otherwise. Scores must then agree within the intervals that resampling the data gives.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ SMALL = {
 
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory):
-    """Tables of the same campaign with each kernel, and the horizons of its networks."""
+    """Tables of the same campaign with each backend, and the horizons of its networks."""
     project = Project.create(tmp_path_factory.mktemp("kernels") / "project", preset=QUICK)
     made = {}
     for kernel in ("compiled", "scipy"):
@@ -60,7 +60,7 @@ def test_scores_agree_within_their_intervals(tables):
     both = intervals.merge(scores, on=[*keys, "metric"], suffixes=("", "_scipy"))
     assert len(both) == len(intervals) > 0
     inside = both["value"].between(both["low"], both["high"])
-    # intervals of 95 %: were the kernels independent samples, more than these would lie outside
+    # intervals of 95 %: were the backends independent samples, more than these would lie outside
     assert inside.mean() > 0.95, both[~inside].to_string()
 
 

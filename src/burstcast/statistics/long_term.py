@@ -1,4 +1,4 @@
-"""Climate runs: long closed loops of one forecaster, reduced to statistics while they run.
+"""LongTermRun runs: long closed loops of one forecaster, reduced to statistics while they run.
 
 All trajectories run side by side, a chunk of steps at a time. None is stored: each is reduced to a
 histogram and moments of its own, and those of the trajectories that turn out to count are merged.
@@ -11,18 +11,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from burstcast.forecast.base import Forecaster
-from burstcast.forecast.test_set import SeriesPoints, starting_points
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.forecast.starting_points import SeriesPoints, starting_points
+from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator
-from burstcast.systems.base import FloatArray
 
 STEPS_PER_CHUNK = 100
 """Steps between two looks at which trajectories have ended: costs time, changes no result."""
 
-SETTLED_RANGE = 1e-10
-"""Range of each component, in that of the washouts, below which a trajectory may have settled."""
+FIXED_POINT_RANGE = 1e-10
+"""Range of each component, in units of that of the washouts, at a fixed point."""
 
 
 class Fate(enum.IntEnum):
@@ -31,15 +30,15 @@ class Fate(enum.IntEnum):
     KEPT = 0
     LAMINAR = 1
     """Its observable exceeds the laminarisation threshold."""
-    STUCK = 2
-    """It has settled on a fixed point away from the laminar one."""
+    FIXED_POINT = 2
+    """It has come to a fixed point away from the laminar one."""
     DIVERGED = 3
     """It has left the attractor altogether (`Forecaster.diverged`)."""
 
 
 @dataclass(frozen=True)
-class StuckCriterion:
-    """When a trajectory has settled on a fixed point.
+class FixedPointCriterion:
+    """When a trajectory has come to a fixed point.
 
     Attributes
     ----------
@@ -57,8 +56,8 @@ class StuckCriterion:
 
 
 @dataclass(frozen=True)
-class ClimateSettings:
-    """How a climate run is made.
+class LongTermSettings:
+    """How a long-term run is made.
 
     Attributes
     ----------
@@ -68,33 +67,32 @@ class ClimateSettings:
         Edges of the histogram's bins, ``(bins + 1,)``.
     laminarisation_threshold
         A trajectory whose observable exceeds it at any step is discarded; None: none is.
-    stuck
-        When a trajectory is discarded because it has settled; None: none is.
+    fixed_point
+        When a trajectory is discarded because it is at a fixed point; None: none is.
 
     Raises
     ------
     ValueError
-        If there are no steps, or fewer than the stuck criterion looks at.
+        If there are no steps, or fewer than the fixed-point criterion looks at.
     """
 
     steps: int
     edges: FloatArray
     laminarisation_threshold: float | None
-    stuck: StuckCriterion | None
+    fixed_point: FixedPointCriterion | None
 
     def __post_init__(self) -> None:
         if self.steps < 1:
-            raise ValueError("statistics.duration is shorter than one step of the network")
-        if self.stuck is not None and not 1 <= self.stuck.interval <= self.steps:
+            raise ValueError("a closed loop needs at least one step")
+        if self.fixed_point is not None and not 1 <= self.fixed_point.interval <= self.steps:
             raise ValueError(
                 f"a closed loop of {self.steps} steps cannot be judged by its last "
-                f"{self.stuck.interval}: lengthen statistics.duration or shorten "
-                f"statistics.stuck_interval_lt"
+                f"{self.fixed_point.interval}"
             )
 
 
 @dataclass(frozen=True)
-class Climate:
+class LongTermRun:
     """Long-term statistics of a forecaster.
 
     Attributes
@@ -106,7 +104,7 @@ class Climate:
         Of the kept trajectories.
     """
 
-    fates: npt.NDArray[np.int64]
+    fates: IntArray
     statistics: LongTermStatistics
 
     @property
@@ -120,9 +118,9 @@ class Climate:
         return self._number(Fate.LAMINAR)
 
     @property
-    def discarded_stuck(self) -> int:
-        """Trajectories that settled on a fixed point."""
-        return self._number(Fate.STUCK)
+    def discarded_at_fixed_point(self) -> int:
+        """Trajectories that came to a fixed point."""
+        return self._number(Fate.FIXED_POINT)
 
     @property
     def discarded_diverged(self) -> int:
@@ -138,10 +136,10 @@ class Climate:
         return int((self.fates == fate).sum())
 
 
-def climate_starting_points(
+def long_term_starting_points(
     series: int, length: int, spacing: int, washout: int, count: int
 ) -> SeriesPoints:
-    """Choose the starting points of a climate run, shared out evenly among the training series.
+    """Choose the starting points of a long-term run, shared out evenly among the training series.
 
     The earliest points of every series are taken, one more in the first series where ``count`` is
     no multiple of their number. There are fewer than ``count`` where the series have no more room.
@@ -173,23 +171,24 @@ def climate_starting_points(
     return SeriesPoints(series=points.series[taken], step=points.step[taken])
 
 
-def run_climate(
+def run_long_term(
     forecaster: Forecaster,
     observable: Callable[[FloatArray], FloatArray],
     washouts: FloatArray,
-    settings: ClimateSettings,
-) -> Climate:
+    settings: LongTermSettings,
+) -> LongTermRun:
     """Let a forecaster run freely from many starting points and keep its statistics.
 
     A trajectory that laminarises or diverges is dropped at once, and costs no more time. Where both
     happen, what happens first counts; at the same step, divergence.
 
-    Whether a trajectory is stuck is known for certain at its end only, since the criterion is about
-    its last steps. It is dropped before if it has come to rest for good: every component of its
-    state has varied by less than `SETTLED_RANGE` for at least as long as remains. Rounding errors,
-    1e-17 and more at every step, keep on disturbing it. In all that time an instability cannot have
-    made them grow more than the 1e7-fold, or they would show; in the time that remains it cannot
-    take them further than to 1e-3 of the range of the data, which the criterion is blind to.
+    Whether a trajectory is at a fixed point is known for certain at its end only, since the
+    criterion is about its last steps. It is dropped before if it stays there for good: every
+    component of its state has varied by less than `FIXED_POINT_RANGE` for at least as long as
+    remains. Rounding errors, 1e-17 and more at every step, keep on disturbing it. In all that time
+    an instability cannot have made them grow more than the 1e7-fold, or they would show; in the
+    time that remains it cannot take them further than to 1e-3 of the range of the data, which the
+    criterion is blind to.
 
     Parameters
     ----------
@@ -213,12 +212,12 @@ def run_climate(
     """
     points, _, dimension = washouts.shape
     if points == 0:
-        raise ValueError("a climate run needs a starting point")
+        raise ValueError("a long-term run needs a starting point")
     fates = np.full(points, Fate.KEPT, dtype=np.int64)
     accumulator = SeriesAccumulator(points, dimension, settings.edges)
-    stuck = (
-        None if settings.stuck is None else _StuckDetector(settings.stuck, settings.steps, washouts)
-    )
+    detector = None
+    if settings.fixed_point is not None:
+        detector = _FixedPointDetector(settings.fixed_point, settings.steps, washouts)
     running = np.arange(points)
     memory = forecaster.start(np.ascontiguousarray(washouts.transpose(1, 2, 0)))
     for start in range(0, settings.steps, STEPS_PER_CHUNK):
@@ -231,8 +230,8 @@ def run_climate(
         if not fine.all():
             states, values = states[..., fine], values[:, fine]
         accumulator.add(running[fine], states, values)
-        if stuck is not None:
-            ended[fine] = stuck.look(running[fine], start, states, values)
+        if detector is not None:
+            ended[fine] = detector.look(running[fine], start, states, values)
         fates[running] = ended
         going_on = ended == Fate.KEPT
         if not going_on.all():
@@ -240,12 +239,12 @@ def run_climate(
             memory = np.ascontiguousarray(memory[..., going_on])
         if running.size == 0:
             break
-    return Climate(fates, accumulator.reductions().merged(fates == Fate.KEPT))
+    return LongTermRun(fates, accumulator.reductions().merged(fates == Fate.KEPT))
 
 
 def _ends(
     forecaster: Forecaster, states: FloatArray, values: FloatArray, threshold: float | None
-) -> npt.NDArray[np.int64]:
+) -> IntArray:
     """Fates of trajectories ``(batch,)`` after a chunk, as far as it decides them."""
     diverged = forecaster.diverged(states)
     fates = np.where(diverged, Fate.DIVERGED, Fate.KEPT).astype(np.int64)
@@ -260,67 +259,69 @@ def _ends(
     return fates
 
 
-class _StuckDetector:
-    """Tells which trajectories are stuck: at the end, or before where it is safe to tell.
+class _FixedPointDetector:
+    """Tells which trajectories are at a fixed point: at the end, or before where that is safe.
 
     The observable is treated as one more component, behind those of the state.
     """
 
-    def __init__(self, criterion: StuckCriterion, steps: int, washouts: FloatArray) -> None:
+    def __init__(self, criterion: FixedPointCriterion, steps: int, washouts: FloatArray) -> None:
         points, _, dimension = washouts.shape
         self._criterion = criterion
         self._steps = steps
         # smallest and largest observable over the last interval of the closed loop
         self._low = np.full(points, np.inf)
         self._high = np.full(points, -np.inf)
-        # range of each component since the trajectory has been (nearly) at rest
-        self._rest_range = np.append(
-            SETTLED_RANGE * np.ptp(washouts, axis=(0, 1)), criterion.variation
+        # range of each component since the trajectory has been (nearly) at a fixed point
+        self._quiet_range = np.append(
+            FIXED_POINT_RANGE * np.ptp(washouts, axis=(0, 1)), criterion.variation
         )
-        self._rest_since = np.zeros(points, dtype=np.int64)
-        self._rest_low = np.full((dimension + 1, points), np.inf)
-        self._rest_high = np.full((dimension + 1, points), -np.inf)
+        self._quiet_since = np.zeros(points, dtype=np.int64)
+        self._quiet_low = np.full((dimension + 1, points), np.inf)
+        self._quiet_high = np.full((dimension + 1, points), -np.inf)
 
-    def look(
-        self, rows: npt.NDArray[np.int64], start: int, states: FloatArray, values: FloatArray
-    ) -> npt.NDArray[np.int64]:
-        """Fates (kept or stuck) of some trajectories after the chunk that begins at ``start``."""
+    def look(self, rows: IntArray, start: int, states: FloatArray, values: FloatArray) -> IntArray:
+        """Fates (kept, or at a fixed point) after the chunk that begins at ``start``."""
         now = start + len(states)
         last = values[max(0, self._steps - self._criterion.interval - start) :]
         if len(last):
             self._low[rows] = np.minimum(self._low[rows], last.min(axis=0))
             self._high[rows] = np.maximum(self._high[rows], last.max(axis=0))
         if now == self._steps:
-            stuck = (self._high[rows] - self._low[rows] < self._criterion.variation) & (
+            at_fixed_point = (self._high[rows] - self._low[rows] < self._criterion.variation) & (
                 self._low[rows] > self._criterion.above
             )
         else:
-            stuck = self._settled(rows, start, now, states, values)
-        return np.where(stuck, Fate.STUCK, Fate.KEPT).astype(np.int64)
+            at_fixed_point = self._for_good(rows, start, now, states, values)
+        return np.where(at_fixed_point, Fate.FIXED_POINT, Fate.KEPT).astype(np.int64)
 
-    def _settled(
+    def _for_good(
         self,
-        rows: npt.NDArray[np.int64],
+        rows: IntArray,
         start: int,
         now: int,
         states: FloatArray,
         values: FloatArray,
-    ) -> npt.NDArray[np.bool_]:
+    ) -> BoolArray:
         components = np.concatenate([states, values[:, np.newaxis]], axis=1)
         chunk_low, chunk_high = components.min(axis=0), components.max(axis=0)
-        low = np.minimum(self._rest_low[:, rows], chunk_low)
-        high = np.maximum(self._rest_high[:, rows], chunk_high)
-        since = self._rest_since[rows]
-        limit = self._rest_range[:, np.newaxis]
+        low = np.minimum(self._quiet_low[:, rows], chunk_low)
+        high = np.maximum(self._quiet_high[:, rows], chunk_high)
+        since = self._quiet_since[rows]
+        limit = self._quiet_range[:, np.newaxis]
         moved = ~(high - low < limit).all(axis=0)
-        # rest begins anew: with this chunk, or behind it if it moves within
+        # the quiet stretch begins anew: with this chunk, or behind it if it moves within
         moves = ~(chunk_high - chunk_low < limit).all(axis=0)
         since[moved] = np.where(moves, now, start)[moved]
         low[:, moved] = np.where(moves, np.inf, chunk_low)[:, moved]
         high[:, moved] = np.where(moves, -np.inf, chunk_high)[:, moved]
-        self._rest_since[rows], self._rest_low[:, rows], self._rest_high[:, rows] = since, low, high
+        self._quiet_since[rows], self._quiet_low[:, rows], self._quiet_high[:, rows] = (
+            since,
+            low,
+            high,
+        )
         long_enough = (now - since >= self._steps - now) & (
             since <= self._steps - self._criterion.interval
         )
-        settled: npt.NDArray[np.bool_] = long_enough & (low[-1] > self._criterion.above)
-        return settled
+        for_good: BoolArray = long_enough & (low[-1] > self._criterion.above)
+        return for_good

@@ -7,9 +7,8 @@ whose last axis is the batch, so that forecasts can be picked out and put aside 
 import abc
 
 import numpy as np
-import numpy.typing as npt
 
-from burstcast.systems.base import FloatArray
+from burstcast.arrays import BoolArray, FloatArray
 
 
 class Forecaster(abc.ABC):
@@ -39,6 +38,6 @@ class Forecaster(abc.ABC):
         or after the last forecast state, and the memory from which the forecast goes on.
         """
 
-    def diverged(self, outputs: FloatArray) -> npt.NDArray[np.bool_]:
+    def diverged(self, outputs: FloatArray) -> BoolArray:
         """Tell which forecasts ``(steps, dimension, batch)`` have left the finite numbers."""
         return np.asarray(~np.isfinite(outputs).all(axis=(0, 1)))

@@ -8,18 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.flows import ControlledFlows, Forecasts
-from burstcast.control.monitor import BoolArray, IntArray
-from burstcast.systems.base import FloatArray
+from burstcast.events import upward_crossings
+from burstcast.statistics.densities import histogram
 
 
 @dataclass(frozen=True)
-class Accounting:
+class Outcome:
     """Counts over flows with and without control, over the same steps from the same states.
 
     An event is an upward crossing of the threshold. Events are counted from the first forecast of
     each flow to its last step, steps and histograms over the steps that count (`Timing`). The
-    following always hold; ``given`` is the number of flows that `follow` was given:
+    following always hold; ``given`` is the number of flows that `run_controlled_flows` was given:
 
     * given = flows + left_out + laminarised
     * forecasts = alarms + forecasts without an alarm
@@ -137,7 +138,7 @@ class Accounting:
 
     @property
     def reduction(self) -> float:
-        """Share of the exceedance that control removes; not a number if there is none."""
+        """Share of the exceedance that control removes; NaN if there is none."""
         return 1.0 - _ratio(self.exceeding_controlled, self.exceeding_uncontrolled)
 
     @property
@@ -151,14 +152,14 @@ class Accounting:
         return _ratio(self.alarms, self.forecasts)
 
 
-def account(
-    followed: ControlledFlows, laminarisation_threshold: float | None, edges: FloatArray
-) -> Accounting:
+def count_outcome(
+    flows: ControlledFlows, laminarisation_threshold: float | None, edges: FloatArray
+) -> Outcome:
     """Count what happened in the flows.
 
     Parameters
     ----------
-    followed
+    flows
         The flows.
     laminarisation_threshold
         A flow whose observable exceeds it, with or without control, counts in neither sample; None:
@@ -166,35 +167,35 @@ def account(
     edges
         Edges of the histograms' bins, increasing, ``(bins + 1,)``.
     """
-    never = np.zeros(len(followed), dtype=bool)
+    never = np.zeros(len(flows), dtype=bool)
     laminar_controlled = laminar_uncontrolled = never
     if laminarisation_threshold is not None:
-        laminar_controlled = followed.controlled.max(axis=1) > laminarisation_threshold
-        laminar_uncontrolled = followed.uncontrolled.max(axis=1) > laminarisation_threshold
+        laminar_controlled = flows.controlled.max(axis=1) > laminarisation_threshold
+        laminar_uncontrolled = flows.uncontrolled.max(axis=1) > laminarisation_threshold
     counts = ~(laminar_controlled | laminar_uncontrolled)
 
-    timing = followed.timing
+    timing = flows.timing
     span = slice(timing.counted_from + 1, timing.counted_until + 1)
-    uncontrolled = followed.uncontrolled[counts, span]
-    controlled = followed.controlled[counts, span]
-    free = controlled[~followed.actuated[counts, span]]
+    uncontrolled = flows.uncontrolled[counts, span]
+    controlled = flows.controlled[counts, span]
+    free = controlled[~flows.actuated[counts, span]]
 
-    forecasts = followed.forecasts
+    forecasts = flows.forecasts
     scored = counts[forecasts.flow]
     true_alarm = forecasts.alarm & forecasts.would_cross & scored
     false_alarm = forecasts.alarm & ~forecasts.would_cross & scored
-    upward = upward_crossings(followed.controlled, followed.threshold) & counts[:, np.newaxis]
+    upward = upward_crossings(flows.controlled, flows.threshold) & counts[:, np.newaxis]
     upward[:, : timing.first_forecast + 1] = False
     suppressed = true_alarm & ~forecasts.reached
-    upward_uncontrolled = upward_crossings(followed.uncontrolled, followed.threshold)[counts]
-    window = _windows(followed)
+    upward_uncontrolled = upward_crossings(flows.uncontrolled, flows.threshold)[counts]
+    window = _windows(flows)
 
     def events(kind: int) -> int:
         return int((upward & (window == kind)).sum())
 
-    return Accounting(
+    return Outcome(
         flows=int(counts.sum()),
-        left_out=followed.left_out,
+        left_out=flows.left_out,
         laminarised=int((~counts).sum()),
         laminarised_controlled=int(laminar_controlled.sum()),
         laminarised_uncontrolled=int(laminar_uncontrolled.sum()),
@@ -204,7 +205,7 @@ def account(
         false_alarms=int(false_alarm.sum()),
         early_alarms=int((false_alarm & forecasts.would_be_under_way).sum()),
         suppressed_events=int(suppressed.sum()),
-        delayed_events=int((suppressed & _crosses_between_windows(followed, upward)).sum()),
+        delayed_events=int((suppressed & _crosses_between_windows(flows, upward)).sum()),
         unsuppressed_events=int((true_alarm & forecasts.reached).sum()),
         missed_events=events(_MISSED),
         events_under_way=events(_UNDER_WAY),
@@ -215,54 +216,34 @@ def account(
         events_controlled=int(upward.sum()),
         steps=controlled.size,
         steps_free=free.size,
-        exceeding_uncontrolled=int((uncontrolled >= followed.threshold).sum()),
-        exceeding_controlled=int((controlled >= followed.threshold).sum()),
-        exceeding_free=int((free >= followed.threshold).sum()),
+        exceeding_uncontrolled=int((uncontrolled >= flows.threshold).sum()),
+        exceeding_controlled=int((controlled >= flows.threshold).sum()),
+        exceeding_free=int((free >= flows.threshold).sum()),
         integration_steps=controlled.size * timing.sampling_stride,
-        actuated_integration_steps=int(followed.actuated_integration_steps[counts].sum()),
+        actuated_integration_steps=int(flows.actuated_integration_steps[counts].sum()),
         edges=edges,
-        histogram_uncontrolled=_histogram(uncontrolled, edges),
-        histogram_controlled=_histogram(controlled, edges),
-        histogram_free=_histogram(free, edges),
+        histogram_uncontrolled=histogram(uncontrolled, edges).counts,
+        histogram_controlled=histogram(controlled, edges).counts,
+        histogram_free=histogram(free, edges).counts,
     )
-
-
-def upward_crossings(observable: FloatArray, threshold: float) -> BoolArray:
-    """Mark the starts of events: steps at or above the threshold after one below it.
-
-    Parameters
-    ----------
-    observable
-        ``(flows, steps)``.
-    threshold
-        The event threshold, k_e.
-
-    Returns
-    -------
-    ``(flows, steps)``; the first step never starts an event.
-    """
-    above = observable >= threshold
-    upward = np.zeros_like(above)
-    upward[:, 1:] = above[:, 1:] & ~above[:, :-1]
-    return upward
 
 
 # Kinds of windows
 _NO_WINDOW, _MISSED, _UNDER_WAY, _TRUE_ALARM, _FALSE_ALARM = range(5)
 
 
-def _windows(followed: ControlledFlows) -> npt.NDArray[np.int8]:
+def _windows(flows: ControlledFlows) -> npt.NDArray[np.int8]:
     """Kind of the window in which each step of each flow lies, ``(flows, timing.length)``.
 
     A window's first step belongs to the window before it: whoever crosses the threshold in a window
     is below it at the first step.
     """
-    timing = followed.timing
-    forecasts = followed.forecasts
-    kinds = np.full((len(followed), timing.length + timing.window_end), _NO_WINDOW, dtype=np.int8)
+    timing = flows.timing
+    forecasts = flows.forecasts
+    kinds = np.full((len(flows), timing.length + timing.window_end), _NO_WINDOW, dtype=np.int8)
     # a last window may begin beyond the last step: its kind matters to nobody
     first_step = np.minimum(forecasts.step + timing.window_start, timing.counted_until)
-    under_way = followed.controlled[forecasts.flow, first_step] >= followed.threshold
+    under_way = flows.controlled[forecasts.flow, first_step] >= flows.threshold
     kind = np.select(
         [forecasts.alarm & forecasts.would_cross, forecasts.alarm, under_way],
         [_TRUE_ALARM, _FALSE_ALARM, _UNDER_WAY],
@@ -275,10 +256,10 @@ def _windows(followed: ControlledFlows) -> npt.NDArray[np.int8]:
     return kinds[:, : timing.length]
 
 
-def _crosses_between_windows(followed: ControlledFlows, upward: BoolArray) -> BoolArray:
+def _crosses_between_windows(flows: ControlledFlows, upward: BoolArray) -> BoolArray:
     """Whether there is an event between the window of each forecast, if an alarm, and the next."""
-    timing = followed.timing
-    forecasts = followed.forecasts
+    timing = flows.timing
+    forecasts = flows.forecasts
     # one entry for each step beyond the end, where nothing counts
     padded = np.pad(upward, ((0, 0), (0, timing.window_end + timing.window_start)))
     ahead = np.arange(timing.window_end + 1, timing.window_end + timing.window_start + 1)
@@ -286,10 +267,6 @@ def _crosses_between_windows(followed: ControlledFlows, upward: BoolArray) -> Bo
         forecasts.flow[:, np.newaxis], forecasts.step[:, np.newaxis] + ahead
     ].any(axis=1)
     return crossed
-
-
-def _histogram(values: FloatArray, edges: FloatArray) -> IntArray:
-    return np.histogram(values, bins=edges)[0].astype(np.int64)
 
 
 def _ratio(numerator: int, denominator: int) -> float:
@@ -303,7 +280,7 @@ class SuppressedEvent:
     Attributes
     ----------
     flow
-        Position of its flow among the followed ones.
+        Position of its flow among those that count.
     row
         Row of its flow among the given ones.
     alarm_step
@@ -316,7 +293,7 @@ class SuppressedEvent:
 
 
 def largest_suppressed_event(
-    followed: ControlledFlows, laminarisation_threshold: float | None
+    flows: ControlledFlows, laminarisation_threshold: float | None
 ) -> SuppressedEvent | None:
     """Find the event that shows best what control does.
 
@@ -328,7 +305,7 @@ def largest_suppressed_event(
 
     Parameters
     ----------
-    followed
+    flows
         The flows.
     laminarisation_threshold
         Flows whose observable exceeds it, with or without control, are not considered; None: all
@@ -338,26 +315,26 @@ def largest_suppressed_event(
     -------
     The event, or None if there is none.
     """
-    timing = followed.timing
-    candidates = _first_alarms(followed.forecasts)
+    timing = flows.timing
+    candidates = _first_alarms(flows.forecasts)
     best: SuppressedEvent | None = None
     largest = -np.inf
     for index in candidates:
-        flow, alarm = int(followed.forecasts.flow[index]), int(followed.forecasts.step[index])
-        controlled, uncontrolled = followed.controlled[flow], followed.uncontrolled[flow]
+        flow, alarm = int(flows.forecasts.flow[index]), int(flows.forecasts.step[index])
+        controlled, uncontrolled = flows.controlled[flow], flows.uncontrolled[flow]
         stop = alarm + timing.window_end + timing.window_start
-        if not followed.forecasts.would_cross[index] or stop > timing.counted_until:
+        if not flows.forecasts.would_cross[index] or stop > timing.counted_until:
             continue
         if laminarisation_threshold is not None and (
             max(controlled.max(), uncontrolled.max()) > laminarisation_threshold
         ):
             continue
-        if (controlled[alarm : stop + 1] >= followed.threshold).any():
+        if (controlled[alarm : stop + 1] >= flows.threshold).any():
             continue
         peak = uncontrolled[alarm + timing.window_start : alarm + timing.window_end + 1].max()
         if peak > largest:
             largest = peak
-            best = SuppressedEvent(flow=flow, row=int(followed.rows[flow]), alarm_step=alarm)
+            best = SuppressedEvent(flow=flow, row=int(flows.rows[flow]), alarm_step=alarm)
     return best
 
 

@@ -6,7 +6,7 @@ A batch is cut into tiles of 16 trajectories. A tile's state is held as ``(neuro
 an entry of the recurrent matrix multiplies 16 neighbouring numbers, and everything that happens to
 a neuron (its row of the matrix, its input, the hyperbolic tangent, its share of the readout)
 happens while it is in the registers or the nearest cache. This is several times faster than a
-sparse product followed by ``numpy.tanh``, which `burstcast.esn.kernels_scipy` does.
+sparse product followed by ``numpy.tanh``, which `burstcast.esn.backend_scipy` does.
 
 The arithmetic is spelt out in vectors of 16 numbers (`Lanes`) with explicit fused multiply-adds
 rather than left to the compiler's vectoriser. Hence every trajectory goes through the same
@@ -20,7 +20,6 @@ cache notices changes to this file only: all that is compiled must stay in it.
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse
 from llvmlite import ir
 from numba import njit, types
@@ -30,8 +29,7 @@ from numba.core.datamodel.registry import register_default
 from numba.extending import intrinsic, register_jitable
 from numba.np.arrayobj import make_array
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int32]
+from burstcast.arrays import FloatArray, Int32Array
 
 # Trajectories in a tile. Eight leave the processor waiting for results, 32 do not fit its
 # registers. Arrays of tiles are aligned to a cache line, 64 bytes.
@@ -360,16 +358,16 @@ def _forecast_tile(
 # --- The interface -------------------------------------------------------------------------------
 
 
-class CompiledKernel:
+class NumbaBackend:
     """Open and closed loop of one reservoir with its hyperparameters applied.
 
-    The same interface as `burstcast.esn.kernels_scipy.ScipyKernel`.
+    The same interface as `burstcast.esn.backend_scipy.ScipyBackend`.
     """
 
     def __init__(
         self,
         recurrent: scipy.sparse.csr_array,
-        input_column: IntArray,
+        input_column: Int32Array,
         input_weight: FloatArray,
         input_bias: float,
     ) -> None:
@@ -437,7 +435,7 @@ class CompiledKernel:
         return fed
 
 
-def _even_rows(matrix: scipy.sparse.csr_array) -> tuple[IntArray, IntArray, FloatArray]:
+def _even_rows(matrix: scipy.sparse.csr_array) -> tuple[Int32Array, Int32Array, FloatArray]:
     """Row starts, columns and values with an even number of entries in each row.
 
     An odd row gets one more entry, zero, in the column of the row itself.

@@ -4,12 +4,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from burstcast.forecast.test_set import (
+from burstcast.forecast.starting_points import (
     SeriesPoints,
+    crossing_points,
     horizon_events,
     segments,
     starting_points,
-    upward_crossings,
 )
 
 
@@ -23,7 +23,7 @@ def test_starting_points_are_as_many_as_leave_room(series, length, spacing, wash
         expected.append(step)
         step += spacing
     if not expected:
-        with pytest.raises(ValueError, match=r"leave no room.*ensemble\.duration"):
+        with pytest.raises(ValueError, match=r"leave no room for a washout"):
             starting_points(series, length, spacing, washout, longest)
         return
     points = starting_points(series, length, spacing, washout, longest)
@@ -48,21 +48,19 @@ def test_crossings_are_rises_to_the_threshold(observable):
         for step in range(1, 12)
         if observable[row, step - 1] < 0.1 <= observable[row, step]
     ]
-    found = upward_crossings(observable, 0.1)
+    found = crossing_points(observable, 0.1)
     assert list(zip(found.series.tolist(), found.step.tolist(), strict=True)) == expected
-
-
-def test_an_event_under_way_at_the_first_step_has_no_start():
-    assert len(upward_crossings(np.array([[0.2, 0.2, 0.0, 0.0]]), 0.1)) == 0
 
 
 def test_horizon_events_are_the_first_that_leave_room():
     crossings = SeriesPoints(np.array([0, 0, 1, 1, 2, 3]), np.array([9, 50, 10, 90, 11, 70]))
-    events = horizon_events(crossings, 10, 4)
+    events = horizon_events(crossings, 0, 10, 4)
     assert events.series.tolist() == [0, 1, 1, 2]
     assert events.step.tolist() == [50, 10, 90, 11]
-    assert len(horizon_events(crossings, 91, 4)) == 0
-    assert len(horizon_events(crossings, 0, 500)) == 6
+    assert len(horizon_events(crossings, 0, 91, 4)) == 0
+    assert len(horizon_events(crossings, 0, 0, 500)) == 6
+    unseen = horizon_events(crossings, 1, 10, 2)
+    assert (unseen.series.tolist(), unseen.step.tolist()) == ([1, 1], [10, 90])
 
 
 @given(st.data(), st.integers(0, 4), st.integers(0, 4))

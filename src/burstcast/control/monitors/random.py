@@ -1,0 +1,67 @@
+"""The monitor that knows nothing: alarms at random, to compare the others with."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.control.monitors.base import Monitor
+
+
+@dataclass(frozen=True)
+class RandomMonitor(Monitor):
+    """Raises alarms at random: what control achieves without knowing anything.
+
+    Attributes
+    ----------
+    alarm_probability
+        Of each forecast. With the share of forecasts that were alarms under a network
+        (`burstcast.control.outcome.Outcome.alarm_rate`), the flow spends as much time under
+        actuation.
+    draws
+        Uniform random numbers in [0, 1), ``(flows, forecasts)``: row i is for flow i, so that what
+        happens in one flow does not depend on the others. `Timing.most_forecasts` bounds their
+        number.
+    """
+
+    alarm_probability: float
+    draws: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check the probability.
+
+        Raises
+        ------
+        ValueError
+            If it does not lie in [0, 1].
+        """
+        if not 0 <= self.alarm_probability <= 1:
+            raise ValueError(
+                f"the probability of an alarm must lie in [0, 1], not {self.alarm_probability}"
+            )
+
+    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+        """Compare the flows' own random numbers with the probability (see `Monitor.alarms`)."""
+        alarms: BoolArray = self.draws[rows, forecast_number] < self.alarm_probability
+        return alarms
+
+
+def random_draws(series: range, forecasts: int, root_seed: int, case: str, seed: int) -> FloatArray:
+    """Random numbers of a `RandomMonitor`, ``(flows, forecasts)``.
+
+    Parameters
+    ----------
+    series
+        Rows of the flows' series in the ensemble: each has a random stream of its own.
+    forecasts
+        Most forecasts of a flow (`Timing.most_forecasts`).
+    root_seed, case, seed
+        Names of the random stream: the case, and the seed of the network that is compared with.
+    """
+    return np.stack(
+        [
+            random_streams.stream(root_seed, "random alarms", case, seed, row).random(forecasts)
+            for row in series
+        ]
+    )

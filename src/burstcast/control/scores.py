@@ -1,0 +1,10 @@
+"""Names of the scores of control: properties of what is counted (`burstcast.control`)."""
+
+SCORES = (
+    "exceedance_uncontrolled",
+    "exceedance_controlled",
+    "exceedance_free",
+    "reduction",
+    "control_fraction",
+    "alarm_rate",
+)

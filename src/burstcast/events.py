@@ -1,0 +1,32 @@
+"""The extreme event: where it begins.
+
+Source: the paper calls an extreme event what happens where the observable reaches the event
+threshold, k >= k_e, after being below it.
+"""
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray
+
+
+def upward_crossings(observable: FloatArray, threshold: float, axis: int = -1) -> BoolArray:
+    """Mark the starts of extreme events: steps at or above the threshold after one below it.
+
+    Parameters
+    ----------
+    observable
+        Of any shape; a value that is NaN is not at or above the threshold.
+    threshold
+        The event threshold, k_e.
+    axis
+        Of time.
+
+    Returns
+    -------
+    Mask of the observable's shape. The first step never starts an event: whether one was under way
+    before is not known.
+    """
+    above = np.moveaxis(observable, axis, -1) >= threshold
+    starts = np.zeros_like(above)
+    starts[..., 1:] = above[..., 1:] & ~above[..., :-1]
+    return np.moveaxis(starts, -1, axis)

@@ -1,0 +1,146 @@
+"""What a validation strategy is: which steps train a network, and which intervals validate it.
+
+Sources: section "Validation" and the appendix "Training and validation sets" of the paper; Racca &
+Magri, "Robust optimization and validation of echo state networks for learning chaotic dynamics",
+Neural Networks 142 (2021).
+"""
+
+import abc
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+
+@dataclass(frozen=True)
+class ValidationPlan:
+    """Parameters of a validation, the same for all strategies; each uses what it needs.
+
+    Attributes
+    ----------
+    washout
+        Inputs before the first state that counts, in steps.
+    interval
+        Length of a validation interval, in steps.
+    series
+        Number of training series with validation intervals, from the first.
+    intervals
+        Intervals in each of them, laid end to end from the end of the washout.
+    """
+
+    washout: int
+    interval: int
+    series: int
+    intervals: int
+
+    def starts(self) -> tuple[int, ...]:
+        """First steps of the intervals that are laid end to end."""
+        return tuple(self.washout + index * self.interval for index in range(self.intervals))
+
+    def check_intervals(self, series: int, length: int) -> None:
+        """Check that the intervals laid end to end fit ``series`` series of ``length`` samples.
+
+        Raises
+        ------
+        ValueError
+            If they do not.
+        """
+        if self.series > series:
+            raise ValueError(
+                f"{self.series} series are to have validation intervals, but there are only "
+                f"{series} training series"
+            )
+        if self.washout + self.interval * self.intervals > length:
+            fit = max(0, (length - self.washout) // self.interval)
+            raise ValueError(
+                f"{self.intervals} validation intervals per series are asked for, but only {fit} "
+                f"intervals of {self.interval} steps fit into a series of {length} samples"
+            )
+
+
+@dataclass(frozen=True)
+class Block:
+    """Data that a readout is trained on: some series, from the washout on.
+
+    Attributes
+    ----------
+    series
+        Rows of neighbouring series.
+    stop
+        The first step that is no target any more.
+    """
+
+    series: range
+    stop: int
+
+
+@dataclass(frozen=True)
+class Fold:
+    """A readout to be trained, and the closed loops that validate it.
+
+    Attributes
+    ----------
+    trained
+        What it is trained on: no series is in two blocks. The moments of the blocks are added up.
+    series
+        Rows of neighbouring series that validate it.
+    starts
+        First steps of the intervals, in each of these series. The closed loop starts from the
+        state that has seen all the data of its series before that step.
+    """
+
+    trained: tuple[Block, ...]
+    series: range
+    starts: tuple[int, ...]
+
+
+class ValidationStrategy(abc.ABC):
+    """A way to tell how well hyperparameters do, from the training series alone.
+
+    A subclass is found by its `name`, in whatever module of this package it lies.
+    """
+
+    name: ClassVar[str]
+    """Short name, unique: "RV"."""
+    title: ClassVar[str]
+    """Name in full: "Recycle Validation"."""
+
+    @abc.abstractmethod
+    def folds(self, plan: ValidationPlan, series: int, length: int) -> list[Fold]:
+        """Lay out the folds of a validation.
+
+        Parameters
+        ----------
+        plan
+            The parameters.
+        series, length
+            Number of training series, and samples in each.
+
+        Returns
+        -------
+        Folds, one at least. The objective is the mean over the intervals of all of them.
+
+        Raises
+        ------
+        ValueError
+            If the parameters do not fit the series.
+        """
+
+
+def use_of_series(folds: Sequence[Fold], row: int) -> tuple[int, list[int]]:
+    """Tell what the folds use one series for.
+
+    Parameters
+    ----------
+    folds
+        Of a strategy.
+    row
+        The series.
+
+    Returns
+    -------
+    The step before which its data are used for training, in one fold at least, and the first steps
+    of its validation intervals in the order of time.
+    """
+    stops = [block.stop for fold in folds for block in fold.trained if row in block.series]
+    starts = {start for fold in folds if row in fold.series for start in fold.starts}
+    return max(stops, default=0), sorted(starts)

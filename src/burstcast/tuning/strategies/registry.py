@@ -1,0 +1,51 @@
+"""Validation strategies by name: each is a class of some module of this package.
+
+A new strategy is one new module with one concrete subclass of `ValidationStrategy` in it, which
+says its `name`; nothing has to be registered.
+"""
+
+import burstcast.tuning.strategies
+from burstcast.discovery import concrete_classes, module_names, suggestion
+from burstcast.tuning.strategies.base import ValidationStrategy
+
+
+def available_strategies() -> list[str]:
+    """Names of all the strategies, sorted."""
+    return sorted(_classes())
+
+
+def make_strategy(name: str) -> ValidationStrategy:
+    """Make the strategy ``name``: "SSV", "RV", ...
+
+    Raises
+    ------
+    ValueError
+        If there is no such strategy.
+    TypeError
+        If two modules claim the same name.
+    """
+    classes = _classes()
+    if name not in classes:
+        available = sorted(classes)
+        raise ValueError(
+            f"unknown validation strategy {name!r}{suggestion(name, available)}; "
+            f"the available strategies are {', '.join(available)}"
+        )
+    return classes[name]()
+
+
+def module_of(name: str) -> str:
+    """Name of the module that defines the strategy ``name`` (errors as of `make_strategy`)."""
+    return type(make_strategy(name)).__module__
+
+
+def _classes() -> dict[str, type[ValidationStrategy]]:
+    classes: dict[str, type[ValidationStrategy]] = {}
+    package = burstcast.tuning.strategies
+    for module in module_names(package):
+        for found in concrete_classes(package, module, ValidationStrategy):  # type: ignore[type-abstract]
+            if found.name in classes:
+                other = classes[found.name].__module__
+                raise TypeError(f"{other} and {found.__module__} both define {found.name!r}")
+            classes[found.name] = found
+    return classes

@@ -1,0 +1,23 @@
+"""Single Shot Validation: train on all but the end of the series, validate on the end of the first.
+
+Sources: see `burstcast.tuning.strategies.base`.
+"""
+
+from burstcast.tuning.strategies.base import Block, Fold, ValidationPlan, ValidationStrategy
+
+
+class SingleShotValidation(ValidationStrategy):
+    """Validates on the last interval of the first series, which no series is trained on."""
+
+    name = "SSV"
+    title = "Single Shot Validation"
+
+    def folds(self, plan: ValidationPlan, series: int, length: int) -> list[Fold]:
+        """Lay out one fold with one interval (see `ValidationStrategy.folds`)."""
+        cut = length - plan.interval
+        if cut <= plan.washout:
+            raise ValueError(
+                f"series of {length} samples leave nothing to train on before the last validation "
+                f"interval of {plan.interval} steps"
+            )
+        return [Fold(trained=(Block(range(series), cut),), series=range(1), starts=(cut,))]

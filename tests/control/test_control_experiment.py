@@ -1,0 +1,31 @@
+"""What an experiment with control is given."""
+
+import numpy as np
+
+from burstcast import dataset, random_streams
+from burstcast.control.experiment import controlled_series, observation_noise
+from burstcast.control.monitors.random import random_draws
+
+SCALES = dataset.Scales(np.array([1.0, 10.0]), np.ones(2))
+
+
+def test_the_flows_begin_with_the_series_after_the_training() -> None:
+    assert controlled_series(kept=40, training=10, wanted=20) == range(10, 30)
+    assert controlled_series(kept=25, training=10, wanted=20) == range(10, 25)
+
+
+def test_the_noise_of_a_flow_is_that_of_its_series_and_not_the_one_of_the_data() -> None:
+    noise = observation_noise(range(10, 14), 6, 0.01, SCALES, 2022, "Re400")
+    assert noise.shape == (4, 6, 2)
+    one = observation_noise(range(12, 13), 6, 0.01, SCALES, 2022, "Re400")
+    np.testing.assert_array_equal(one[0], noise[2])
+    silence = np.zeros((4, 6, 2))
+    observed = dataset.observed_series(silence, 10, 0.01, SCALES, 2022, "Re400")
+    assert (noise != observed).all()
+
+
+def test_random_draws_have_a_stream_for_each_flow() -> None:
+    draws = random_draws(range(10, 14), 5, 2022, "Re400", 3)
+    assert draws.shape == (4, 5)
+    stream = random_streams.stream(2022, "random alarms", "Re400", 3, 12)
+    np.testing.assert_array_equal(draws[2], stream.random(5))
