@@ -9,12 +9,12 @@ configfile: "config.yaml"
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/dataset.smk"
-include: "workflow/rules/network.smk"
-include: "workflow/rules/time_accurate.smk"
-include: "workflow/rules/statistics.smk"
+include: "workflow/rules/data.smk"
+include: "workflow/rules/forecasters.smk"
+include: "workflow/rules/evaluation.smk"
 include: "workflow/rules/control.smk"
-include: "workflow/rules/report.smk"
+include: "workflow/rules/tables.smk"
+include: "workflow/rules/figures.smk"
 
 
 rule all:
@@ -22,7 +22,7 @@ rule all:
     input:
         # what tables are made from is asked for, too: Snakemake does not miss a file that only
         # something up to date depends on
-        rules.networks.input,
+        rules.forecasters.input,
         rules.tables.input,
         rules.figures.input,
     localrule: True

@@ -195,7 +195,7 @@ def to_latex(
 
 def data_parameters(
     *,
-    system: Sequence[tuple[str, str, float]],
+    system: Sequence[Sequence[Any]],
     time_step: float,
     laminarisation_threshold: float | None,
     event_threshold: float,

@@ -21,17 +21,16 @@ from typing import Any
 import yaml
 
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.costs import Cost, CostModel
 
 _JOB = re.compile(
-    r"(?P<case>.+?)(-N(?P<neurons>\d+))?(-(?P<validation>SSV|RV))?"
-    r"(-seed(?P<seed>\d+))?(-PT(?P<prediction_time_lt>[\d.]+))?"
+    r"(?P<reservoir>esn-N\d+-seed\d+)-(?P<strategies>[A-Z+]+)"
+    r"|(?P<forecaster>[a-z][A-Za-z0-9_.-]*?)(-PT(?P<prediction_time_lt>[\d.]+))?"
 )
-_OF_A_CASE = ("simulate", "lyapunov", "test_set", "events", "reference_statistics")
-_OF_A_NETWORK = ("tune", "train", "forecast", "horizon")
-_OF_ALL = ("dataset_table", "hyperparameters_table", "classify", "horizon_table")
+_OF_A_CASE = ("simulate", "lyapunov", "evaluation_set", "events", "reference_statistics")
+_OF_A_FORECASTER = ("forecast", "horizon")
+_OF_ALL = ("dataset_table", "hyperparameters_table", "classification_table", "horizon_table")
 
 
 @dataclass(frozen=True)
@@ -49,22 +48,18 @@ def jobs(campaign: Campaign) -> Iterator[tuple[str, dict[str, str]]]:
     for case in campaign.case_names:
         for rule in _OF_A_CASE:
             yield rule, {"case": case}
-    for case, neurons, seed in dict.fromkeys(
-        (network.case, network.neurons, network.seed) for network in campaign.networks
-    ):
-        yield "scan", {"case": case, "neurons": str(neurons), "seed": str(seed)}
-    climates = set(campaign.climate_networks)
-    for network in campaign.networks:
-        wildcards = {name: str(value) for name, value in vars(network).items()}
-        for rule in _OF_A_NETWORK:
-            yield rule, wildcards
-        if network in climates:
-            yield "climate", wildcards
+    scans = {(one.case, *campaign.scan_of(one.name.identifier)) for one in campaign.networks}
+    for case, reservoir, strategies in sorted(scans):
+        yield "scan", {"case": case, "reservoir": reservoir, "strategies": strategies}
+    for one in campaign.forecasters:
+        first = ("search", "train") if one in campaign.networks else ("fit",)
+        for rule in (*first, *_OF_A_FORECASTER):
+            yield rule, one.identity
+    for one in campaign.long_term_forecasters:
+        yield "long_term", one.identity
     for run in campaign.control_runs:
-        rule = "control" if run.forecaster == "esn" else f"control_{run.forecaster}"
-        of = {"case": run.case} if run.network is None else vars(run.network)
-        wildcards = {name: str(value) for name, value in of.items()}
-        yield rule, {**wildcards, "prediction_time_lt": f"{run.prediction_time_lt:g}"}
+        time = f"{run.prediction_time_lt:g}"
+        yield run.rule, {**run.forecaster.identity, "prediction_time_lt": time}
     for rule in _OF_ALL:
         yield rule, {}
 
@@ -84,13 +79,14 @@ def records(results: Path) -> Iterator[Record]:
 
 
 def _job(path: Path) -> tuple[str, dict[str, str]]:
-    """Rule and wildcards of a record from its place: rule/case-N..-seed.. or rule."""
-    if len(path.parts) == 1:
-        return path.name, {}
-    match = _JOB.fullmatch(path.name)
+    """Rule and wildcards of a record from its place: rule, rule/case or rule/case/forecaster."""
+    rule, *rest = path.parts
+    if len(rest) < 2:
+        return rule, {"case": rest[0]} if rest else {}
+    match = _JOB.fullmatch(rest[1])
     assert match is not None  # the pattern's first part matches any name
-    wildcards = {name: value for name, value in match.groupdict().items() if value is not None}
-    return path.parts[0], wildcards
+    found = {name: value for name, value in match.groupdict().items() if value is not None}
+    return rule, {"case": rest[0], **found}
 
 
 def compare(campaign: Campaign, measured: Iterable[Record]) -> list[str]:
@@ -159,7 +155,7 @@ def read_campaign(config_files: Sequence[Path]) -> Campaign:
     for path in config_files:
         _update(merged, yaml.safe_load(path.read_text(encoding="utf-8")))
     config = load(merged)
-    return Campaign(config, case_records(config))
+    return Campaign(config)
 
 
 def _update(base: dict[str, Any], overlay: Mapping[str, Any]) -> None:

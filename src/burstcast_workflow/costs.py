@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from burstcast import durations
 from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.identifiers import ForecasterName, parsed
 
 Wildcards = Mapping[str, str]
 
@@ -44,18 +45,14 @@ SECONDS_PER = {
 # NumPy and NetCDF; with the numba backend; with scikit-optimize, too; with Matplotlib; with
 # Matplotlib that draws flow fields.
 _PLAIN = (0.6, 90)
-_KERNEL = (1.2, 190)
+_COMPILED = (1.2, 190)
 _SEARCH = (2.5, 290)
 _DRAWING = (2.0, 150)
 _DRAWING_FIELDS = (4.0, 210)
-_FIGURES_OF_FIELDS = (
-    "figure_midplane_planes",
-    "figure_suppressed_event",
-    "figure_vorticity_isosurfaces",
-)
+_FIGURES_OF_FIELDS = ("midplane_planes", "suppressed_event", "vorticity_isosurfaces")
 
-# What the kernel that is not compiled spares at the start, and how much longer its steps take.
-_SCIPY_KERNEL = (0.4, 75)
+# What the backend that is not compiled spares at the start, and how much longer its steps take.
+_SCIPY_BACKEND = (0.4, 75)
 _SCIPY_SLOWER = 4.0
 
 SAFETY = 2.0
@@ -85,6 +82,11 @@ class _Sizes:
 
     campaign: Campaign
     case: str
+    name: ForecasterName
+
+    @property
+    def neurons(self) -> int:
+        return self.name.neurons or 0
 
     @property
     def record(self) -> Mapping[str, object]:
@@ -112,7 +114,7 @@ class _Sizes:
 
     @property
     def washout(self) -> int:
-        return self.steps(self.campaign.config["network"]["washout_lt"])
+        return self.steps(self.campaign.config["washout_lt"])
 
     @property
     def samples(self) -> float:
@@ -166,7 +168,7 @@ class _Sizes:
         return self.steps(self.campaign.config["horizon"]["longest_start_lt"]) + self.washout
 
     @property
-    def climate_points(self) -> float:
+    def long_term_points(self) -> float:
         statistics = self.campaign.config["statistics"]
         spacing = max(1, self.steps(statistics["start_spacing_lt"]))
         room = self.training_series * max(0.0, (self.samples - self.washout) // spacing)
@@ -181,11 +183,25 @@ class _Sizes:
 _Work = dict[str, float]
 
 
-def _network_steps(trajectory_steps: float, neurons: int, campaign: Campaign) -> _Work:
-    slower = _SCIPY_SLOWER if campaign.config["network"]["kernel"] == "scipy" else 1.0
-    neuron_steps = trajectory_steps * neurons * slower
-    connections = neuron_steps * campaign.config["network"]["connectivity"]
+def _forecast_steps(sizes: _Sizes, trajectory_steps: float) -> _Work:
+    """Steps of a network, or of the equations: what other kinds take is like the latter."""
+    if sizes.name.kind != "esn":
+        integration = trajectory_steps * sizes.stride
+        return {"integration call": integration / 1000, "integration step": integration}
+    options = sizes.campaign.config["forecasters"]["esn"]
+    slower = _SCIPY_SLOWER if options["backend"] == "scipy" else 1.0
+    neuron_steps = trajectory_steps * sizes.neurons * slower
+    connections = neuron_steps * options["connectivity"]
     return {"neuron step": neuron_steps, "connection step": connections}
+
+
+def _start_up(sizes: _Sizes, search: bool = False) -> tuple[float, int]:
+    seconds, mib = _SEARCH if search else _COMPILED
+    if sizes.name.kind != "esn":
+        return _PLAIN
+    if sizes.campaign.config["forecasters"]["esn"]["backend"] == "scipy":
+        return seconds - _SCIPY_BACKEND[0], mib - _SCIPY_BACKEND[1]
+    return seconds, mib
 
 
 def _total(*works: _Work) -> _Work:
@@ -235,7 +251,7 @@ def _lyapunov(sizes: _Sizes, _: Wildcards) -> _Account:
     return _PLAIN, work, 2 * _series_mib(sizes, series)
 
 
-def _test_set(sizes: _Sizes, _: Wildcards) -> _Account:
+def _evaluation_set(sizes: _Sizes, _: Wildcards) -> _Account:
     numbers = sizes.test_series * sizes.samples * sizes.dimension
     stretch = sizes.test_points * (sizes.forecast_reach + sizes.washout)
     work = {"noisy number": numbers, "number": numbers + stretch * sizes.dimension}
@@ -274,11 +290,12 @@ def _validation(sizes: _Sizes, neurons: int, strategies: list[str]) -> _Work:
         "SSV": sizes.training_series,
         "RV": recycle["series"] * recycle["intervals_per_series"],
     }
-    closed = sum(intervals[strategy] for strategy in strategies) * sizes.steps(
+    # other strategies than these validate about as often as Recycle Validation
+    closed = sum(intervals.get(strategy, intervals["RV"]) for strategy in strategies) * sizes.steps(
         search["interval_lt"]
     )
     return _total(
-        _network_steps(sizes.training_rows + betas * closed, neurons, campaign),
+        _forecast_steps(sizes, sizes.training_rows + betas * closed),
         {
             "gram product": sizes.training_rows * float(neurons) ** 2,
             "solve product": len(strategies) * betas * float(neurons) ** 3,
@@ -302,31 +319,33 @@ def _validated_states_mib(sizes: _Sizes, neurons: int) -> float:
 
 
 def _scan(sizes: _Sizes, wildcards: Wildcards) -> _Account:
-    neurons = int(wildcards["neurons"])
+    neurons = sizes.neurons
     points = sizes.campaign.config["search"]["grid"] ** 2
-    work = _times(_validation(sizes, neurons, ["SSV", "RV"]), points)
+    work = _times(_validation(sizes, neurons, wildcards["strategies"].split("+")), points)
     memory = _training_mib(sizes, neurons) + _validated_states_mib(sizes, neurons)
-    return _KERNEL, work, memory
+    return _start_up(sizes), work, memory
 
 
-def _tune(sizes: _Sizes, wildcards: Wildcards) -> _Account:
-    neurons = int(wildcards["neurons"])
-    point = _total(_validation(sizes, neurons, [wildcards["validation"]]), {"surrogate fit": 1.0})
+def _search(sizes: _Sizes, wildcards: Wildcards) -> _Account:
+    neurons = sizes.neurons
+    point = _total(
+        _validation(sizes, neurons, [str(sizes.name.validation)]), {"surrogate fit": 1.0}
+    )
     work = _times(point, sizes.campaign.config["search"]["bayesian_points"])
     memory = _training_mib(sizes, neurons) + _validated_states_mib(sizes, neurons)
-    return _SEARCH, work, memory
+    return _start_up(sizes, search=True), work, memory
 
 
 def _train(sizes: _Sizes, wildcards: Wildcards) -> _Account:
-    neurons = int(wildcards["neurons"])
+    neurons = sizes.neurons
     work = _total(
-        _network_steps(sizes.training_rows, neurons, sizes.campaign),
+        _forecast_steps(sizes, sizes.training_rows),
         {
             "gram product": sizes.training_rows * float(neurons) ** 2,
             "solve product": float(neurons) ** 3,
         },
     )
-    return _KERNEL, work, _training_mib(sizes, neurons)
+    return _start_up(sizes), work, _training_mib(sizes, neurons)
 
 
 def _running_mib(sizes: _Sizes, neurons: int, trajectories: float, steps: float) -> float:
@@ -336,36 +355,36 @@ def _running_mib(sizes: _Sizes, neurons: int, trajectories: float, steps: float)
 
 
 def _forecast(sizes: _Sizes, wildcards: Wildcards) -> _Account:
-    neurons = int(wildcards["neurons"])
+    neurons = sizes.neurons
     steps = sizes.washout + sizes.forecast_reach
-    work = _network_steps(sizes.test_points * steps, neurons, sizes.campaign)
+    work = _forecast_steps(sizes, sizes.test_points * steps)
     washouts = 2 * sizes.test_points * sizes.washout * sizes.dimension * _MIB_PER_NUMBER
     running = _running_mib(sizes, neurons, sizes.test_points, sizes.forecast_reach)
-    return _KERNEL, work, washouts + running
+    return _start_up(sizes), work, washouts + running
 
 
 def _horizon(sizes: _Sizes, wildcards: Wildcards) -> _Account:
-    neurons = int(wildcards["neurons"])
+    neurons = sizes.neurons
     horizon = sizes.campaign.config["horizon"]
     # three fifths of the starts are tried, and a forecast that fails is given up on the way
     starts = 0.6 * horizon["longest_start_lt"] / horizon["start_step_lt"]
     steps = starts * (sizes.washout + 0.4 * sizes.steps(horizon["longest_start_lt"]))
-    work = _network_steps(sizes.events * steps, neurons, sizes.campaign)
+    work = _forecast_steps(sizes, sizes.events * steps)
     segments = 2 * sizes.events * sizes.event_steps * sizes.dimension * _MIB_PER_NUMBER
-    return _KERNEL, work, segments + _running_mib(sizes, neurons, sizes.events, 16)
+    return _start_up(sizes), work, segments + _running_mib(sizes, neurons, sizes.events, 16)
 
 
-def _climate(sizes: _Sizes, wildcards: Wildcards) -> _Account:
-    neurons = int(wildcards["neurons"])
+def _long_term(sizes: _Sizes, wildcards: Wildcards) -> _Account:
+    neurons = sizes.neurons
     duration = sizes.campaign.config["statistics"]["duration"]
     steps = duration / sizes.campaign.sampling_interval(sizes.case)
-    points = sizes.climate_points
+    points = sizes.long_term_points
     work = _total(
-        _network_steps(points * (steps + sizes.washout), neurons, sizes.campaign),
+        _forecast_steps(sizes, points * (steps + sizes.washout)),
         {"reduced number": points * steps * sizes.dimension},
     )
     training = _ARRAYS_PER_SERIES * _series_mib(sizes, sizes.training_series)
-    return _KERNEL, work, training + _running_mib(sizes, neurons, points, 100)
+    return _start_up(sizes), work, training + _running_mib(sizes, neurons, points, 100)
 
 
 def _flows(sizes: _Sizes, wildcards: Wildcards) -> tuple[_Work, float, float]:
@@ -387,13 +406,13 @@ def _flows(sizes: _Sizes, wildcards: Wildcards) -> tuple[_Work, float, float]:
 
 
 def _control(sizes: _Sizes, wildcards: Wildcards) -> _Account:
-    neurons = int(wildcards["neurons"])
+    neurons = sizes.neurons
     control = sizes.campaign.config["control"]
     prediction_time = float(wildcards.get("prediction_time_lt", control["prediction_times_lt"][0]))
     flows, memory, forecasts = _flows(sizes, wildcards)
     steps = sizes.washout + sizes.steps(prediction_time + control["window_lt"])
-    work = _total(flows, _network_steps(sizes.flows * forecasts * steps, neurons, sizes.campaign))
-    return _KERNEL, work, memory + _running_mib(sizes, neurons, sizes.flows, steps)
+    work = _total(flows, _forecast_steps(sizes, sizes.flows * forecasts * steps))
+    return _start_up(sizes), work, memory + _running_mib(sizes, neurons, sizes.flows, steps)
 
 
 def _suppressed_event(sizes: _Sizes, wildcards: Wildcards) -> _Account:
@@ -403,19 +422,6 @@ def _suppressed_event(sizes: _Sizes, wildcards: Wildcards) -> _Account:
     return start_up, _total(work, alone), memory
 
 
-def _control_equations(sizes: _Sizes, wildcards: Wildcards) -> _Account:
-    control = sizes.campaign.config["control"]
-    flows, memory, forecasts = _flows(sizes, wildcards)
-    ahead = (
-        sizes.steps(float(wildcards["prediction_time_lt"]) + control["window_lt"]) * sizes.stride
-    )
-    forecasting = {
-        "integration call": 2 * forecasts * ahead,
-        "integration step": forecasts * ahead * sizes.flows,
-    }
-    return _PLAIN, _total(flows, forecasting), memory
-
-
 def _control_random(sizes: _Sizes, wildcards: Wildcards) -> _Account:
     flows, memory, _ = _flows(sizes, wildcards)
     return _PLAIN, flows, memory
@@ -423,51 +429,52 @@ def _control_random(sizes: _Sizes, wildcards: Wildcards) -> _Account:
 
 def _single_forecasts(sizes: _Sizes, wildcards: Wildcards) -> _Account:
     """A few forecasts of one network, for figures."""
-    neurons = int(wildcards["neurons"])
+    neurons = sizes.neurons
     trajectories = 64.0
-    work = _network_steps(trajectories * sizes.event_steps, neurons, sizes.campaign)
+    work = _forecast_steps(sizes, trajectories * sizes.event_steps)
     segments = sizes.events * sizes.event_steps * sizes.dimension * _MIB_PER_NUMBER
-    return _KERNEL, work, 2 * segments + _running_mib(sizes, neurons, trajectories, 100)
+    return _start_up(sizes), work, 2 * segments + _running_mib(sizes, neurons, trajectories, 100)
 
 
 _OF_A_CASE: dict[str, Callable[[_Sizes, Wildcards], _Account]] = {
     "simulate": _simulate,
     "lyapunov": _lyapunov,
-    "test_set": _test_set,
+    "evaluation_set": _evaluation_set,
     "events": _events,
     "reference_statistics": _reference_statistics,
     "scan": _scan,
-    "tune": _tune,
+    "search": _search,
     "train": _train,
     "forecast": _forecast,
     "horizon": _horizon,
-    "climate": _climate,
+    "long_term": _long_term,
     "control": _control,
-    "control_equations": _control_equations,
     "control_random": _control_random,
     "suppressed_event": _suppressed_event,
 }
 
 
-def _classify(campaign: Campaign) -> _Account:
-    sizes = [_Sizes(campaign, network.case) for network in campaign.networks]
+def _classification_table(campaign: Campaign) -> _Account:
+    sizes = [_Sizes(campaign, one.case, one.name) for one in campaign.forecasters]
     times = len(campaign.config["classification"]["prediction_times_lt"])
     resamples = campaign.config["bootstrap"]["resamples"]
-    series = sum(of_network.test_series for of_network in sizes)
-    work = {"resampled series": times * resamples * series, "file": len(sizes)}
+    series = sum(of_forecaster.test_series for of_forecaster in sizes)
+    work = {"resampled series": times * resamples * series, "file": float(len(sizes))}
     return _PLAIN, work, 20.0
 
 
-def _of_all(rule: str, campaign: Campaign) -> _Account:
+def _of_all(stage: str, campaign: Campaign, wildcards: Wildcards) -> _Account:
     """Tables and figures: starting up is most of what they do."""
-    if rule == "classify":
-        return _classify(campaign)
-    if rule.startswith("figure_"):
-        sizes = _Sizes(campaign, campaign.example.case)
+    if stage == "classification_table":
+        return _classification_table(campaign)
+    if stage == "figure":
+        example = campaign.example
+        sizes = _Sizes(campaign, example.case, example.name)
         observable = sizes.series * sizes.samples * _MIB_PER_NUMBER
-        whole = 2 * observable if rule == "figure_observable_and_density" else 20.0
-        return _DRAWING_FIELDS if rule in _FIGURES_OF_FIELDS else _DRAWING, {}, whole
-    return _PLAIN, {"file": len(campaign.networks)}, 10.0
+        name = wildcards["figure"]
+        whole = 2 * observable if name == "observable_and_density" else 20.0
+        return _DRAWING_FIELDS if name in _FIGURES_OF_FIELDS else _DRAWING, {}, whole
+    return _PLAIN, {"file": float(len(campaign.forecasters))}, 10.0
 
 
 class CostModel:
@@ -499,23 +506,24 @@ class CostModel:
         wildcards
             Of the job.
         """
+        names = dict(wildcards.items())
+        name = parsed(names.get("forecaster") or names.get("reservoir") or "none")
         # asked for every job of a large campaign, several times: networks differ only by their seed
-        key = (rule, *(f"{name}={wildcards[name]}" for name in wildcards if name != "seed"))
+        others = [f"{key}={names[key]}" for key in names if key not in ("forecaster", "reservoir")]
+        key = (rule, name.kind, str(name.neurons), str(name.validation), *others)
         cost = self._known.get(key)
         if cost is None:
-            cost = self._known[key] = self._predict(rule, wildcards)
+            cost = self._known[key] = self._predict(rule, names, name)
         return cost
 
-    def _predict(self, rule: str, wildcards: Wildcards) -> Cost:
+    def _predict(self, rule: str, wildcards: Wildcards, name: ForecasterName) -> Cost:
         case = wildcards.get("case")
         if case is None:
-            (start_up, held), work, memory = _of_all(rule, self._campaign)
+            (start_up, held), work, memory = _of_all(rule, self._campaign, wildcards)
         else:
-            guess = _single_forecasts if "neurons" in wildcards else _control_random
+            guess = _control_random if name.kind == "none" else _single_forecasts
             account = _OF_A_CASE.get(rule, guess)
-            (start_up, held), work, memory = account(_Sizes(self._campaign, case), wildcards)
-            if "neuron step" in work and self._campaign.config["network"]["kernel"] == "scipy":
-                start_up, held = start_up - _SCIPY_KERNEL[0], held - _SCIPY_KERNEL[1]
+            (start_up, held), work, memory = account(_Sizes(self._campaign, case, name), wildcards)
         seconds = start_up + sum(self._seconds_per[unit] * count for unit, count in work.items())
         return Cost(seconds, held + memory)
 

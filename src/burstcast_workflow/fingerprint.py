@@ -4,18 +4,60 @@ Snakemake does not notice that a module which a script imports has changed. Each
 carries the fingerprints of its script and of all modules of the project that the script reaches
 through imports, as a parameter, and Snakemake compares them as it does any other parameter.
 
-A fingerprint is a hash of the syntax tree without positions, comments and docstrings. The tree is
-walked here rather than by `ast.dump`, whose output differs between Python versions. What imports do
-not show must not happen: `forbidden_imports` finds it, and a test keeps it out.
+A fingerprint is a hash of the syntax tree without positions, comments, docstrings and the texts of
+errors and of the log, none of which changes a result. The tree is walked here rather than by
+`ast.dump`, whose output differs between Python versions. What imports do not show must not happen:
+`forbidden_imports` finds it, and a test keeps it out. Two things are known otherwise:
+
+* Modules that a registry finds by name (systems, forecasters, validation strategies). A script that
+  reaches a registry depends on those of its modules that its job is about, and on no others.
+* The harness, which runs scripts, logs, caches and writes files. It is in no fingerprint; instead,
+  the one number of `burstcast_workflow.harness.version` is, raised when it changes a result.
 """
 
 import ast
 import hashlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
 _HASH_LENGTH = 12
+_HARNESS = "burstcast_workflow.harness"
+_VERSION = f"{_HARNESS}.version"
+
+
+class Sources:
+    """The project's sources, as the rules see them.
+
+    Parameters
+    ----------
+    root
+        The project's directory.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self._packages, self._scripts = root / "src", root / "workflow" / "scripts"
+
+    def fingerprint(self, script: str, found_by_name: Mapping[str, Sequence[str]]) -> list[str]:
+        """Fingerprints of the code of a job (see `fingerprint`).
+
+        Parameters
+        ----------
+        script
+            Below ``workflow/scripts``.
+        found_by_name
+            By package with a ``registry``: the modules of it that the job is about.
+        """
+        path = self._scripts / script
+        entries = fingerprint(path, self._packages)
+        reached = {entry.partition("@")[0] for entry in entries}
+        more = [
+            f"{package}.{module}"
+            for package, modules in found_by_name.items()
+            if f"{package}.registry" in reached
+            for module in modules
+        ]
+        return fingerprint(path, self._packages, sorted(more)) if more else entries
 
 
 def fingerprint(script: Path, source_root: Path, extra_modules: Sequence[str] = ()) -> list[str]:
@@ -66,7 +108,8 @@ def _fingerprint(script: Path, source_root: Path, extra_modules: tuple[str, ...]
             raise FileNotFoundError(f"there is no module {module} in {source_root}")
         waiting.append(module)
     while waiting:
-        for module in _with_parents(waiting.pop()):
+        for name in _with_parents(waiting.pop()):
+            module = _VERSION if name.startswith(f"{_HARNESS}.") else name
             path = _located(module, roots)
             if module in entries or path is None:
                 continue
@@ -138,6 +181,10 @@ def _serialise(node: ast.AST, parts: list[str]) -> None:
     """
     kind = type(node)
     parts.append(kind.__name__)
+    if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+        # which error it is, but not its text
+        _serialise(node.exc.func, parts)
+        return
     if kind is ast.Constant:
         parts.append(_constant(node.value))  # type: ignore[attr-defined]
         return
@@ -173,7 +220,20 @@ def _empty_text(node: ast.AST, parent: type[ast.AST]) -> bool:
 
 def _without_effect(node: ast.AST) -> bool:
     kind = type(node)
-    return kind is ast.Pass or (kind is ast.Expr and type(node.value) is ast.Constant)  # type: ignore[attr-defined]
+    if kind is ast.Expr:
+        value = node.value  # type: ignore[attr-defined]
+        return type(value) is ast.Constant or _says_something(value)
+    return kind is ast.Pass
+
+
+def _says_something(node: ast.AST) -> bool:
+    """Whether it is a call of ``logger.info`` and the like."""
+    called = node.func if isinstance(node, ast.Call) else None
+    return (
+        isinstance(called, ast.Attribute)
+        and isinstance(called.value, ast.Name)
+        and called.value.id == "logger"
+    )
 
 
 # -- what fingerprints cannot follow ------------------------------------------------------------
@@ -195,8 +255,9 @@ def forbidden_imports(path: Path) -> list[str]:
 def forbidden_reads(path: Path) -> list[str]:
     """Places of a script that read something of Snakemake which no parameter carries.
 
-    A script hands the object ``snakemake`` to `burstcast_workflow.job.run_job` and does nothing
-    else with it: its config and its wildcards would be settings that nothing tracks.
+    A script hands the object ``snakemake`` to `burstcast_workflow.harness.job.run_job`, or to its
+    like for figures, and does nothing else with it: its config would be settings that nothing
+    tracks.
     """
     return _places(path, _forbidden_read)
 
@@ -230,7 +291,9 @@ def _forbidden_read(node: ast.AST) -> str:
         return "snakemake under another name"
     if isinstance(node, ast.Call):
         called = node.func.id if isinstance(node.func, ast.Name) else ""
-        if called != "run_job" and any(_is_snakemake(argument) for argument in node.args):
+        if called not in ("run_job", "run_figure") and any(
+            _is_snakemake(argument) for argument in node.args
+        ):
             return f"snakemake handed to {called or 'something'} instead of run_job"
     return ""
 

@@ -1,18 +1,95 @@
 """Who forecasts: the interface of anything that continues an observed washout.
 
-Scoring, prediction horizon and control know only this interface. A forecaster's memory is an array
-whose last axis is the batch, so that forecasts can be picked out and put aside at any step.
+Scoring, prediction horizon, long-term runs and control know only this interface. A forecaster's
+memory is an array whose last axis is the batch, so that forecasts can be picked out and put aside
+at any step. A new kind of forecaster is one new module of this package with one concrete subclass
+of `Forecaster` in it; its name is the module's.
 """
 
 import abc
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
+from burstcast.systems.base import DynamicalSystem
+
+
+@dataclass(frozen=True)
+class ForecastingCase:
+    """What forecasters of a case may know beside the data.
+
+    Attributes
+    ----------
+    system
+        The dynamical system.
+    time_step
+        Of its integration, in time units.
+    sampling_stride
+        Integration steps in one step of a forecast.
+    steps_per_lyapunov_time
+        Steps of a forecast in a Lyapunov time.
+    options
+        Settings of the kind itself.
+    """
+
+    system: DynamicalSystem
+    time_step: float
+    sampling_stride: int
+    steps_per_lyapunov_time: int
+    options: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class ForecasterRecord:
+    """What a forecaster is restored from: everything that fitting has found.
+
+    Attributes
+    ----------
+    arrays
+        By name.
+    attributes
+        Numbers and texts by name.
+    """
+
+    arrays: Mapping[str, FloatArray] = field(default_factory=dict)
+    attributes: Mapping[str, str | int | float] = field(default_factory=dict)
 
 
 class Forecaster(abc.ABC):
     """Continues many observed series at once."""
+
+    sees_truth: ClassVar[bool] = False
+    """Whether it is given true states instead of observed ones: only as a bound for others."""
+
+    @classmethod
+    @abc.abstractmethod
+    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+        """Learn from series.
+
+        Parameters
+        ----------
+        training
+            Observed training series, ``(series, time, dimension)``.
+        case
+            What may be known beside them.
+
+        Raises
+        ------
+        NotImplementedError
+            If the kind is made otherwise: networks have a search for hyperparameters.
+        """
+
+    @abc.abstractmethod
+    def record(self) -> ForecasterRecord:
+        """Tell what `restore` makes the same forecaster from."""
+
+    @classmethod
+    @abc.abstractmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Make a forecaster from its record."""
 
     @abc.abstractmethod
     def start(self, washout: FloatArray) -> FloatArray:

@@ -1,34 +1,13 @@
-"""The equations themselves as a forecaster: as good as knowing the state allows."""
+"""The equations as a forecaster, started from the true state: the bound for all others."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
-import numpy as np
-
-from burstcast.arrays import FloatArray
-from burstcast.forecasters.base import Forecaster
-from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.integration import integrate
+from burstcast.forecasters.equations_noisy import EquationsFromObservation
 
 
 @dataclass(frozen=True)
-class EquationsForecaster(Forecaster):
-    """The equations themselves, started from the last state of the washout."""
+class EquationsFromTruth(EquationsFromObservation):
+    """Integrates the equations from the true state: a perfect forecast."""
 
-    system: DynamicalSystem
-    time_step: float
-    sampling_stride: int
-
-    def start(self, washout: FloatArray) -> FloatArray:
-        """Last observed state, ``(dimension, batch)``."""
-        return np.ascontiguousarray(washout[-1])
-
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-        """Integrate the equations (see `Forecaster.advance`)."""
-        samples = integrate(
-            self.system,
-            memory,
-            self.time_step,
-            steps * self.sampling_stride,
-            stride=self.sampling_stride,
-        )
-        return samples[1:], samples[-1]
+    sees_truth: ClassVar[bool] = True

@@ -1,10 +1,45 @@
 """The echo state network as a forecaster."""
 
 from dataclasses import dataclass
+from typing import Self
 
+import numpy as np
+
+from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray
+from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
-from burstcast.forecasters.base import Forecaster
+from burstcast.esn.readout import Readout
+from burstcast.esn.reservoir import Reservoir, make_reservoir
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+
+
+@dataclass(frozen=True)
+class ReservoirSeed:
+    """What a reservoir is made from: the same for all cases, strategies and hyperparameters.
+
+    Attributes
+    ----------
+    random_seed
+        The one root of all random numbers.
+    neurons
+        Its size.
+    seed
+        Which realisation of its size.
+    connectivity, input_bias
+        See `burstcast.esn.reservoir.make_reservoir`.
+    """
+
+    random_seed: int
+    neurons: int
+    seed: int
+    connectivity: float
+    input_bias: float
+
+    def reservoir(self, dimension: int) -> Reservoir:
+        """Make the reservoir for states of some dimension."""
+        stream = random_streams.stream(self.random_seed, "reservoir", self.neurons, self.seed)
+        return make_reservoir(self.neurons, dimension, self.connectivity, self.input_bias, stream)
 
 
 @dataclass(frozen=True)
@@ -15,12 +50,67 @@ class NetworkForecaster(Forecaster):
     ----------
     network
         The trained network.
+    seed
+        What its reservoir is made from.
     divergence_bound
         A forecast beyond this many training ranges of any component has diverged.
     """
 
     network: EchoStateNetwork
+    seed: ReservoirSeed
     divergence_bound: float
+
+    @classmethod
+    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+        """Refuse: a network needs hyperparameters, which a search finds.
+
+        Raises
+        ------
+        NotImplementedError
+            Always; see `burstcast.tuning` and `burstcast.esn.training.train`.
+        """
+        raise NotImplementedError("networks are trained with hyperparameters that a search finds")
+
+    def record(self) -> ForecasterRecord:
+        """Readout, normalisation, and what the reservoir is made from: no big matrices."""
+        dynamics, readout = self.network.dynamics, self.network.readout
+        return ForecasterRecord(
+            {"weights": readout.weights, "input_range": self.network.input_range},
+            {
+                **vars(self.seed),
+                "spectral_radius": dynamics.spectral_radius,
+                "input_scaling": dynamics.input_scaling,
+                "tikhonov": readout.tikhonov,
+                "solver": readout.solver,
+                "reciprocal_condition": readout.reciprocal_condition,
+            },
+        )
+
+    @classmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Make the reservoir anew, and put the readout to it."""
+        attributes, input_range = record.attributes, record.arrays["input_range"]
+        seed = ReservoirSeed(
+            int(attributes["random_seed"]),
+            int(attributes["neurons"]),
+            int(attributes["seed"]),
+            float(attributes["connectivity"]),
+            float(attributes["input_bias"]),
+        )
+        dynamics = Dynamics(
+            seed.reservoir(input_range.shape[0]),
+            float(attributes["spectral_radius"]),
+            float(attributes["input_scaling"]),
+            case.options["backend"],
+        )
+        readout = Readout(
+            weights=np.ascontiguousarray(record.arrays["weights"]),
+            tikhonov=float(attributes["tikhonov"]),
+            solver=str(attributes["solver"]),
+            reciprocal_condition=float(attributes["reciprocal_condition"]),
+        )
+        network = EchoStateNetwork(dynamics, readout, input_range)
+        return cls(network, seed, case.options["divergence_bound"])
 
     def start(self, washout: FloatArray) -> FloatArray:
         """Reservoir states after the washout, ``(neurons, batch)``."""

@@ -15,7 +15,8 @@ from burstcast_workflow.config.kinds import RELATIONS, Section
 from burstcast_workflow.config.messages import model_problems, suggestion
 from burstcast_workflow.config.model import Case, Configuration
 from burstcast_workflow.config.places import Place
-from burstcast_workflow.series_fit import misfits
+from burstcast_workflow.identifiers import parsed
+from burstcast_workflow.jobs.length_checks import misfits
 
 Settings = Mapping[str, Any]
 
@@ -64,26 +65,32 @@ def _related(settings: Settings, model: type[Section]) -> Iterator[str]:
     for place in Place(model).settings():
         # what bounds a setting of a case is in the same case
         in_case = place.name.startswith("case_defaults.")
-        if in_case or (place.when and not _at(settings, place.when)):
+        if in_case or (place.when and _at(settings, place.when) in (None, [])):
             continue
         for relation, other in place.relations.items():
             factors = [_at(settings, factor) for factor in other.split(" * ")]
             bound = factors[0] if len(factors) == 1 else math.prod(factors)
             value = _at(settings, place.name)
             for item in value if isinstance(value, list) else [value]:
+                if item is None:  # may be left out
+                    continue
                 if bound not in (None, []) and not _HOLDS[relation](item, bound):
                     verb = "has" if isinstance(value, list) else "is"
                     limit = ", ".join(map(str, bound if isinstance(bound, list) else [bound]))
-                    yield f"{place.name} {verb} {item}; it {RELATIONS[relation]} {other}, {limit}"
+                    unless = f", unless {place.when} is empty" if place.when else ""
+                    must = f"{RELATIONS[relation]} {other}, {limit}{unless}"
+                    yield f"{place.name} {verb} {item}; it {must}"
 
 
 def _at(settings: Settings, name: str) -> Any:
     """Value of a setting; in the blocks of the campaign, all its values."""
     value: Any = settings
-    for part in name.split("."):
+    for count, part in enumerate(name.split(".")):
         if isinstance(value, list):
-            return sorted({item for block in value for item in block[part]})
-        value = value[part]
+            rest = ".".join(name.split(".")[count:])
+            found = [_at(block, rest) or [] for block in value]
+            return sorted({item for items in found for item in items})
+        value = value.get(part) if isinstance(value, Mapping) else None
     return value
 
 
@@ -97,7 +104,8 @@ def _known_cases(config: Settings) -> list[str]:
 
 
 def _campaign(config: Settings) -> Iterator[str]:
-    connectivity, known = config["network"]["connectivity"], _known_cases(config)
+    connectivity = config["forecasters"]["esn"]["connectivity"]
+    known = _known_cases(config)
     for index, block in enumerate(config["campaign"]):
         place = f"campaign[{index}]"
         if not block_cases(block):
@@ -105,11 +113,15 @@ def _campaign(config: Settings) -> Iterator[str]:
         for name in block.get("cases", []):
             if name not in known:
                 yield f"{place}.cases: there is no case {name} in cases; {suggestion(name, known)}"
-        smallest = min(block["neurons"])
+        if not any(axes is not None for axes in block["forecasters"].values()):
+            yield f"{place}.forecasters names no kind: give it esn, equations, ..."
+        networks = block["forecasters"].get("esn")
+        smallest = min(networks["neurons"]) if networks else math.inf
         if connectivity > smallest - 1:
             yield (
-                f"network.connectivity is {connectivity}, but a reservoir of {smallest} neurons "
-                f"({place}.neurons) has at most {smallest - 1} connections per neuron"
+                f"forecasters.esn.connectivity is {connectivity}, but a reservoir of {smallest} "
+                f"neurons ({place}.forecasters.esn.neurons) has at most {smallest - 1} connections "
+                "per neuron"
             )
     used = campaign_cases(config)
     for name in config["control"]["sweep"]["cases"]:
@@ -119,19 +131,18 @@ def _campaign(config: Settings) -> Iterator[str]:
 
 def _figures(config: Settings) -> Iterator[str]:
     figures = config["figures"]
-    name, neurons = figures["example_case"], figures["example_neurons"]
-    validation, seed = figures["example_validation"], figures["example_seed"]
+    name, example = figures["example_case"], parsed(figures["example_forecaster"])
+    blocks = [block for block in config["campaign"] if name in block_cases(block)]
     if not any(
-        name in block_cases(block)
-        and neurons in block["neurons"]
-        and validation in block["validation"]
-        and seed < block["seeds"]
-        for block in config["campaign"]
+        example.neurons in networks["neurons"]
+        and example.validation in networks["validation"]
+        and (example.seed or 0) < networks["seeds"]
+        for networks in (block["forecasters"].get("esn") for block in blocks)
+        if networks
     ):
         yield (
-            f"the example network of the figures ({name}, {neurons} neurons, {validation}, seed "
-            f"{seed}) is not part of the campaign: change figures.example_case, example_neurons, "
-            "example_validation or example_seed"
+            f"the example network of the figures ({name}, {example.identifier}) is not part of the "
+            "campaign: change figures.example_case or figures.example_forecaster"
         )
     if name in _known_cases(config):
         record = case_record(config, name)
@@ -170,7 +181,7 @@ def _case(config: Settings, name: str) -> Iterator[str]:
         )
     control = config["control"]
     start = record["actuation"]["start_lt"] if record["actuation"] else 0
-    for time in control["prediction_times_lt"] if control["validation"] else []:
+    for time in control["prediction_times_lt"] if any(control["forecasters"].values()) else []:
         if time + start < 0:
             yield (
                 f"control.prediction_times_lt has {time}, but an actuation that starts at "

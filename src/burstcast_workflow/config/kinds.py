@@ -1,9 +1,11 @@
 """What settings are made of: kinds of values, and sections of settings."""
 
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
+
+from burstcast.tuning.strategies.registry import available_strategies
 
 T = TypeVar("T")
 
@@ -31,6 +33,13 @@ def _rising(ends: list[float]) -> list[float]:
     return ends
 
 
+def _strategy(name: str) -> str:
+    if name not in available_strategies():
+        text = f"is {name}; the validation strategies are {', '.join(available_strategies())}"
+        raise PydanticCustomError("between", text)
+    return name
+
+
 _PAIR = Field(min_length=2, max_length=2)
 _RESERVED = "nan|NaN|inf|Inf|infinity|Infinity|true|True|false|False|tables|figures|logs|benchmarks"
 
@@ -46,7 +55,16 @@ Range = Annotated[
 PositiveRange = Annotated[
     list[Positive], _PAIR, Words("[low, high], two rising numbers above 0"), AfterValidator(_rising)
 ]
-Strategy = Literal["SSV", "RV"]
+Strategy = Annotated[
+    str,
+    AfterValidator(_strategy),
+    Words(f"a validation strategy: {', '.join(available_strategies())}"),
+]
+NetworkName = Annotated[
+    str,
+    Field(pattern=r"^esn-N\d+-[A-Z]+-seed\d+\Z"),
+    Words("the name of a network, such as esn-N2000-RV-seed0"),
+]
 CaseName = Annotated[
     str,
     Field(pattern=rf"^(?!(?:{_RESERVED}|report)\Z)[A-Za-z][A-Za-z0-9_.-]*\Z"),

@@ -13,6 +13,7 @@ from burstcast_workflow.config.kinds import (
     Count,
     Directory,
     Distinct,
+    NetworkName,
     ParameterName,
     Positive,
     PositiveRange,
@@ -30,21 +31,55 @@ from burstcast_workflow.config.kinds import (
 TIME = "time units"
 OBSERVABLE = "units of the observable"
 RESOLUTION = "classification.resolution_lt"
-SIZES = "campaign.neurons"
-CONTROL = "control.validation"
+SIZES = "campaign.forecasters.esn.neurons"
+STRATEGIES = "campaign.forecasters.esn.validation"
+CONTROL = "control.forecasters.esn"
 TIMES = "classification.prediction_times_lt"
 
 
+class NoAxes(Section):
+    """There is one forecaster of this kind: {}."""
+
+
+class NetworkAxes(Section):
+    """Echo state networks of a block: neurons x validation strategies x seeds."""
+
+    neurons: Some[Size] = setting("sizes of the reservoir")
+    validation: Some[Strategy] = setting("strategies: RV is Recycle, SSV Single Shot, ...")
+    seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1")
+
+
+class BlockForecasters(Section):
+    """Forecasters of a block, by kind; null for none of a kind."""
+
+    esn: NetworkAxes | None = setting("echo state networks", default=None)
+    equations: NoAxes | None = setting("the equations, from the true state", default=None)
+    equations_noisy: NoAxes | None = setting("the equations, as observed", default=None)
+
+
+class NetworkChoice(Section):
+    """Which of the campaign's networks; what is left out is not restricted."""
+
+    neurons: Distinct[Size] = setting("sizes of the reservoir", one_of=SIZES, default=[])
+    validation: Distinct[Strategy] = setting("strategies", one_of=STRATEGIES, default=[])
+
+
+class Choice(Section):
+    """Which of the campaign's forecasters, by kind; null for none of a kind."""
+
+    esn: NetworkChoice | None = setting("echo state networks", default=None)
+    equations: NoAxes | None = setting("the equations, from the true state", default=None)
+    equations_noisy: NoAxes | None = setting("the equations, as observed", default=None)
+
+
 class Block(Section):
-    """Block of the campaign: cases x neurons x validation strategies x seeds."""
+    """Block of the campaign: cases x forecasters."""
 
     reynolds: Some[Positive] = setting(
         "Reynolds numbers; each names the case Re<value> of the shear flow", default=[]
     )
     cases: Some[CaseName] = setting("names of entries of `cases`", default=[])
-    neurons: Some[Size] = setting("sizes of the reservoir")
-    validation: Some[Strategy] = setting("strategies: Single Shot (SSV), Recycle (RV)")
-    seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1")
+    forecasters: BlockForecasters
 
 
 class Ensemble(Section):
@@ -167,18 +202,21 @@ class Case(Section):
     recycle_validation: RecycleValidation
 
 
-class Network(Section):
-    """Echo state network."""
+class EchoStateNetwork(Section):
+    """Echo state networks."""
 
     connectivity: Positive = setting("mean number of connections of a neuron")
     input_bias: float = setting("constant that is appended to the normalised inputs, b_in")
-    washout_lt: Positive = setting(
-        "open loop that is dropped before training and before a forecast"
-    )
     divergence_bound: float = setting(
         "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
     )
-    kernel: Literal["compiled", "scipy"] = setting("implementation of the reservoir's dynamics")
+    backend: Literal["numba", "scipy"] = setting("implementation of the reservoir's dynamics")
+
+
+class Forecasters(Section):
+    """Settings of the kinds of forecasters that have any."""
+
+    esn: EchoStateNetwork
 
 
 class Search(Section):
@@ -227,9 +265,7 @@ class Horizon(Section):
 class Statistics(Section):
     """Long-term statistics of the networks' own flow."""
 
-    validation: Distinct[Strategy] = setting(
-        "strategies whose networks are run; none: no statistics"
-    )
+    forecasters: Choice = setting("forecasters that are run freely")
     starting_points: Count = setting("closed loops of each network, started in the training series")
     start_spacing_lt: Positive = setting("time between two starting points")
     duration: Positive = setting("length of each closed loop", TIME)
@@ -249,17 +285,12 @@ class Sweep(Section):
 class Control(Section):
     """Prediction-triggered control."""
 
-    neurons: Distinct[Size] = setting(
-        "sizes of the reservoir whose networks control", one_of=SIZES, when=CONTROL
-    )
-    validation: Distinct[Strategy] = setting("strategies whose networks control; none: no control")
+    forecasters: Choice = setting("forecasters that control")
     prediction_times_lt: Distinct[Positive] = setting("prediction times")
     window_lt: Positive = setting("length of the window that a forecast is judged in")
     flows: Count = setting("series that each network controls, taken after the training series")
     span_lt: Positive = setting("how long each flow counts")
-    references: Distinct[Literal["equations", "random"]] = setting(
-        "what the networks are compared with"
-    )
+    random_alarms: bool = setting("whether alarms at random, as often as theirs, are compared")
     sweep: Sweep
 
 
@@ -288,9 +319,7 @@ class Figures(Section):
 
     published_overlay: bool = setting("draw the paper's published values on ours")
     example_case: CaseName = setting("case of the network whose forecasts are shown as examples")
-    example_neurons: Size = setting("size of the reservoir of the example")
-    example_validation: Strategy = setting("validation strategy of the example")
-    example_seed: Whole = setting("seed of the example, counted from 0", ge=0)
+    example_forecaster: NetworkName = setting("network whose forecasts are shown as examples")
     example_prediction_time_lt: Positive = setting("prediction time of the examples", one_of=TIMES)
     example_horizon_lt: Positive = setting("horizon of the example event; the nearest one is shown")
     fixed_neurons: Size = setting("size of the reservoir where panels hold it fixed", one_of=SIZES)
@@ -324,7 +353,10 @@ class Configuration(Section):
     case_defaults: Case
     # an entry is a part of a case: `burstcast_workflow.config.messages` lets it leave settings out
     cases: dict[CaseName, Case] = setting("what differs from case_defaults, by case")
-    network: Network
+    washout_lt: Positive = setting(
+        "observations that a forecaster is given before it starts, and training leaves out"
+    )
+    forecasters: Forecasters
     search: Search
     classification: Classification
     horizon: Horizon

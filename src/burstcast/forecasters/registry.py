@@ -1,0 +1,39 @@
+"""Forecasters by name: the module ``burstcast.forecasters.<kind>`` holds the kind ``<kind>``.
+
+A new kind is one new module with one concrete subclass of `Forecaster` in it; nothing has to be
+registered.
+"""
+
+import burstcast.forecasters
+from burstcast.discovery import concrete_classes, module_names, suggestion
+from burstcast.forecasters.base import Forecaster
+
+_OTHERS = ("base", "registry")
+
+
+def available_kinds() -> list[str]:
+    """Names of all the kinds, sorted."""
+    return [name for name in module_names(burstcast.forecasters) if name not in _OTHERS]
+
+
+def forecaster_class(kind: str) -> type[Forecaster]:
+    """Find the class of the forecasters of a kind: "esn", "equations", ...
+
+    Raises
+    ------
+    ValueError
+        If there is no such kind.
+    TypeError
+        If its module does not define just one.
+    """
+    if kind not in available_kinds():
+        available = available_kinds()
+        raise ValueError(
+            f"unknown kind of forecaster {kind!r}{suggestion(kind, available)}; "
+            f"the available kinds are {', '.join(available)}"
+        )
+    classes = concrete_classes(burstcast.forecasters, kind, Forecaster)  # type: ignore[type-abstract]
+    if len(classes) != 1:
+        names = ", ".join(found.__name__ for found in classes) or "none"
+        raise TypeError(f"burstcast.forecasters.{kind} must define one forecaster, not {names}")
+    return classes[0]

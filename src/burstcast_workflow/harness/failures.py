@@ -1,0 +1,66 @@
+"""What went wrong in a run: the ends of the logs of the jobs that failed, all in one place."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+_MOST_JOBS = 10
+_LAST_LINES = 12
+_LAST_BYTES = 20_000
+_DONE = " is done: "  # what `burstcast_workflow.harness.job.run_job` ends a log with
+
+
+def failure_summary(rule_logs: Path, scheduler_logs: Path, since: float) -> str:
+    """Tell which jobs have failed since a time, with the last lines of their logs.
+
+    A job whose log does not end with its success has failed, or was killed: by a person, or for its
+    memory or time, which only the log of the scheduler's job tells.
+
+    Parameters
+    ----------
+    rule_logs
+        Directory of the rules' logs.
+    scheduler_logs
+        Directory of the logs of the scheduler's jobs, where those of failed jobs are kept. It need
+        not exist.
+    since
+        Logs that were last written before this are of other runs; seconds since the epoch.
+
+    Returns
+    -------
+    Some lines for each log; empty if there are none.
+    """
+    failed = [path for path in _written(rule_logs, since) if _DONE not in _end(path, 1)]
+    parts = []
+    for title, logs in (
+        ("did not finish", failed),
+        ("log of a job of the scheduler", _written(scheduler_logs, since)),
+    ):
+        parts += [_part(title, path) for path in logs[:_MOST_JOBS]]
+        if len(logs) > _MOST_JOBS:
+            others = "".join(f"\n    {path}" for path in logs[_MOST_JOBS:])
+            parts.append(f"{len(logs) - _MOST_JOBS} more ({title}):{others}")
+    return "\n\n".join(parts)
+
+
+def _written(directory: Path, since: float) -> list[Path]:
+    """Logs that were written since a time, in the order in which they were."""
+    times = {path: path.stat().st_mtime for path in _logs(directory)}
+    return sorted((path for path in times if times[path] >= since), key=lambda path: times[path])
+
+
+def _logs(directory: Path) -> Iterable[Path]:
+    return directory.rglob("*.log") if directory.is_dir() else []
+
+
+def _part(title: str, path: Path) -> str:
+    lines = _end(path, _LAST_LINES) or "(empty)"
+    return f"{path} ({title}):\n    " + lines.replace("\n", "\n    ")
+
+
+def _end(path: Path, lines: int) -> str:
+    """Return the last lines of a file that are not blank."""
+    with path.open("rb") as file:
+        file.seek(0, 2)
+        file.seek(max(0, file.tell() - _LAST_BYTES))
+        text = file.read().decode("utf-8", errors="replace")
+    return "\n".join([line for line in text.splitlines() if line.strip()][-lines:])

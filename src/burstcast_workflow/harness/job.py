@@ -1,0 +1,198 @@
+"""What every script of the workflow runs in: its log, its failure, its provenance.
+
+A script is one function with explicit arguments and a call::
+
+    def train(*, ensemble: str, forecaster: str, settings: Settings, provenance: Provenance): ...
+
+    if __name__ == "__main__":
+        run_job(snakemake, train)  # noqa: F821 - Snakemake puts it there
+
+The arguments are the rule's inputs and outputs by their names, ``settings`` the settings that the
+rule declares and ``provenance`` what goes into the output files as their origin; a function takes
+those that it needs.
+"""
+
+import inspect
+import logging
+import os
+import platform
+import re
+import resource
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NoReturn
+
+from burstcast_workflow.canonical import canonical, canonical_json
+from burstcast_workflow.harness.cache import cached_job, location, through_cache
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import remove_partial
+
+logger = logging.getLogger(__name__)
+
+# Those that change results. All of them in every output: which of them a job imports depends on its
+# settings, and numba is imported late.
+_LIBRARIES = ("numpy", "scipy", "numba", "scikit-optimize")
+
+Provenance = dict[str, str]
+
+
+def run_job(snakemake: Any, function: Callable[..., None]) -> None:
+    """Run a script's function with everything that it prints in the rule's log.
+
+    Floating-point errors keep NumPy's defaults, a warning in the log: a diverged forecast is a
+    result, and it is the library that knows when a number that is not finite is an error.
+
+    Parameters
+    ----------
+    snakemake
+        The object that Snakemake puts into the script.
+    function
+        The script's: its parameters are names of inputs and outputs, ``settings``, ``provenance``.
+
+    Raises
+    ------
+    SystemExit
+        With status 1 if ``function`` raises; the traceback is in the log, one line on stderr.
+    """
+    log = Path(snakemake.log[0])
+    log.parent.mkdir(parents=True, exist_ok=True)
+    label = _label(snakemake)
+    signal.signal(signal.SIGTERM, _terminate)
+    start = time.monotonic()
+    with _output_to(log) as stderr:
+        logging.basicConfig(
+            stream=sys.stderr,
+            level=logging.INFO,
+            format="%(asctime)s %(levelname)s %(name)s: %(message)s",
+            force=True,
+        )
+        logging.captureWarnings(True)
+        try:
+            identity = job_identity(snakemake.rule, snakemake.wildcards)
+            declared = canonical(dict(snakemake.params.settings), "params.settings")
+            settings = Settings(declared, identity)
+            logger.info("%s starts with settings %s", label, canonical_json(declared))
+            for path in snakemake.output:
+                Path(path).parent.mkdir(parents=True, exist_ok=True)
+                remove_partial(path)
+            compute = partial(
+                function,
+                **arguments_for(
+                    function,
+                    {
+                        **_by_name(snakemake.input),
+                        **_by_name(snakemake.output),
+                        "settings": settings,
+                        "provenance": provenance(identity, declared),
+                    },
+                ),
+            )
+            directory = location()
+            if directory is None:
+                compute()
+            else:
+                through_cache(directory, cached_job(snakemake, declared, identity), compute)
+            if unread := settings.unread():
+                logger.info("settings not read: %s", ", ".join(unread))
+            logger.info("%s is done: %s", label, _cost(start))
+        except Exception as error:
+            traceback.print_exc()
+            logger.error("%s failed: %s", label, _cost(start))
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            print(f"{label} failed: {reason} (log: {log})", file=stderr, flush=True)
+            raise SystemExit(1) from None
+
+
+def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Provenance:
+    """Tell what makes an output: package, job, settings, versions; no time, machine or path."""
+    record = {
+        "source": f"burstcast {version('burstcast')}",
+        "rule": identity["rule"],
+        "identity": canonical_json(dict(identity)),
+        "settings": canonical_json(dict(settings)),
+        "python": platform.python_version(),
+    }
+    return {**record, **{library: version(library) for library in _LIBRARIES}}
+
+
+def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
+    """Rule and wildcards of a job, numbers as numbers."""
+    return {"rule": rule, **{name: _value(text) for name, text in wildcards.items()}}
+
+
+def _by_name(files: Any) -> dict[str, Any]:
+    return {name: file if isinstance(file, str) else list(file) for name, file in files.items()}
+
+
+def arguments_for(function: Callable[..., Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of the given arguments that a function takes; files it must take all."""
+    taken = inspect.signature(function).parameters
+    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in taken.values()):
+        return {name: value for name, value in given.items() if name != "provenance"}
+    ignored = [name for name in given if name not in (*taken, "settings", "provenance")]
+    if ignored:
+        raise TypeError(f"{function.__name__} takes no argument {', '.join(ignored)}")
+    return {name: value for name, value in given.items() if name in taken}
+
+
+def _value(text: str) -> str | int | float:
+    if not re.fullmatch(r"\d+(\.\d+)?", text):
+        return text
+    number = float(text)
+    return int(number) if number.is_integer() else number
+
+
+def _label(snakemake: Any) -> str:
+    """Rule and wildcards as a person reads them: train (case=Re400, seed=3)."""
+    wildcards = ", ".join(f"{name}={value}" for name, value in snakemake.wildcards.items())
+    return f"{snakemake.rule} ({wildcards})" if wildcards else str(snakemake.rule)
+
+
+@contextmanager
+def _output_to(log: Path) -> Iterator[Any]:
+    """Send stdout and stderr to the log, compiled code's included; yield the original stderr."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    saved = os.dup(1), os.dup(2)
+    streams = sys.stdout, sys.stderr
+    with (
+        log.open("w", encoding="utf-8", buffering=1, errors="backslashreplace") as file,
+        os.fdopen(os.dup(saved[1]), "w", encoding="utf-8", errors="backslashreplace") as stderr,
+    ):
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+        sys.stdout = sys.stderr = file
+        try:
+            yield stderr
+        finally:
+            sys.stdout, sys.stderr = streams
+            for descriptor, original in zip((1, 2), saved, strict=True):
+                os.dup2(original, descriptor)
+                os.close(original)
+
+
+def _terminate(signum: int, _frame: Any) -> NoReturn:
+    """Leave through the exits of all contexts, which removes half-written files."""
+    raise SystemExit(128 + signum)
+
+
+def _cost(start: float) -> str:
+    return f"{time.monotonic() - start:.2f} s, peak memory {_peak_memory() / 2**20:.0f} MiB"
+
+
+def _peak_memory() -> int:
+    """Largest resident memory of this process so far, in bytes."""
+    status = Path("/proc/self/status")
+    if status.exists():  # getrusage on Linux includes the process that this one was forked from
+        for line in status.read_text().splitlines():
+            if line.startswith("VmHWM:"):
+                return int(line.split()[1]) * 1024
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024

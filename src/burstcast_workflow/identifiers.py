@@ -1,0 +1,73 @@
+"""What forecasters are called: one identifier in paths, tables, figures and messages.
+
+An identifier is the kind, and then what tells forecasters of a kind apart: ``equations``,
+``esn-N2000-RV-seed3``. Kinds are modules of `burstcast.forecasters`.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+_PATTERN = re.compile(
+    r"(?P<kind>[a-z][a-z0-9_]*)(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
+)
+
+
+@dataclass(frozen=True)
+class ForecasterName:
+    """Which forecaster it is, whatever its case: None for what does not apply to its kind.
+
+    Attributes
+    ----------
+    kind
+        Module of `burstcast.forecasters`.
+    neurons, validation, seed
+        Of a network.
+    """
+
+    kind: str
+    neurons: int | None = None
+    validation: str | None = None
+    seed: int | None = None
+
+    @property
+    def identifier(self) -> str:
+        """Its name in paths, tables and messages."""
+        parts = [
+            f"{prefix}{value}"
+            for prefix, value in (
+                ("", self.kind),
+                ("N", self.neurons),
+                ("", self.validation),
+                ("seed", self.seed),
+            )
+            if value is not None
+        ]
+        return "-".join(parts)
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """Its key columns in tables."""
+        return {
+            "forecaster": self.kind,
+            "neurons": self.neurons,
+            "validation": self.validation,
+            "seed": self.seed,
+        }
+
+
+def parsed(identifier: str) -> ForecasterName:
+    """Read an identifier.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    match = _PATTERN.fullmatch(identifier)
+    if match is None:
+        raise ValueError(f"{identifier!r} is no forecaster; one is esn-N2000-RV-seed3")
+    neurons, seed = (
+        None if match[name] is None else int(match[name]) for name in ("neurons", "seed")
+    )
+    return ForecasterName(match["kind"], neurons, match["validation"], seed)

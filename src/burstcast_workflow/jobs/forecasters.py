@@ -1,0 +1,75 @@
+"""Forecasters as files: what fitting has found, and which kind it belongs to."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from burstcast.arrays import FloatArray
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.forecasters.registry import forecaster_class
+from burstcast_workflow.harness.storage import (
+    Variable,
+    read_attributes,
+    read_netcdf,
+    write_netcdf,
+)
+from burstcast_workflow.identifiers import parsed
+from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+Settings = Mapping[str, Any]
+
+
+def forecasting_case(settings: Settings, time_unit: str | Sequence[str]) -> ForecastingCase:
+    """What forecasters of a job's case may know beside the data.
+
+    Parameters
+    ----------
+    settings
+        With system, time and ``forecaster``.
+    time_unit
+        The job's input of that name.
+    """
+    return ForecastingCase(
+        system=system_of(settings),
+        time_step=settings["case.ensemble.time_step"],
+        sampling_stride=settings["case.ensemble.sampling_stride"],
+        steps_per_lyapunov_time=lyapunov_time(settings, time_unit),
+        options=settings["forecaster.options"],
+    )
+
+
+def write_forecaster(path: str, forecaster: Forecaster, provenance: Mapping[str, str]) -> None:
+    """Write what a forecaster is restored from."""
+    record = forecaster.record()
+    variables = {
+        name: Variable(
+            tuple(f"{name}_{axis}" for axis in range(array.ndim)),
+            array,
+            "1",
+            name.replace("_", " "),
+        )
+        for name, array in record.arrays.items()
+    }
+    write_netcdf(path, variables, {**provenance, **record.attributes})
+
+
+def read_forecaster(path: str, settings: Settings, time_unit: str | Sequence[str]) -> Forecaster:
+    """Read a forecaster of a job's own kind.
+
+    Parameters
+    ----------
+    path
+        The file.
+    settings
+        With system, time and ``forecaster``, the job's identifier among them.
+    time_unit
+        The job's input of that name.
+    """
+    kind = forecaster_class(parsed(settings["forecaster"]).kind)
+    record = ForecasterRecord(read_netcdf(path), read_attributes(path))
+    return kind.restore(record, forecasting_case(settings, time_unit))
+
+
+def seen(forecaster: Forecaster, observed: FloatArray, true: FloatArray) -> FloatArray:
+    """What a forecaster is given: observed states, or true ones if it is a bound for others."""
+    return true if forecaster.sees_truth else observed

@@ -1,0 +1,54 @@
+"""Long-term statistics as files: histogram of the observable, moments of the state."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from burstcast.statistics.densities import Histogram
+from burstcast.statistics.moments import StateMoments
+from burstcast.statistics.reductions import LongTermStatistics
+from burstcast_workflow.harness.storage import Variable, read_netcdf, write_netcdf
+
+
+def write_statistics(
+    path: str | Path,
+    statistics: LongTermStatistics,
+    provenance: Mapping[str, str],
+    others: Mapping[str, Variable] | None = None,
+) -> None:
+    """Write statistics, and other variables beside them, to a NetCDF file."""
+    histogram, moments = statistics.histogram, statistics.moments
+    write_netcdf(
+        path,
+        {
+            "edge": Variable(("edge",), histogram.edges, "1", "edges of the histogram's bins"),
+            "count": Variable(("bin",), histogram.counts, "1", "samples of the observable"),
+            "below": Variable((), histogram.below, "1", "samples below the first bin"),
+            "above": Variable((), histogram.above, "1", "samples above the last bin"),
+            "states": Variable((), moments.count, "1", "states that the moments are taken over"),
+            "mean": Variable(("component",), moments.mean, "1", "mean state"),
+            "mean_product": Variable(
+                ("component", "other_component"),
+                moments.mean_product,
+                "1",
+                "mean products of the components",
+            ),
+            **(others or {}),
+        },
+        provenance,
+    )
+
+
+def read_statistics(path: str | Path) -> LongTermStatistics:
+    """Read statistics that `write_statistics` wrote."""
+    data = read_netcdf(path)
+    return LongTermStatistics(
+        histogram=Histogram(
+            edges=data["edge"],
+            counts=data["count"],
+            below=int(data["below"]),
+            above=int(data["above"]),
+        ),
+        moments=StateMoments(
+            count=int(data["states"]), mean=data["mean"], mean_product=data["mean_product"]
+        ),
+    )

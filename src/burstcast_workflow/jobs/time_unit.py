@@ -1,0 +1,42 @@
+"""The unit of time of a case, from the config or from the exponent that a job computed."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from burstcast import durations
+from burstcast_workflow.harness.storage import read_json
+
+
+def sampling_interval(settings: Mapping[str, Any]) -> float:
+    """Time between two steps of the network, in time units."""
+    ensemble = "case.ensemble"
+    return float(settings[f"{ensemble}.time_step"] * settings[f"{ensemble}.sampling_stride"])
+
+
+def lyapunov_time(settings: Mapping[str, Any], time_unit: str | Sequence[str]) -> int:
+    """Network steps in a Lyapunov time.
+
+    Parameters
+    ----------
+    settings
+        Of a job, with those of the ensemble's steps and of the exponent.
+    time_unit
+        The job's input of that name: the file of the computed exponents, or nothing.
+
+    Raises
+    ------
+    ValueError
+        If the computed exponent gives no time unit.
+    """
+    published = settings["case.lyapunov.published_exponent"]
+    interval = sampling_interval(settings)
+    if settings["case.lyapunov.time_unit"] == "published" and published is not None:
+        return durations.steps_per_lyapunov_time(published, interval)
+    exponent = read_json(str(time_unit))["leading"]["mean"]
+    try:
+        return durations.steps_per_lyapunov_time(exponent, interval)
+    except ValueError as error:
+        raise ValueError(
+            f"the computed Lyapunov exponent cannot be the unit of time: {error} "
+            f"(lyapunov.published_exponent, lyapunov.time_unit)"
+        ) from error

@@ -1,0 +1,54 @@
+"""What percentiles over networks are taken of, by table."""
+
+from dataclasses import dataclass
+
+NETWORK_KEYS = ("case", "reynolds", "forecaster", "neurons", "validation")
+"""What tells the networks of a table apart, the seed left out."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What percentiles over networks are taken of.
+
+    Attributes
+    ----------
+    metrics
+        Columns of the table.
+    keys
+        Columns that tell rows of one network apart.
+    """
+
+    metrics: tuple[str, ...]
+    keys: tuple[str, ...] = ()
+
+
+SUMMARIES = {
+    "hyperparameters": Summary(("spectral_radius", "input_scaling", "tikhonov", "objective")),
+    "classification": Summary(("precision", "recall", "f_score"), ("prediction_time_lt",)),
+    "horizon": Summary(("mean_horizon_lt", "median_horizon_lt")),
+    "statistics": Summary(
+        (
+            "discarded_fraction",
+            "kantorovich",
+            "mean_log_error",
+            "nrmse_u",
+            "nrmse_uu",
+            "nrmse_uv",
+        )
+    ),
+    "control": Summary(
+        (
+            "exceedance_uncontrolled",
+            "exceedance_controlled",
+            "exceedance_free",
+            "reduction",
+            "control_fraction",
+            "alarms",
+            "false_alarms",
+            "missed_events",
+            "unsuppressed_events",
+        ),
+        ("prediction_time_lt",),
+    ),
+}
+"""Tables with one row for each network, by name."""

@@ -1,0 +1,92 @@
+"""Find the extreme events of the series that were not used for training."""
+
+import numpy as np
+
+from burstcast import durations
+from burstcast.forecast.starting_points import (
+    SeriesPoints,
+    crossing_points,
+    horizon_events,
+    segments,
+)
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import (
+    Variable,
+    read_netcdf,
+    read_rows,
+    write_json,
+    write_netcdf,
+)
+from burstcast_workflow.jobs.data import observed_rows
+from burstcast_workflow.jobs.length_checks import check_horizon, check_kept_series
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+
+def events_of_case(
+    *,
+    ensemble: str,
+    time_unit: str | list[str],
+    events: str,
+    summary: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the events, with what was observed and what was true before each of them."""
+    steps = lyapunov_time(settings, time_unit)
+    first, threshold = settings["case.training.series"], settings["case.event_threshold"]
+    longest_lt = settings["horizon.longest_start_lt"]
+    observable = read_netcdf(ensemble, "observable")["observable"]
+    check_kept_series(len(observable), {"training.series": first})
+    check_horizon(observable.shape[1], steps, settings["washout_lt"], longest_lt)
+    if not threshold > observable.mean():
+        raise ValueError(
+            f"event_threshold is {threshold}, but it must exceed the mean of the "
+            f"observable over all data, {observable.mean():.4g}"
+        )
+    crossings = crossing_points(observable, threshold)
+    before = durations.steps(longest_lt, steps) + durations.steps(settings["washout_lt"], steps) - 1
+    points = horizon_events(crossings, first, before, settings["horizon.events"])
+    last = int(points.series.max()) + 1 if len(points) else first
+    states = read_rows(ensemble, "state", first, last)
+    observed = observed_rows(settings, ensemble, first, states)
+    in_part = SeriesPoints(points.series - first, points.step)
+    write_netcdf(
+        events,
+        {
+            "series": Variable(("event",), points.series, "1", "row among the kept series"),
+            "step": Variable(("event",), points.step, "1", "step at which the event begins"),
+            "observed": Variable(
+                ("event", "step_before", "component"),
+                segments(observed, in_part, before, 0),
+                "1",
+                "observed states up to the event",
+            ),
+            "true_state": Variable(
+                ("event", "step_before", "component"),
+                segments(states, in_part, before, 0),
+                "1",
+                "true states up to the event, for forecasters that see them",
+            ),
+            "truth": Variable(
+                ("event", "step_before"),
+                segments(observable, points, before, 0),
+                "1",
+                "true observable up to the event",
+            ),
+        },
+        provenance,
+    )
+    write_json(
+        summary,
+        {
+            "events_per_series": len(crossings) / len(observable),
+            "usable_events": len(points),
+            "largest_observable": float(np.max(observable)),
+            "provenance": provenance,
+        },
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, events_of_case)  # noqa: F821 - Snakemake puts it there

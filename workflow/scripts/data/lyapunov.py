@@ -1,0 +1,82 @@
+"""Lyapunov exponents of a case: the spectrum by QR, the leading one by growth of perturbations."""
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.systems.lyapunov import (
+    alignment_of,
+    attractor_size,
+    lyapunov_spectrum,
+    mean_with_interval,
+    perturbation_growth,
+)
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_rows, write_json
+from burstcast_workflow.jobs.data import kept_series, system_of
+from burstcast_workflow.jobs.length_checks import check_kept_series
+
+
+def lyapunov(
+    *,
+    ensemble: str,
+    exponents: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the exponents with their 95 % confidence intervals."""
+    system = system_of(settings)
+    time_step, series = settings["case.ensemble.time_step"], settings["case.lyapunov.series"]
+    check_kept_series(kept_series(ensemble), {"lyapunov.series": series})
+    states = read_rows(ensemble, "state", 0, series)
+    start = np.ascontiguousarray(states[:, 0].T)
+    # along the kept series, which are known not to laminarise
+    steps = (states.shape[1] - 1) * settings["case.ensemble.sampling_stride"]
+    interval = round(settings["case.lyapunov.orthonormalisation_interval"] / time_step)
+    alignment = alignment_of(steps, interval)
+    spectrum = lyapunov_spectrum(
+        system,
+        start,
+        time_step,
+        steps - alignment,
+        interval,
+        alignment_steps=alignment,
+    )
+    size = attractor_size(states.reshape(-1, states.shape[2]).T)
+    growth = perturbation_growth(
+        system,
+        start,
+        time_step,
+        steps - alignment,
+        settings["case.lyapunov.perturbation"] * size,
+        settings["case.lyapunov.saturation"] * size,
+        random_streams.stream(settings["random_seed"], "lyapunov", settings["case"]),
+        alignment_steps=alignment,
+    )
+    spectral = mean_with_interval(spectrum.exponents)
+    by_growth = mean_with_interval(growth.exponents)
+    write_json(
+        exponents,
+        {
+            "leading": {
+                "mean": float(spectral.mean[0]),
+                "low": float(spectral.low[0]),
+                "high": float(spectral.high[0]),
+            },
+            "leading_by_growth": {
+                "mean": float(by_growth.mean),
+                "low": float(by_growth.low),
+                "high": float(by_growth.high),
+            },
+            "spectrum": spectral.mean.tolist(),
+            "spectrum_low": spectral.low.tolist(),
+            "spectrum_high": spectral.high.tolist(),
+            "series": len(states),
+            "duration": spectrum.duration,
+            "provenance": provenance,
+        },
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, lyapunov)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,71 @@
+"""Long-term statistics of all the data and of the training set, and the sampling floor."""
+
+from dataclasses import fields
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.statistics.measures import Measures, sampling_floor
+from burstcast.statistics.profiles import equally_spaced_profiles
+from burstcast.statistics.reductions import reduce_series
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import Variable, read_json, read_rows, write_netcdf
+from burstcast_workflow.jobs.data import edges_of, system_of
+from burstcast_workflow.jobs.statistics_files import write_statistics
+
+SERIES_AT_A_TIME = 100
+
+
+def reference_statistics(
+    *,
+    ensemble: str,
+    summary: str,
+    data: str,
+    training: str,
+    floor: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the statistics of the data and of the training set, and the floor of the measures."""
+    system = system_of(settings)
+    kept = read_json(summary)["series_kept"]
+    blocks = (
+        read_rows(ensemble, "state", start, min(start + SERIES_AT_A_TIME, kept))
+        for start in range(0, kept, SERIES_AT_A_TIME)
+    )
+    series = reduce_series(
+        blocks,
+        system.observable,
+        edges_of(settings["case.density"]),
+    )
+    first = slice(0, settings["case.training.series"])
+    write_statistics(data, series.merged(slice(None)), provenance)
+    write_statistics(training, series.merged(first), provenance)
+    splits = sampling_floor(
+        series,
+        equally_spaced_profiles(system, settings["statistics.profile_points"]),
+        settings["statistics.floor_splits"],
+        random_streams.stream(settings["random_seed"], "sampling floor", settings["case"]),
+    )
+    names = [field.name for field in fields(Measures)]
+    write_netcdf(
+        floor,
+        {
+            "split": Variable(("split",), np.arange(len(splits)), "1", "random split of the data"),
+            **{
+                name: Variable(
+                    ("split",),
+                    np.array([getattr(measures, name) for measures in splits]),
+                    "1",
+                    f"{name} between the parts of the split",
+                )
+                for name in names
+            },
+        },
+        provenance,
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, reference_statistics)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,55 @@
+"""Forecast the evaluation set; keep only the window summaries."""
+
+import numpy as np
+
+from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import Variable, read_netcdf, write_netcdf
+from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.forecasters import read_forecaster, seen
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.windows import windows_of
+
+
+def forecast_evaluation_set(
+    *,
+    forecaster: str,
+    evaluation_set: str,
+    time_unit: str | list[str],
+    forecast: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the first and largest observable of every window of every forecast."""
+    system = system_of(settings)
+    boundaries = window_boundaries(*windows_of(settings), lyapunov_time(settings, time_unit))
+    who = read_forecaster(forecaster, settings, time_unit)
+    points = read_netcdf(evaluation_set, "washout", "true_state")
+    summaries, diverged = forecast_summaries(
+        who,
+        system.observable,
+        seen(who, points["washout"], points["true_state"][:, np.newaxis]),
+        boundaries,
+    )
+    name = system.observable_name
+    write_netcdf(
+        forecast,
+        {
+            "first": Variable(
+                ("point", "window"),
+                summaries.first,
+                "1",
+                f"forecast {name} at the first step of each window",
+            ),
+            "largest": Variable(
+                ("point", "window"), summaries.largest, "1", f"largest forecast {name} in a window"
+            ),
+            "diverged": Variable(("point",), diverged, "1", "whether the forecast has diverged"),
+        },
+        provenance,
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, forecast_evaluation_set)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,46 @@
+"""Measure how long before each extreme event a forecaster predicts it."""
+
+from burstcast.forecast.horizon import prediction_horizons
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import Variable, read_json, read_netcdf, write_netcdf
+from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.forecasters import read_forecaster, seen
+from burstcast_workflow.jobs.horizons import horizon_search
+
+
+def measure_horizons(
+    *,
+    forecaster: str,
+    events: str,
+    summary: str,
+    time_unit: str | list[str],
+    horizon: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the prediction horizon of every event."""
+    data = read_netcdf(events)
+    who = read_forecaster(forecaster, settings, time_unit)
+    horizons = prediction_horizons(
+        who,
+        system_of(settings).observable,
+        seen(who, data["observed"], data["true_state"]),
+        data["truth"],
+        horizon_search(settings, time_unit, read_json(summary)["mean_observable"]),
+    )
+    write_netcdf(
+        horizon,
+        {
+            "series": Variable(("event",), data["series"], "1", "row among the kept series"),
+            "step": Variable(("event",), data["step"], "1", "step at which the event begins"),
+            "prediction_horizon_lt": Variable(
+                ("event",), horizons, "1", "prediction horizon of the event in Lyapunov times"
+            ),
+        },
+        provenance,
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, measure_horizons)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,68 @@
+"""Let a forecaster run freely from many points of the training set; keep its statistics."""
+
+from burstcast import durations
+from burstcast.forecast.starting_points import segments
+from burstcast.statistics.long_term import (
+    Fate,
+    FixedPointCriterion,
+    LongTermSettings,
+    long_term_starting_points,
+    run_long_term,
+)
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import Variable
+from burstcast_workflow.jobs.data import edges_of, observed_rows, system_of, training_states
+from burstcast_workflow.jobs.forecasters import read_forecaster, seen
+from burstcast_workflow.jobs.statistics_files import write_statistics
+from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
+
+
+def run_freely(
+    *,
+    ensemble: str,
+    forecaster: str,
+    time_unit: str | list[str],
+    long_term: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the forecaster's long-term statistics and what became of each closed loop."""
+    steps = lyapunov_time(settings, time_unit)
+    true = training_states(settings, ensemble)
+    who = read_forecaster(forecaster, settings, time_unit)
+    states = seen(who, observed_rows(settings, ensemble, 0, true), true)
+    washout = durations.steps(settings["washout_lt"], steps)
+    points = long_term_starting_points(
+        len(states),
+        states.shape[1],
+        durations.steps(settings["statistics.start_spacing_lt"], steps),
+        washout,
+        settings["statistics.starting_points"],
+    )
+    interval = durations.steps(settings["statistics.stuck_interval_lt"], steps)
+    try:
+        how = LongTermSettings(
+            steps=round(settings["statistics.duration"] / sampling_interval(settings)),
+            edges=edges_of(settings["case.density"]),
+            laminarisation_threshold=settings["case.laminarisation_threshold"],
+            fixed_point=FixedPointCriterion(
+                settings["case.stuck.variation"], settings["case.stuck.above"], interval
+            ),
+        )
+    except ValueError as error:
+        raise ValueError(f"{error} (statistics.duration, statistics.stuck_interval_lt)") from error
+    run = run_long_term(
+        who, system_of(settings).observable, segments(states, points, washout - 1, 0), how
+    )
+    fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
+    write_statistics(
+        long_term,
+        run.statistics,
+        provenance,
+        {"fate": Variable(("start",), run.fates, "1", f"fate of each closed loop: {fates}")},
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, run_freely)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,34 @@
+"""Draw prediction horizon and F-score against the Reynolds number."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.by_reynolds import by_reynolds
+from burstcast.published import published_percentiles
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.tables import read_table
+
+
+def draw(
+    *, horizon: str, classification: str, settings: Settings, published: str | None = None
+) -> Figure:
+    """Draw the networks of one size."""
+    horizons, scores = (
+        table[table["case"].isin(settings["shown_cases"])]
+        for table in map(read_table, (horizon, classification))
+    )
+    values = None if published is None else read_table(published)
+    return by_reynolds(
+        horizons,
+        scores,
+        settings["figures.fixed_neurons"],
+        settings["figures.reynolds_prediction_times_lt"],
+        published_horizon=None if values is None else published_percentiles(values, "horizon"),
+        published_classification=(
+            None if values is None else published_percentiles(values, "classification")
+        ),
+    )
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

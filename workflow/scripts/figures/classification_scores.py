@@ -1,0 +1,24 @@
+"""Draw precision, recall and F-score against prediction time and reservoir size."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.classification_scores import classification_scores
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.figures import of_case, published_beside
+
+
+def draw(*, percentiles: str, settings: Settings, published: str | None = None) -> Figure:
+    """Draw the scores of one case."""
+    table = of_case(settings, percentiles)
+    return classification_scores(
+        table,
+        settings["figures.fixed_neurons"],
+        settings["figures.fixed_prediction_time_lt"],
+        sizes_validation=settings["shown_validation"],
+        published=published_beside(table, published, "classification"),
+    )
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,53 @@
+"""Draw the density of the observable with and without control, averaged over the networks."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from burstcast.figures.control_density import ControlledDensity, control_density
+from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.data import system_of
+
+
+def draw(*, densities: str, settings: Settings) -> Figure:
+    """Draw one panel for each case."""
+    table, system = read_table(densities), system_of(settings)
+    panels = []
+    for panel in settings["panels"]:
+        rows = table[
+            (table["case"] == panel["case"])
+            & (table["forecaster"] == "esn")
+            & (table["neurons"] == panel["neurons"])
+            & (table["validation"] == panel["validation"])
+            & table["prediction_time_lt"].isin(settings["prediction_times_lt"])
+        ]
+        by_time = {
+            float(time): group.sort_values("low")
+            for time, group in rows.groupby("prediction_time_lt")
+        }
+        bins = next(iter(by_time.values()))
+        reynolds = bins["reynolds"].iloc[0]
+        panels.append(
+            ControlledDensity(
+                title=panel["case"] if np.isnan(reynolds) else f"Re = {reynolds:g}",
+                bin_edges=np.append(bins["low"], bins["high"].iloc[-1]),
+                threshold=panel["event_threshold"],
+                # the flows that count differ a little between prediction times
+                uncontrolled=np.mean(
+                    [group["density_uncontrolled"] for group in by_time.values()], axis=0
+                ),
+                controlled={
+                    time: group["density_controlled"].to_numpy() for time, group in by_time.items()
+                },
+            )
+        )
+    # NaN where no flow counts
+    if any(np.isfinite(panel.uncontrolled).all() for panel in panels):
+        return control_density(panels, symbol=system.observable_symbol, name=system.observable_name)
+    return nothing_to_show("No flow was free of events for long enough to be controlled.")
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

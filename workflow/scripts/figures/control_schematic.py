@@ -1,0 +1,47 @@
+"""Draw the control strategy on a suppressed event."""
+
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.control_schematic import control_schematic
+from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.jobs.data import system_of
+
+
+def draw(*, event: str, settings: Settings) -> Figure:
+    """Draw the event, the forecast and the parts of the strategy."""
+    data = read_netcdf(event)
+    if not data["mark"].size:
+        return nothing_to_show("No event was suppressed.")
+    start, stop = data["actuation_lt"]
+    return control_schematic(
+        data["time_lt"],
+        data["uncontrolled"],
+        data["controlled"],
+        data["forecast"],
+        settings["case.event_threshold"],
+        settings["prediction_time_lt"],
+        (start, stop),
+        window_lt=settings["control.window_lt"],
+        symbol=system_of(settings).observable_symbol,
+        actuation_label=_label(
+            settings["case.actuation.parameters"], settings["case.actuation.force"]
+        ),
+    )
+
+
+def _label(parameters: dict[str, float], force: Any) -> str:
+    """What the actuation does."""
+    changes = [
+        f"{'Re' if name == 'reynolds' else name.replace('_', ' ')} = {value:g}"
+        for name, value in parameters.items()
+    ]
+    return ", ".join(changes + ["added force"] * (force is not None))
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

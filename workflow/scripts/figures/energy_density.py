@@ -1,0 +1,41 @@
+"""Draw the long-term density of the observable, and the errors in it against reservoir size."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.energy_density import energy_density
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.figures import best_of, of_case, published_beside
+from burstcast_workflow.jobs.statistics_files import read_statistics
+
+
+def draw(
+    *,
+    data: str,
+    training: str,
+    long_term: list[str],
+    percentiles: str,
+    settings: Settings,
+    published: str | None = None,
+) -> Figure:
+    """Draw the data, the training set and the best network, and the measures of all networks."""
+    true, trained, system = read_statistics(data), read_statistics(training), system_of(settings)
+    table = of_case(settings, percentiles)
+    best = best_of(settings, true, long_term)
+    return energy_density(
+        true.histogram.edges,
+        true.histogram.density,
+        trained.histogram.density,
+        None if best is None else best.statistics.histogram.density,
+        table,
+        settings["case.event_threshold"],
+        network_label="" if best is None else best.label,
+        symbol=system.observable_symbol,
+        name=system.observable_name,
+        published=published_beside(table, published, "statistics"),
+    )
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,18 @@
+"""Draw the mean prediction horizon of extreme events against reservoir size."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.horizon_by_size import horizon_by_size
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.figures import of_case, published_beside
+
+
+def draw(*, percentiles: str, settings: Settings, published: str | None = None) -> Figure:
+    """Draw the horizons of one case."""
+    table = of_case(settings, percentiles)
+    return horizon_by_size(table, published=published_beside(table, published, "horizon"))
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

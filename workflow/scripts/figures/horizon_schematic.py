@@ -1,0 +1,22 @@
+"""Draw how the prediction horizon of an extreme event is measured."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.horizon_schematic import horizon_schematic
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.data import system_of
+
+
+def draw(*, settings: Settings) -> Figure:
+    """Draw it with the values of the configuration."""
+    return horizon_schematic(
+        longest_lead_time_lt=settings["horizon.longest_start_lt"],
+        lead_time_step_lt=settings["horizon.start_step_lt"],
+        tolerance=settings["horizon.tolerance"],
+        symbol=system_of(settings).observable_symbol,
+    )
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,35 @@
+"""Draw the velocity in the midplane during an event: data, network and their difference."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.midplane_planes import midplane_planes
+from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.flow_grid import make_flow_grid
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.jobs.data import system_of
+
+
+def draw(*, event: str, settings: Settings) -> Figure:
+    """Draw the event."""
+    data, system = read_netcdf(event), system_of(settings)
+    if not data["mark"].size:
+        return nothing_to_show("No isolated event occurred in the test set.")
+    grid = make_flow_grid(system, settings["figures.flow_points"])
+    return midplane_planes(
+        data["time_lt"],
+        data["true"],
+        data["forecast"],
+        data["time_lt"][data["mark"]],
+        grid.x,
+        grid.z,
+        grid.midplane(data["true_state"]),
+        grid.midplane(data["forecast_state"]),
+        settings["case.event_threshold"],
+        symbol=system.observable_symbol,
+    )
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

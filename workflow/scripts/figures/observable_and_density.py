@@ -1,0 +1,33 @@
+"""Draw the typical evolution of the observable and its density."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from burstcast.figures.observable_and_density import observable_and_density
+from burstcast.statistics.densities import histogram
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.jobs.data import edges_of, system_of
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+
+def draw(*, ensemble: str, time_unit: str | list[str], settings: Settings) -> Figure:
+    """Draw the first kept series and the histogram of all of them."""
+    system = system_of(settings)
+    observable = read_netcdf(ensemble, "observable")["observable"]
+    edges = edges_of(settings["case.density"])
+    counts = histogram(observable, edges)
+    return observable_and_density(
+        np.arange(observable.shape[1]) / lyapunov_time(settings, time_unit),
+        observable[0],
+        counts.edges,
+        counts.density,
+        settings["case.event_threshold"],
+        symbol=system.observable_symbol,
+        name=system.observable_name,
+    )
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

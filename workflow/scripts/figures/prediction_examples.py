@@ -1,0 +1,38 @@
+"""Draw one forecast with each outcome."""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
+from burstcast.forecast.examples import OUTCOMES
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.jobs.data import system_of
+
+
+def draw(*, examples: str, settings: Settings) -> Figure:
+    """Draw the outcomes that occurred."""
+    data = read_netcdf(examples)
+    shown = [
+        PredictionExample(
+            OUTCOMES[outcome],
+            data["example_time_lt"],
+            data["example_truth"][number],
+            data["example_forecast"][number],
+        )
+        for number, outcome in enumerate(data["outcome"])
+    ]
+    if not shown:
+        return nothing_to_show("No event occurred in the test set, and none was predicted.")
+    return prediction_examples(
+        shown,
+        settings["case.event_threshold"],
+        settings["figures.example_prediction_time_lt"],
+        window_lt=settings["classification.window_lt"],
+        symbol=system_of(settings).observable_symbol,
+    )
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,51 @@
+"""Draw the velocity profiles, and the errors in them against reservoir size."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from burstcast.arrays import FloatArray
+from burstcast.figures.profile_errors import profile_errors
+from burstcast.statistics.profiles import flow_modes, velocity_profiles
+from burstcast.statistics.reductions import LongTermStatistics
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.figures import best_of, of_case, published_beside
+from burstcast_workflow.jobs.statistics_files import read_statistics
+
+
+def draw(
+    *,
+    data: str,
+    training: str,
+    long_term: list[str],
+    percentiles: str,
+    settings: Settings,
+    published: str | None = None,
+) -> Figure:
+    """Draw the data, the training set and the best network, and the errors of all networks."""
+    y = np.linspace(-1.0, 1.0, settings["statistics.profile_points"])
+    modes = flow_modes(system_of(settings))
+    assert modes is not None
+    matrices = modes.profile_matrices(y)
+
+    def profiles(statistics: LongTermStatistics) -> FloatArray:
+        found = velocity_profiles(matrices, statistics.moments)
+        return np.stack([found.u, found.uu, found.uv])
+
+    true = read_statistics(data)
+    table = of_case(settings, percentiles)
+    best = best_of(settings, true, long_term)
+    return profile_errors(
+        y,
+        profiles(true),
+        profiles(read_statistics(training)),
+        None if best is None else profiles(best.statistics),
+        table,
+        network_label="" if best is None else best.label,
+        published=published_beside(table, published, "statistics"),
+    )
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

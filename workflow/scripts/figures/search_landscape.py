@@ -1,0 +1,21 @@
+"""Draw what the search for the hyperparameters of one network saw."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from burstcast.figures.search_landscape import search_landscape
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.tables import read_table
+
+
+def draw(*, traces: list[str]) -> Figure:
+    """Draw the best Tikhonov parameter of each point, for each strategy."""
+    shown = []
+    for path in traces:
+        trace = read_table(path)
+        shown.append(trace.loc[trace.groupby("evaluation")["objective"].idxmin()])
+    return search_landscape(pd.concat(shown, ignore_index=True))
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,27 @@
+"""Fit a forecaster of a kind that needs no search."""
+
+from burstcast.forecasters.registry import forecaster_class
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.identifiers import parsed
+from burstcast_workflow.jobs.data import training_series
+from burstcast_workflow.jobs.forecasters import forecasting_case, write_forecaster
+
+
+def fit(
+    *,
+    ensemble: str,
+    time_unit: str | list[str],
+    forecaster: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write what it has learnt."""
+    kind = forecaster_class(parsed(settings["forecaster"]).kind)
+    series = training_series(settings, ensemble)
+    fitted = kind.fit(series.observed, forecasting_case(settings, time_unit))
+    write_forecaster(forecaster, fitted, provenance)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, fit)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,23 @@
+"""Validate a reservoir on the grid of the search, for strategies that share their sums."""
+
+import pandas as pd
+
+from burstcast.tuning.strategies.registry import make_strategy
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.tables import write_table
+from burstcast_workflow.jobs.searches import point_validator, search_space, trace_rows
+
+
+def scan_grid(*, ensemble: str, time_unit: str | list[str], scan: str, settings: Settings) -> None:
+    """Write the objective at every point, for every strategy and Tikhonov parameter."""
+    validator = point_validator(settings, settings["reservoir"], ensemble, time_unit)
+    strategies = [make_strategy(name) for name in settings["strategies"].split("+")]
+    rows = []
+    for number, point in enumerate(search_space(settings).grid(settings["search.grid"])):
+        rows += trace_rows(number, "grid", point, validator(point, strategies))
+    write_table(scan, pd.DataFrame(rows))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, scan_grid)  # noqa: F821 - Snakemake puts it there

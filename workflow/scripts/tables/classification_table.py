@@ -1,0 +1,74 @@
+"""Score the forecasts of all forecasters at every prediction time."""
+
+from burstcast import random_streams
+from burstcast.forecast.classification import bootstrap_interval, score_forecasts, total
+from burstcast.forecast.windows import WindowSummaries
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.jobs.gather import files_of_cases, gathered
+
+
+def classification_table(
+    *,
+    forecasts: list[str],
+    evaluation_sets: list[str],
+    table: str,
+    intervals: str,
+    settings: Settings,
+) -> None:
+    """Write counts and scores, and the bootstrap intervals of the scores."""
+    sets = {
+        case: read_netcdf(path, "series", "washout_maximum", "first", "largest")
+        for case, path in files_of_cases(settings["cases"], evaluation_sets).items()
+    }
+    thresholds = {
+        record["identity"]["case"]: record["settings"]["case.event_threshold"]
+        for record in settings["cases"]
+    }
+    resolution = settings["classification.resolution_lt"]
+    rows, ends = [], []
+    for record, path in gathered(settings["rows"], forecasts):
+        case = record["identity"]["case"]
+        truth, forecast = sets[case], read_netcdf(path, "first", "largest")
+        for prediction_time in settings["classification.prediction_times_lt"]:
+            counts = score_forecasts(
+                WindowSummaries(forecast["first"], forecast["largest"]),
+                WindowSummaries(truth["first"], truth["largest"]),
+                truth["washout_maximum"],
+                truth["series"],
+                first_window=round(prediction_time / resolution) - 1,
+                windows=round(settings["classification.window_lt"] / resolution),
+                threshold=thresholds[case],
+            )
+            whole = total(counts)
+            row = {**record["keys"], "prediction_time_lt": prediction_time}
+            rows.append(
+                {
+                    **row,
+                    "true_positive": int(whole.true_positive),
+                    "false_positive": int(whole.false_positive),
+                    "false_negative": int(whole.false_negative),
+                    "true_negative": int(whole.true_negative),
+                    "precision": float(whole.precision),
+                    "recall": float(whole.recall),
+                    "f_score": float(whole.f_score),
+                }
+            )
+            generator = random_streams.stream(
+                settings["random_seed"], "bootstrap", case, str(prediction_time)
+            )
+            for metric, (low, high) in bootstrap_interval(
+                counts,
+                settings["bootstrap.resamples"],
+                settings["bootstrap.confidence"],
+                generator,
+            ).items():
+                ends.append({**row, "metric": metric, "low": low, "high": high})
+    write_table(table, keyed_table(rows))
+    write_table(intervals, keyed_table(ends))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, classification_table)  # noqa: F821 - Snakemake puts it there

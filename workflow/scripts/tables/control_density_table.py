@@ -1,0 +1,43 @@
+"""Average the densities with and without control over the networks of an ensemble."""
+
+from itertools import pairwise
+from typing import Any
+
+from burstcast.statistics.densities import Histogram, mean_density
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.jobs.gather import gathered
+
+SAMPLES = ("uncontrolled", "controlled", "free")
+GROUP = ("case", "reynolds", "forecaster", "neurons", "validation", "prediction_time_lt")
+
+
+def control_density_table(*, histograms: list[str], table: str, settings: Settings) -> None:
+    """Write the densities of each group of networks that differ by their seed only."""
+    groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for record, path in gathered(settings["rows"], histograms):
+        group = tuple(record["keys"][name] for name in GROUP)
+        groups.setdefault(group, []).append(read_netcdf(path))
+    rows = []
+    for group, found in groups.items():
+        edges = found[0]["edge"]
+        densities = {
+            name: mean_density([Histogram(data["edge"], data[name]) for data in found])
+            for name in SAMPLES
+        }
+        rows += [
+            {
+                **dict(zip(GROUP, group, strict=True)),
+                "low": low,
+                "high": high,
+                **{f"density_{name}": density[index] for name, density in densities.items()},
+            }
+            for index, (low, high) in enumerate(pairwise(edges))
+        ]
+    write_table(table, keyed_table(rows))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, control_density_table)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,33 @@
+"""Make the paper's table of the parameters of the data, for all cases."""
+
+from burstcast.systems.registry import parameters_of
+from burstcast.tables import data_parameters, described_parameters, side_by_side
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.harness.tables import write_table
+from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.gather import gathered
+
+
+def data_generation_parameters(*, summaries: list[str], table: str, settings: Settings) -> None:
+    """Write one column of values for each case."""
+    tables = {}
+    for record, path in gathered(settings["cases"], summaries):
+        case = record["settings"]
+        system = system_of(case)
+        tables[record["identity"]["case"]] = data_parameters(
+            system=described_parameters(case["case.system"], parameters_of(system)),
+            symbol=system.observable_symbol,
+            time_step=case["case.ensemble.time_step"],
+            series_duration=case["case.ensemble.duration"],
+            training_series=case["case.training.series"],
+            laminarisation_threshold=case["case.laminarisation_threshold"],
+            event_threshold=case["case.event_threshold"],
+            series_kept=read_json(path)["series_kept"],
+        )
+    write_table(table, side_by_side(tables))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, data_generation_parameters)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,47 @@
+"""Gather the summaries of all cases into the table of the dataset."""
+
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.jobs.gather import files_of_cases, gathered
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+
+def dataset_table(
+    *,
+    summaries: list[str],
+    events: list[str],
+    exponents: list[str],
+    table: str,
+    settings: Settings,
+) -> None:
+    """Write one row for each case."""
+    events_of, exponents_of = (
+        files_of_cases(settings["cases"], paths) for paths in (events, exponents)
+    )
+    rows = []
+    for record, path in gathered(settings["cases"], summaries):
+        case, of_case = record["identity"]["case"], record["settings"]
+        summary = read_json(path)
+        leading = read_json(exponents_of[case])["leading"]
+        rows.append(
+            {
+                **record["keys"],
+                "series_generated": summary["series_generated"],
+                "series_kept": summary["series_kept"],
+                "laminarised_fraction": summary["laminarised_fraction"],
+                "mean_kinetic_energy": summary["mean_observable"],
+                "events_per_series": read_json(events_of[case])["events_per_series"],
+                "lyapunov_exponent": leading["mean"],
+                "lyapunov_exponent_low": leading["low"],
+                "lyapunov_exponent_high": leading["high"],
+                "lyapunov_exponent_paper": of_case["case.lyapunov.published_exponent"],
+                "steps_per_lyapunov_time": lyapunov_time(of_case, exponents_of[case]),
+            }
+        )
+    write_table(table, keyed_table(rows))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, dataset_table)  # noqa: F821 - Snakemake puts it there

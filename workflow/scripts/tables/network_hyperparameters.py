@@ -1,0 +1,32 @@
+"""Make the paper's table of the hyperparameters of the networks."""
+
+from burstcast.tables import network_parameters, side_by_side
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.tables import write_table
+
+
+def network_hyperparameters(*, table: str, settings: Settings) -> None:
+    """Write one column of values, or one for each case where the noise differs."""
+    noise = {
+        record["identity"]["case"]: record["settings"]["case.training.noise"]
+        for record in settings["cases"]
+    }
+    if len(set(noise.values())) == 1:
+        noise = dict([next(iter(noise.items()))])
+    tables = {
+        case: network_parameters(
+            spectral_radius=settings["search.spectral_radius"],
+            input_scaling=settings["search.input_scaling"],
+            tikhonov=settings["search.tikhonov"],
+            connectivity=settings["forecasters.esn.connectivity"],
+            input_bias=settings["forecasters.esn.input_bias"],
+            noise=value,
+        )
+        for case, value in noise.items()
+    }
+    write_table(table, side_by_side(tables))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, network_hyperparameters)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,55 @@
+"""Measure how far the statistics of forecasters and of the training set are from the data's."""
+
+from burstcast.statistics.long_term import Fate
+from burstcast.statistics.measures import compare
+from burstcast.statistics.profiles import equally_spaced_profiles
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.gather import files_of_cases, gathered
+from burstcast_workflow.jobs.statistics_files import read_statistics
+
+
+def statistics_table(
+    *,
+    data: list[str],
+    training: list[str],
+    floor: list[str],
+    long_term: list[str],
+    table: str,
+    settings: Settings,
+) -> None:
+    """Write one row for each forecaster, and for each case its training set and sampling floor."""
+    training_of, floor_of = (
+        files_of_cases(settings["cases"], paths) for paths in (training, floor)
+    )
+    rows = []
+    references, matrices = {}, {}
+    for record, path in gathered(settings["cases"], data):
+        case = record["identity"]["case"]
+        references[case] = read_statistics(path)
+        matrices[case] = equally_spaced_profiles(
+            system_of(record["settings"]), settings["statistics.profile_points"]
+        )
+        keys = {**record["keys"], "neurons": None, "validation": None}
+        measures = compare(references[case], read_statistics(training_of[case]), matrices[case])
+        rows.append({**keys, "forecaster": "training", "seed": None, **vars(measures)})
+        # one row for each split of the data
+        splits = read_netcdf(floor_of[case])
+        for split in range(splits["split"].size):
+            row = {measure: float(splits[measure][split]) for measure in vars(measures)}
+            rows.append({**keys, "forecaster": "floor", "seed": split, **row})
+    for record, path in gathered(settings["rows"], long_term):
+        case = record["identity"]["case"]
+        measures = compare(references[case], read_statistics(path), matrices[case])
+        discarded = float((read_netcdf(path, "fate")["fate"] != Fate.KEPT).mean())
+        rows.append({**record["keys"], "discarded_fraction": discarded, **vars(measures)})
+    found = keyed_table(rows)
+    found.insert(6, "discarded_fraction", found.pop("discarded_fraction"))
+    write_table(table, found)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, statistics_table)  # noqa: F821 - Snakemake puts it there
