@@ -236,9 +236,9 @@ def _kinds_of_system(campaign: Campaign, case: str) -> dict[str, Any]:
     return {
         "panels": [
             {
-                "case": other,
-                "event_threshold": campaign.cases[other]["event_threshold"],
-                **_control_kind(campaign, other),
+                "identity": {"case": other},
+                "settings": campaign.settings(["case.event_threshold"], {"case": other}, {}),
+                "kind": _control_kind(campaign, other),
             }
             for other in _controlled(campaign)
             if campaign.cases[other]["system"] == system

@@ -6,7 +6,7 @@
 
 Snakemake's dry run says which jobs would run. Here the settings, code and inputs that each of them
 has now are compared with those that it last ran with, as Snakemake recorded them, and the
-differences are named: settings with their values, modules, files.
+differences are named: settings by their path in the config, modules, files.
 """
 
 import ast
@@ -21,23 +21,25 @@ from typing import Any
 from snakemake.api import DAGApi
 from snakemake.cli import args_to_api, parse_args
 
+from burstcast_workflow.canonical import natural_order
+from burstcast_workflow.identifiers import parsed
+
 _MISSING = object()
 _LONGEST_VALUE = 60
-
-# settings of all cases or networks together, which single jobs read under another name
-_SAME_SETTING = {"event_thresholds": "event_threshold"}
-# what identifies a record in a list of records
-_KEYS = ("case", "neurons", "validation", "seed", "forecaster", "prediction_time_lt")
 _DIMENSIONS = {
-    "case": "case",
-    "neurons": "size",
-    "validation": "validation strategy",
-    "seed": "seed",
-    "prediction_time_lt": "prediction time of control",
-    "forecaster": "forecaster",
-    "table": "table",
-    "figure": "figure",
+    "case": ("case", "cases"),
+    "kind": ("kind of forecaster", "kinds of forecasters"),
+    "neurons": ("size", "sizes"),
+    "validation": ("validation strategy", "validation strategies"),
+    "strategies": ("set of validation strategies", "sets of validation strategies"),
+    "seed": ("seed", "seeds"),
+    "prediction_time_lt": ("prediction time of control", "prediction times of control"),
+    "table": ("table", "tables"),
+    "figure": ("figure", "figures"),
 }
+
+Identity = Mapping[str, Any]
+Leaf = tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -87,130 +89,104 @@ class Cause:
 # -- differences -----------------------------------------------------------------------------------
 
 
-def differences(old: Any, new: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, str, str]]:
-    """Changed leaves of two settings: the case concerned (or ""), what, and how."""
-    if old == new:
-        return
-    old, new = _by_name(old), _by_name(new)
-    if isinstance(old, Mapping) and isinstance(new, Mapping):
-        for name in sorted({*old, *new}):
-            yield from differences(old.get(name, _MISSING), new.get(name, _MISSING), (*path, name))
-    elif _are_records(old) and _are_records(new):
-        yield from _record_differences(old, new, path)
-    else:
-        case, name = _named(path)
-        yield case, name, _change(old, new)
+def flat(settings: Mapping[str, Any], case: str = "") -> tuple[dict[Leaf, Any], list[Identity]]:
+    """Settings as one dictionary, and the identities of the files that are gathered.
+
+    Parameters
+    ----------
+    settings
+        Of a job. Records of what is gathered have an ``identity``, and settings of their own.
+    case
+        That they belong to.
+
+    Returns
+    -------
+    Values by case (or "") and path in the config, and identities.
+    """
+    leaves: dict[Leaf, Any] = {}
+    identities: list[Identity] = []
+    waiting: list[tuple[str, Any]] = list(settings.items())
+    while waiting:
+        path, value = waiting.pop()
+        if isinstance(value, Mapping) and value:
+            waiting += [(f"{path}.{name}", item) for name, item in value.items()]
+        elif isinstance(value, list) and all(
+            isinstance(item, Mapping) and "identity" in item for item in value
+        ):
+            for record in value:
+                identities.append(record["identity"])
+                found, _ = flat(record.get("settings", {}), record["identity"].get("case", ""))
+                leaves.update(found)
+        else:
+            leaves[case, path] = value
+    return leaves, identities
 
 
-def _by_name(value: Any) -> Any:
-    """Pairs of a name and a record, as a mapping."""
-    pairs = isinstance(value, list) and all(
-        isinstance(item, list) and len(item) == 2 and isinstance(item[0], str) for item in value
-    )
-    return dict(value) if pairs and value else value
-
-
-def _named(path: tuple[str, ...]) -> tuple[str, str]:
-    """Case and name of a setting, from where it is."""
-    if len(path) > 2 and path[0] == "cases":
-        return path[1], ".".join(path[2:])
-    if len(path) == 2 and path[0] in _SAME_SETTING:
-        return path[1], _SAME_SETTING[path[0]]
-    return "", ".".join(path)
-
-
-def _are_records(value: Any) -> bool:
-    return isinstance(value, list) and all(
-        isinstance(item, Mapping) and any(key in item for key in _KEYS) for item in value
-    )
-
-
-def _record_differences(
-    old: Sequence[Mapping[str, Any]], new: Sequence[Mapping[str, Any]], path: tuple[str, ...]
-) -> Iterator[tuple[str, str, str]]:
-    before = {_identity(record): record for record in old}
-    after = {_identity(record): record for record in new}
-    added = [dict(zip(_KEYS, key, strict=True)) for key in after if key not in before]
-    removed = [dict(zip(_KEYS, key, strict=True)) for key in before if key not in after]
-    known = [dict(zip(_KEYS, key, strict=True)) for key in before]
-    left = [dict(zip(_KEYS, key, strict=True)) for key in after]
-    for text in new_values(added, known):
-        yield "", text, ""
-    for text in new_values(removed, left, gone=True):
-        yield "", text, ""
-    if not added and not removed:
-        changed = False
-        for key, record in after.items():
-            for case, name, change in differences(before[key], record):
-                changed = True
-                yield case or str(record.get("case", "")), name, change
-        if not changed:
-            yield "", f"order of {'.'.join(path)}", ""
-
-
-def _identity(record: Mapping[str, Any]) -> tuple[Any, ...]:
-    return tuple(record.get(key) for key in _KEYS)
+def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Case (or "") and text of each difference of two settings."""
+    (before, gathered_before), (after, gathered_after) = flat(old), flat(new)
+    added = [one for one in gathered_after if one not in gathered_before]
+    removed = [one for one in gathered_before if one not in gathered_after]
+    for text in new_values(added, gathered_before):
+        yield "", text
+    for text in new_values(removed, gathered_after, gone=True):
+        yield "", text
+    concerned = {one.get("case", "") for one in (*added, *removed)}
+    for case, path in sorted({*before, *after}):
+        pair = before.get((case, path), _MISSING), after.get((case, path), _MISSING)
+        came_with_it = _MISSING in pair and case in concerned
+        if pair[0] != pair[1] and not came_with_it:
+            yield case, f"{path} {_change(*pair)}"
 
 
 def new_values(
-    added: Sequence[Mapping[str, Any]], known: Sequence[Mapping[str, Any]], *, gone: bool = False
+    added: Sequence[Identity], known: Sequence[Identity], *, gone: bool = False
 ) -> list[str]:
-    """Say what is new about some records: "one more seed, 9 -> 10 (9)".
+    """Say what is new about some jobs or files: "one more seed, 9 -> 10 (9)".
 
     Parameters
     ----------
     added
-        Records that are new, or gone.
+        Identities that are new, or gone.
     known
         The others.
     gone
         Whether the former are gone.
     """
+    unexplained = [_dimensions(one) for one in added]
+    others = [_dimensions(one) for one in known]
     texts = []
-    unexplained = list(added)
-    for name in dict.fromkeys(key for record in added for key in record):
-        others = {record.get(name) for record in known}
-        values = {record.get(name) for record in added} - others - {None}
+    for name, labels in _DIMENSIONS.items():
+        before = {one.get(name) for one in others} - {None}
+        values = {one.get(name) for one in unexplained} - before - {None}
         if not values or not known:
             continue
-        unexplained = [record for record in unexplained if record.get(name) not in values]
-        count, label = len(values), _DIMENSIONS.get(name, name)
-        number = "one" if count == 1 else str(count)
-        known_count = len(others - {None})
-        change = (
-            f"{known_count + count} -> {known_count}"
-            if gone
-            else f"{known_count} -> {known_count + count}"
-        )
-        listed = ", ".join(sorted((str(value) for value in values), key=_natural))
-        plural = label if count == 1 else _plural(label)
-        texts.append(f"{number} {'fewer' if gone else 'more'} {plural}, {change} ({listed})")
+        unexplained = [one for one in unexplained if one.get(name) not in values]
+        counts = [len(before), len(before) + len(values)]
+        number = f"{'one' if len(values) == 1 else len(values)} {'fewer' if gone else 'more'}"
+        listed = ", ".join(sorted(map(str, values), key=natural_order))
+        first, last = reversed(counts) if gone else counts
+        texts.append(f"{number} {labels[len(values) > 1]}, {first} -> {last} ({listed})")
     if unexplained:
-        texts.append("networks or cases left out" if gone else "new combinations in the campaign")
+        texts.append("forecasters or cases left out" if gone else "new combinations")
     return texts
 
 
-def _plural(label: str) -> str:
-    if label == "validation strategy":
-        return "validation strategies"
-    return label.replace("time", "times", 1) if label.startswith("prediction") else label + "s"
-
-
-def _natural(text: str) -> tuple[float, str]:
-    try:
-        return float(text), text
-    except ValueError:
-        return float("inf"), text
+def _dimensions(identity: Identity) -> dict[str, Any]:
+    """An identity by what tells jobs apart: the parts of a forecaster's name one by one."""
+    found = {name: value for name, value in identity.items() if name in _DIMENSIONS}
+    if name := identity.get("forecaster") or identity.get("reservoir"):
+        keys = parsed(name).keys
+        found |= {**keys, "kind": keys["forecaster"]}
+    return found
 
 
 def _change(old: Any, new: Any) -> str:
-    if isinstance(old, list) and isinstance(new, list):
-        added = [value for value in new if value not in old]
-        removed = [value for value in old if value not in new]
-        if len(old) + len(new) > 4 and len(added) + len(removed) < min(len(old), len(new)):
-            parts = [f"with {_shown(value)}" for value in added]
-            parts += [f"without {_shown(value)}" for value in removed]
-            return ", ".join(parts) or "in another order"
+    if isinstance(old, list) and isinstance(new, list) and len(old) + len(new) > 4:
+        added = [f"with {_shown(value)}" for value in new if value not in old]
+        removed = [f"without {_shown(value)}" for value in old if value not in new]
+        if len(added) + len(removed) < min(len(old), len(new)):
+            return ", ".join([*added, *removed]) or "in another order"
     return f"{_shown(old)} -> {_shown(new)}"
 
 
@@ -225,20 +201,15 @@ def _shown(value: Any) -> str:
 
 def changed_modules(old: Sequence[str], new: Sequence[str]) -> list[str]:
     """Names of the modules whose fingerprints differ; of those that are new or gone otherwise."""
-    before, after = (dict(_split(entry) for entry in entries) for entries in (old, new))
+    before, after = (dict(entry.rsplit("@", 1) for entry in entries) for entries in (old, new))
     changed = sorted(name for name in before if name in after and before[name] != after[name])
     return changed or sorted(before.keys() ^ after.keys())
-
-
-def _split(entry: str) -> tuple[str, str]:
-    name, _, digest = entry.rpartition("@")
-    return name, digest
 
 
 # -- causes ----------------------------------------------------------------------------------------
 
 
-def causes(jobs: Sequence[Job], known: Mapping[str, Sequence[Mapping[str, str]]]) -> list[Cause]:
+def causes(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> list[Cause]:
     """Why jobs would run, each cause with all jobs that it sets off, directly or further down.
 
     Parameters
@@ -262,16 +233,10 @@ def causes(jobs: Sequence[Job], known: Mapping[str, Sequence[Mapping[str, str]]]
         # nothing of their own has changed, nor anything they come from: Snakemake knows why
         text = "other reasons (see snakemake -n)"
         found[text] = Cause(text, jobs=unexplained)
-    return _joined(_renamed(found.values()))
+    return _joined(found.values())
 
 
-def _is_new(job: Job) -> bool:
-    return bool(job.missing) and job.recorded_settings is None
-
-
-def _own_causes(
-    job: Job, known: Mapping[str, Sequence[Mapping[str, str]]]
-) -> Iterator[tuple[str, str]]:
+def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[tuple[str, str]]:
     """Yield case and text of each cause that lies in the job itself."""
     if job.forced:
         yield "", "asked for by an option"
@@ -279,7 +244,7 @@ def _own_causes(
         yield "", f"file {path} changed"
     if job.incomplete:
         yield "", "interrupted before it was complete"
-    if _is_new(job):
+    if job.missing and job.recorded_settings is None:
         others = known.get(job.rule, [])
         texts = new_values([job.wildcards], others) if others and job.wildcards else []
         for text in texts or ["not made yet"]:
@@ -289,9 +254,9 @@ def _own_causes(
         yield "", "results were deleted"
     settled = False
     if job.recorded_settings is not None:
-        for case, name, change in differences(job.recorded_settings, job.settings):
+        for case, text in differences(job.recorded_settings, job.settings):
             settled = True
-            yield case, f"{name} {change}".strip()
+            yield case, text
     if job.recorded_code is not None:
         for module in changed_modules(job.recorded_code, job.code):
             yield "", f"code of {module} changed"
@@ -301,86 +266,48 @@ def _own_causes(
 
 
 def _downstream(jobs: Sequence[Job]) -> list[set[int]]:
-    """All jobs that a job sets off, itself included."""
-    followers: list[set[int]] = [set() for _ in jobs]
-    for number, job in enumerate(jobs):
-        for earlier in job.upstream:
-            followers[earlier].add(number)
-    closures: dict[int, set[int]] = {}
-
-    def close(start: int) -> set[int]:
-        waiting, reached = [start], {start}
-        while waiting:
-            for follower in followers[waiting.pop()]:
-                if follower in closures:
-                    reached |= closures[follower]
-                elif follower not in reached:
-                    reached.add(follower)
-                    waiting.append(follower)
-        closures[start] = reached
-        return reached
-
-    return [close(number) for number in range(len(jobs))]
-
-
-def _renamed(found: Iterable[Cause]) -> list[Cause]:
-    """Join causes that differ in the section that jobs read the setting in: windows.x and x."""
-    kept: list[Cause] = []
-    for cause in sorted(found, key=lambda cause: len(cause.text)):
-        same = [other for other in kept if cause.text.endswith(f".{other.text}")]
-        if same:
-            same[0].jobs |= cause.jobs
-            same[0].cases |= cause.cases
-        else:
-            kept.append(cause)
-    return kept
+    """All jobs that a job sets off, itself included; jobs come after those that they come from."""
+    reached: list[set[int]] = [{number} for number in range(len(jobs))]
+    for number in reversed(range(len(jobs))):
+        for earlier in jobs[number].upstream:
+            reached[earlier] |= reached[number]
+    return reached
 
 
 def _joined(found: Iterable[Cause]) -> list[Cause]:
-    """Join causes that set off the same jobs: settings that follow from one another."""
+    """Join causes that set off the same jobs: settings that were changed together."""
     by_jobs: dict[tuple[frozenset[int], frozenset[str]], Cause] = {}
     for cause in found:
-        key = frozenset(cause.jobs), frozenset(cause.cases)
-        if key in by_jobs:
-            by_jobs[key].text += f"; {cause.text}"
-        else:
-            by_jobs[key] = cause
+        first = by_jobs.setdefault((frozenset(cause.jobs), frozenset(cause.cases)), cause)
+        if first is not cause:
+            first.text += f"; {cause.text}"
     return list(by_jobs.values())
 
 
-def report(jobs: Sequence[Job], known: Mapping[str, Sequence[Mapping[str, str]]]) -> str:
+def report(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> str:
     """What would run again, and why, as text: what sets off most comes first."""
     if not jobs:
         return "Nothing would run: all results are up to date."
     lines = []
     found = sorted(causes(jobs, known), key=lambda cause: -len(cause.jobs))
     for cause in found:
-        cases = f" ({', '.join(sorted(cause.cases, key=_natural_case))})" if cause.cases else ""
-        lines.append(
-            f"{cause.text}{cases}: {_counted(jobs[number] for number in sorted(cause.jobs))}"
-        )
+        cases = f" ({', '.join(sorted(cause.cases, key=natural_order))})" if cause.cases else ""
+        counted = _counted(jobs[number] for number in sorted(cause.jobs))
+        lines.append(f"{cause.text}{cases}: {counted}")
     rules = f": {_counted(jobs)}" if len(found) > 1 else ""
     lines.append(f"\nIn all {len(jobs)} jobs{rules}")
     return "\n".join(lines)
 
 
-def _natural_case(name: str) -> tuple[str, float]:
-    letters = name.rstrip("0123456789.")
-    number = name[len(letters) :]
-    return letters, _natural(number)[0]
-
-
 def _counted(jobs: Iterable[Job]) -> str:
-    counts = Counter("figures" if job.rule.startswith("figure_") else job.rule for job in jobs)
+    counts = Counter(job.rule for job in jobs)
     return ", ".join(f"{rule} ({count})" for rule, count in counts.items())
 
 
 # -- from Snakemake --------------------------------------------------------------------------------
 
 
-def snakemake_jobs(
-    arguments: Sequence[str],
-) -> tuple[list[Job], dict[str, list[Mapping[str, str]]]]:
+def snakemake_jobs(arguments: Sequence[str]) -> tuple[list[Job], dict[str, list[Identity]]]:
     """Ask Snakemake which jobs would run.
 
     Parameters
@@ -411,8 +338,8 @@ def snakemake_jobs(
     try:
         with redirect_stdout(said), redirect_stderr(said):
             # quiet in this way, Snakemake ends a dry run before it pretends to execute the jobs
-            parser, parsed = parse_args([*arguments, "--dry-run", "--quiet", "rules", "progress"])
-            succeeded = args_to_api(parsed, parser)
+            parser, options = parse_args([*arguments, "--dry-run", "--quiet", "rules", "progress"])
+            succeeded = args_to_api(options, parser)
     finally:
         DAGApi.execute_workflow = execute
     if not succeeded or not workflows:
@@ -421,9 +348,9 @@ def snakemake_jobs(
     return _described(workflows[0])
 
 
-def _described(workflow: Any) -> tuple[list[Job], dict[str, list[Mapping[str, str]]]]:
+def _described(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
     dag, persistence = workflow.dag, workflow.persistence
-    known: dict[str, list[Mapping[str, str]]] = {}
+    known: dict[str, list[Identity]] = {}
     running = []
     for level in dag.toposorted():
         for job in sorted(level, key=lambda job: [job.rule.name, *map(str, job.output)]):
@@ -440,15 +367,15 @@ def _described(workflow: Any) -> tuple[list[Job], dict[str, list[Mapping[str, st
 def _described_job(job: Any, dag: Any, persistence: Any, numbers: Mapping[Any, int]) -> Job:
     reason = dag.reason(job)
     recorded = [values for path in job.output if (values := persistence.params(path)) is not None]
-    settings, code = _parsed(recorded[0]) if recorded else (None, None)
+    values = [_literal(text) for text in recorded[0]] if recorded else []
     return Job(
         rule=job.rule.name,
         wildcards=dict(job.wildcards_dict),
         settings=job.params.get("settings"),
         code=job.params.get("code", []),
         inputs=[str(path) for path in job.input],
-        recorded_settings=settings,
-        recorded_code=code,
+        recorded_settings=next((value for value in values if isinstance(value, dict)), None),
+        recorded_code=next((value for value in values if isinstance(value, list)), None),
         recorded_inputs=persistence.input(job.output[0]) if recorded else None,
         missing=[str(path) for path in reason.missing_output],
         incomplete=[str(path) for path in reason.incomplete_output],
@@ -458,19 +385,12 @@ def _described_job(job: Any, dag: Any, persistence: Any, numbers: Mapping[Any, i
     )
 
 
-def _parsed(recorded: Sequence[str]) -> tuple[Any, Sequence[str] | None]:
-    """Settings and code from the representations that Snakemake recorded."""
-    settings, code = None, None
-    for text in recorded:
-        try:
-            value = ast.literal_eval(text)
-        except (ValueError, SyntaxError):
-            continue
-        if isinstance(value, dict):
-            settings = value
-        elif isinstance(value, list):
-            code = value
-    return settings, code
+def _literal(text: str) -> Any:
+    """Value of a parameter from the representation that Snakemake recorded."""
+    try:
+        return ast.literal_eval(text)
+    except (ValueError, SyntaxError):
+        return None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

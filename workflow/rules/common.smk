@@ -80,42 +80,35 @@ def of_control(suffix, runs=campaign.control_runs):
 
 # -- what a stage depends on and needs ---------------------------------------------------------------
 
-# The settings from which a Lyapunov time follows, if the config knows it.
-TIME = (
-    "case.ensemble.time_step",
-    "case.ensemble.sampling_stride",
-    "case.lyapunov.time_unit",
-    "case.lyapunov.published_exponent",
-)
-SYSTEM = ("case.system", "case.parameters")
-# What everybody observes: the true states with noise.
-OBSERVED = ("random_seed", "case.training.noise", "case.training.series")
-# How forecasts are cut into windows.
-WINDOWS = (
-    "classification.resolution_lt",
-    "classification.window_lt",
+# Settings that several stages read, by a name in capitals.
+GROUPS = {
+    "SYSTEM": "case.system case.parameters",
+    # from which a Lyapunov time follows, if the config knows it
+    "TIME": "case.ensemble.time_step case.ensemble.sampling_stride "
+    "case.lyapunov.time_unit case.lyapunov.published_exponent",
+    # what everybody observes: the true states with noise
+    "OBSERVED": "random_seed case.training.noise case.training.series",
+    # how forecasts are cut into windows
+    "WINDOWS": "classification.resolution_lt classification.window_lt "
     "classification.longest_prediction_time_lt",
-)
-HORIZON = ("horizon.longest_start_lt", "horizon.start_step_lt", "horizon.tolerance")
-RESERVOIR = (
-    "random_seed",
-    "forecasters.esn.connectivity",
-    "forecasters.esn.input_bias",
+    "HORIZON": "horizon.longest_start_lt horizon.start_step_lt horizon.tolerance",
+    "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
     "forecasters.esn.backend",
-)
-CONTROL = (
-    *SYSTEM,
-    *TIME,
-    "random_seed",
-    "case.training.series",
-    "case.event_threshold",
-    "case.laminarisation_threshold",
-    "case.actuation",
-    "washout_lt",
-    "control.window_lt",
-    "control.flows",
-    "control.span_lt",
-)
+    "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
+    "search.interval_lt search.tikhonov search.spectral_radius search.input_scaling",
+    "FORECASTER": "SYSTEM TIME forecaster.options",
+    "CONTROL": "SYSTEM TIME random_seed case.training.series case.event_threshold "
+    "case.laminarisation_threshold case.actuation washout_lt control.window_lt "
+    "control.flows control.span_lt",
+}
+
+
+def listed(text):
+    """The paths of settings that a text of paths and groups stands for."""
+    paths = []
+    for name in text.split():
+        paths += listed(GROUPS[name]) if name in GROUPS else [name]
+    return list(dict.fromkeys(paths))
 
 
 def time_unit_of(case):
@@ -145,16 +138,17 @@ def time_unit_of_job(wildcards):
 time_unit = time_unit_of_job if any(map(time_unit_of, campaign.cases)) else []
 
 
-def reads(script, *paths, **values):
+def reads(script, paths="", **values):
     """Parameters of a stage: the settings that its script reads, and the code that it runs.
 
-    ``paths`` are those of the config, ``case.`` standing for the job's case and
-    ``forecaster.options`` for the section of the kind that forecasts; ``values`` are given as they are.
+    ``paths`` are those of the config and names of `GROUPS`, ``case.`` standing for the job's case
+    and ``forecaster.options`` for the section of its kind; ``values`` are given as they are.
     """
+    names = listed(paths)
 
     @of_job
     def settings(wildcards):
-        return campaign.settings(paths, wildcards, values)
+        return campaign.settings(names, wildcards, values)
 
     @of_job
     def code(wildcards):

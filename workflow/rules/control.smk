@@ -23,10 +23,7 @@ rule control:
     params:
         **reads(
             "control/control.py",
-            *CONTROL,
-            *OBSERVED,
-            "case.controlled_density",
-            "forecaster.options",
+            "CONTROL OBSERVED case.controlled_density forecaster.options",
         ),
     message:
         "{wildcards.case}, {wildcards.forecaster}: control, prediction time {wildcards.prediction_time_lt} LT"
@@ -54,11 +51,7 @@ rule control_random:
     resources:
         **needs("control_random", cached=True),
     params:
-        **reads(
-            "control/control_random.py",
-            *CONTROL,
-            "case.controlled_density",
-        ),
+        **reads("control/control_random.py", "CONTROL case.controlled_density"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: random actuation, prediction time {wildcards.prediction_time_lt} LT"
     script:
@@ -84,12 +77,7 @@ rule suppressed_event:
     resources:
         **needs("suppressed_event"),
     params:
-        **reads(
-            "control/suppressed_event.py",
-            *CONTROL,
-            *OBSERVED,
-            "forecaster.options",
-        ),
+        **reads("control/suppressed_event.py", "CONTROL OBSERVED forecaster.options"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: a suppressed event"
     script:

@@ -18,10 +18,7 @@ rule simulate:
     params:
         **reads(
             "data/simulate.py",
-            *SYSTEM,
-            "random_seed",
-            "case.ensemble",
-            "case.laminarisation_threshold",
+            "SYSTEM random_seed case.ensemble case.laminarisation_threshold",
         ),
     message:
         "{wildcards.case}: integrate the ensemble"
@@ -47,14 +44,9 @@ rule lyapunov:
     params:
         **reads(
             "data/lyapunov.py",
-            *SYSTEM,
-            "random_seed",
-            "case.ensemble.time_step",
-            "case.ensemble.sampling_stride",
-            "case.lyapunov.series",
-            "case.lyapunov.orthonormalisation_interval",
-            "case.lyapunov.perturbation",
-            "case.lyapunov.saturation",
+            "SYSTEM random_seed case.ensemble.time_step case.ensemble.sampling_stride "
+            "case.lyapunov.series case.lyapunov.orthonormalisation_interval "
+            "case.lyapunov.perturbation case.lyapunov.saturation",
         ),
     message:
         "{wildcards.case}: Lyapunov exponents"
@@ -81,13 +73,8 @@ rule evaluation_set:
     params:
         **reads(
             "data/evaluation_set.py",
-            *SYSTEM,
-            *TIME,
-            *OBSERVED,
-            "case.test_series",
-            "washout_lt",
+            "SYSTEM TIME OBSERVED WINDOWS case.test_series washout_lt "
             "classification.start_spacing_lt",
-            *WINDOWS,
         ),
     message:
         "{wildcards.case}: starting points of the forecasts"
@@ -115,11 +102,7 @@ rule events:
     params:
         **reads(
             "data/events.py",
-            *TIME,
-            *OBSERVED,
-            "case.event_threshold",
-            "washout_lt",
-            "horizon.events",
+            "TIME OBSERVED case.event_threshold washout_lt horizon.events "
             "horizon.longest_start_lt",
         ),
     message:
@@ -149,12 +132,8 @@ rule reference_statistics:
     params:
         **reads(
             "data/reference_statistics.py",
-            *SYSTEM,
-            "random_seed",
-            "case.density",
-            "case.training.series",
-            "statistics.profile_points",
-            "statistics.floor_splits",
+            "SYSTEM random_seed case.density case.training.series "
+            "statistics.profile_points statistics.floor_splits",
         ),
     message:
         "{wildcards.case}: long-term statistics of the data"

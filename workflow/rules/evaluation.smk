@@ -19,13 +19,7 @@ rule forecast:
     resources:
         **needs("forecast", cached=True),
     params:
-        **reads(
-            "evaluation/forecast.py",
-            *SYSTEM,
-            *TIME,
-            "forecaster.options",
-            *WINDOWS,
-        ),
+        **reads("evaluation/forecast.py", "FORECASTER WINDOWS"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: forecast the evaluation set"
     script:
@@ -53,12 +47,7 @@ rule horizon:
     params:
         **reads(
             "evaluation/horizon.py",
-            *SYSTEM,
-            *TIME,
-            "forecaster.options",
-            "case.event_threshold",
-            "washout_lt",
-            *HORIZON,
+            "FORECASTER HORIZON case.event_threshold washout_lt",
         ),
     message:
         "{wildcards.case}, {wildcards.forecaster}: prediction horizons"
@@ -86,19 +75,10 @@ rule long_term:
     params:
         **reads(
             "evaluation/long_term.py",
-            *SYSTEM,
-            *TIME,
-            "forecaster.options",
-            "random_seed",
-            "case.training",
-            "case.density",
-            "case.laminarisation_threshold",
-            "case.stuck",
-            "washout_lt",
-            "statistics.starting_points",
-            "statistics.start_spacing_lt",
-            "statistics.duration",
-            "statistics.stuck_interval_lt",
+            "FORECASTER random_seed case.training case.density "
+            "case.laminarisation_threshold case.stuck washout_lt "
+            "statistics.starting_points statistics.start_spacing_lt "
+            "statistics.duration statistics.stuck_interval_lt",
         ),
     message:
         "{wildcards.case}, {wildcards.forecaster}: long-term runs"
@@ -131,18 +111,10 @@ rule examples:
     params:
         **reads(
             "evaluation/examples.py",
-            *SYSTEM,
-            *TIME,
-            "forecaster.options",
-            "case.event_threshold",
-            "case.training.series",
-            "washout_lt",
-            "classification.resolution_lt",
-            "classification.window_lt",
-            "classification.longest_prediction_time_lt",
-            "figures.example_prediction_time_lt",
-            "figures.example_horizon_lt",
-            *HORIZON,
+            "FORECASTER HORIZON case.event_threshold case.training.series washout_lt "
+            "classification.resolution_lt classification.window_lt "
+            "classification.longest_prediction_time_lt "
+            "figures.example_prediction_time_lt figures.example_horizon_lt",
         ),
     message:
         "{wildcards.case}, {wildcards.forecaster}: example forecasts"
@@ -171,15 +143,8 @@ rule flow_event:
     params:
         **reads(
             "evaluation/flow_event.py",
-            *SYSTEM,
-            *TIME,
-            "forecaster.options",
-            "random_seed",
-            "case.training",
-            "case.test_series",
-            "case.event_threshold",
-            "washout_lt",
-            "figures.flow_event",
+            "FORECASTER random_seed case.training case.test_series "
+            "case.event_threshold washout_lt figures.flow_event",
         ),
     message:
         "{wildcards.case}, {wildcards.forecaster}: an event whose flow is worth seeing"

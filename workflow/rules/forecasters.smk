@@ -19,20 +19,7 @@ rule scan:
     resources:
         **needs("scan", cached=True),
     params:
-        **reads(
-            "forecasters/scan.py",
-            *SYSTEM,
-            *TIME,
-            *OBSERVED,
-            *RESERVOIR,
-            "case.recycle_validation",
-            "washout_lt",
-            "search.interval_lt",
-            "search.tikhonov",
-            "search.spectral_radius",
-            "search.input_scaling",
-            "search.grid",
-        ),
+        **reads("forecasters/scan.py", "SEARCH search.grid"),
     message:
         "{wildcards.case}, {wildcards.reservoir}: objectives on the grid, {wildcards.strategies}"
     script:
@@ -58,20 +45,7 @@ rule search:
     resources:
         **needs("search", cached=True),
     params:
-        **reads(
-            "forecasters/search.py",
-            *SYSTEM,
-            *TIME,
-            *OBSERVED,
-            *RESERVOIR,
-            "case.recycle_validation",
-            "washout_lt",
-            "search.interval_lt",
-            "search.tikhonov",
-            "search.spectral_radius",
-            "search.input_scaling",
-            "search.bayesian_points",
-        ),
+        **reads("forecasters/search.py", "SEARCH search.bayesian_points"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: Bayesian search"
     script:
@@ -98,13 +72,7 @@ rule train:
     resources:
         **needs("train", cached=True),
     params:
-        **reads(
-            "forecasters/train.py",
-            *TIME,
-            *OBSERVED,
-            *RESERVOIR,
-            "washout_lt",
-        ),
+        **reads("forecasters/train.py", "TIME OBSERVED RESERVOIR washout_lt"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: train"
     script:
@@ -131,13 +99,7 @@ rule fit:
     resources:
         **needs("fit", cached=True),
     params:
-        **reads(
-            "forecasters/fit.py",
-            *SYSTEM,
-            *TIME,
-            *OBSERVED,
-            "forecaster.options",
-        ),
+        **reads("forecasters/fit.py", "FORECASTER OBSERVED"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: fit"
     script:

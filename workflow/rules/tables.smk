@@ -24,10 +24,7 @@ rule dataset_table:
     resources:
         **needs("table"),
     params:
-        **reads(
-            "tables/dataset_table.py",
-            cases=campaign.of_each_case(*TIME),
-        ),
+        **reads("tables/dataset_table.py", cases=campaign.of_each_case(*listed("TIME"))),
     message:
         "table of the dataset"
     script:
@@ -51,8 +48,7 @@ rule hyperparameters_table:
         **needs("table"),
     params:
         **reads(
-            "tables/hyperparameters_table.py",
-            rows=campaign.keys(campaign.networks),
+            "tables/hyperparameters_table.py", rows=campaign.keys(campaign.networks)
         ),
     message:
         "table of the hyperparameters"
@@ -80,11 +76,8 @@ rule classification_table:
     params:
         **reads(
             "tables/classification_table.py",
-            "random_seed",
-            "bootstrap",
-            "classification.prediction_times_lt",
-            "classification.window_lt",
-            "classification.resolution_lt",
+            "random_seed bootstrap classification.prediction_times_lt "
+            "classification.window_lt classification.resolution_lt",
             cases=campaign.of_each_case("case.event_threshold"),
             rows=campaign.keys(campaign.forecasters),
         ),
@@ -110,10 +103,7 @@ rule horizon_table:
     resources:
         **needs("table"),
     params:
-        **reads(
-            "tables/horizon_table.py",
-            rows=campaign.keys(campaign.forecasters),
-        ),
+        **reads("tables/horizon_table.py", rows=campaign.keys(campaign.forecasters)),
     message:
         "table of the prediction horizons"
     script:
@@ -142,7 +132,7 @@ rule statistics_table:
         **reads(
             "tables/statistics_table.py",
             "statistics.profile_points",
-            cases=campaign.of_each_case(*SYSTEM),
+            cases=campaign.of_each_case(*listed("SYSTEM")),
             rows=campaign.keys(campaign.long_term_forecasters),
         ),
     message:
@@ -167,10 +157,7 @@ rule control_table:
     resources:
         **needs("table"),
     params:
-        **reads(
-            "tables/control_table.py",
-            rows=campaign.control_keys(),
-        ),
+        **reads("tables/control_table.py", rows=campaign.control_keys()),
     message:
         "table of control"
     script:
@@ -193,10 +180,7 @@ rule control_density_table:
     resources:
         **needs("table"),
     params:
-        **reads(
-            "tables/control_density_table.py",
-            rows=campaign.control_keys(),
-        ),
+        **reads("tables/control_density_table.py", rows=campaign.control_keys()),
     message:
         "densities with and without control"
     script:
@@ -227,12 +211,10 @@ rule data_generation_parameters:
         **reads(
             "tables/data_generation_parameters.py",
             cases=campaign.of_each_case(
-                *SYSTEM,
-                "case.ensemble.time_step",
-                "case.ensemble.duration",
-                "case.training.series",
-                "case.laminarisation_threshold",
-                "case.event_threshold",
+                *listed(
+                    "SYSTEM case.ensemble.time_step case.ensemble.duration case.training.series"
+                    " case.laminarisation_threshold case.event_threshold"
+                )
             ),
         ),
     message:
@@ -262,11 +244,8 @@ rule network_hyperparameters:
     params:
         **reads(
             "tables/network_hyperparameters.py",
-            "forecasters.esn.connectivity",
-            "forecasters.esn.input_bias",
-            "search.spectral_radius",
-            "search.input_scaling",
-            "search.tikhonov",
+            "forecasters.esn.connectivity forecasters.esn.input_bias "
+            "search.spectral_radius search.input_scaling search.tikhonov",
             cases=campaign.of_each_case("case.training.noise"),
         ),
     message:
@@ -296,9 +275,7 @@ rule percentiles:
     resources:
         **needs("table"),
     params:
-        **reads(
-            "tables/percentiles.py",
-        ),
+        **reads("tables/percentiles.py"),
     message:
         "percentiles over networks: {wildcards.table}"
     script:
@@ -321,9 +298,7 @@ rule latex:
     resources:
         **needs("table"),
     params:
-        **reads(
-            "tables/latex.py",
-        ),
+        **reads("tables/latex.py"),
     message:
         "table in LaTeX: {wildcards.table}"
     script:

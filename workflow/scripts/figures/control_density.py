@@ -16,11 +16,12 @@ def draw(*, densities: str, settings: Settings) -> Figure:
     table, system = read_table(densities), system_of(settings)
     panels = []
     for panel in settings["panels"]:
+        case, kind = panel["identity"]["case"], panel["kind"]
         rows = table[
-            (table["case"] == panel["case"])
+            (table["case"] == case)
             & (table["forecaster"] == "esn")
-            & (table["neurons"] == panel["neurons"])
-            & (table["validation"] == panel["validation"])
+            & (table["neurons"] == kind["neurons"])
+            & (table["validation"] == kind["validation"])
             & table["prediction_time_lt"].isin(settings["prediction_times_lt"])
         ]
         by_time = {
@@ -31,9 +32,9 @@ def draw(*, densities: str, settings: Settings) -> Figure:
         reynolds = bins["reynolds"].iloc[0]
         panels.append(
             ControlledDensity(
-                title=panel["case"] if np.isnan(reynolds) else f"Re = {reynolds:g}",
+                title=case if np.isnan(reynolds) else f"Re = {reynolds:g}",
                 bin_edges=np.append(bins["low"], bins["high"].iloc[-1]),
-                threshold=panel["event_threshold"],
+                threshold=panel["settings"]["case.event_threshold"],
                 # the flows that count differ a little between prediction times
                 uncontrolled=np.mean(
                     [group["density_uncontrolled"] for group in by_time.values()], axis=0
