@@ -9,8 +9,8 @@ import pytest
 import yaml
 from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
 
-from burstcast_workflow.storage import read_attributes, read_netcdf
-from burstcast_workflow.table_files import read_table
+from burstcast_workflow.harness.storage import read_attributes, read_netcdf
+from burstcast_workflow.harness.tables import read_table
 
 KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]
 COLUMNS = {
@@ -108,12 +108,29 @@ def test_percentiles_have_the_keys_without_the_seed(finished, name):
 @pytest.mark.parametrize("name", ["hyperparameters", "classification", "horizon"])
 def test_tables_have_every_network(finished, name):
     rows = table(finished, name)
-    assert set(zip(rows["neurons"], rows["validation"], strict=True)) == NETWORKS
     assert set(rows["case"]) == {"Re400"}
     assert set(rows["reynolds"]) == {400}
-    assert set(rows["forecaster"]) == {"esn"}
+    # the equations have no hyperparameters
+    bounds = {"equations", "equations_noisy"} if name != "hyperparameters" else set()
+    assert set(rows["forecaster"]) == {"esn", *bounds}
+    networks = rows[rows["forecaster"] == "esn"]
+    assert set(zip(networks["neurons"], networks["validation"], strict=True)) == NETWORKS
     times = 3 if name == "classification" else 1
-    assert len(rows) == times * len(NETWORKS)
+    assert len(rows) == times * (len(NETWORKS) + len(bounds))
+
+
+def test_a_perfect_forecaster_is_perfect_and_a_noisy_one_nearly(finished):
+    rows = table(finished, "classification")
+    perfect, noisy = (rows[rows["forecaster"] == name] for name in ("equations", "equations_noisy"))
+    assert (perfect[["precision", "recall", "f_score"]] == 1).all(axis=None)
+    assert perfect["neurons"].isna().all()
+    counts = ["true_positive", "false_positive", "false_negative", "true_negative"]
+    # the same points count, whoever forecasts
+    assert perfect[counts].sum(axis=1).tolist() == noisy[counts].sum(axis=1).tolist()
+    assert noisy["f_score"].mean() < 1
+    horizons = table(finished, "horizon").set_index("forecaster")["mean_horizon_lt"]
+    assert horizons["equations"] == 2  # the longest that is asked for
+    assert horizons["esn"].max() < horizons["equations_noisy"] <= 2
 
 
 def test_dataset(finished):
@@ -135,8 +152,8 @@ def test_classification_is_counted_from_the_series_themselves(finished):
     """Counts of one network at every prediction time, from the ensemble and its forecasts."""
     case = finished.project.results / "Re400"
     ensemble = read_netcdf(case / "ensemble.nc")
-    test_set = read_netcdf(case / "test_set.nc")
-    forecast = read_netcdf(case / "N40" / "RV" / "seed0" / "forecast.nc")
+    test_set = read_netcdf(case / "evaluation_set.nc")
+    forecast = read_netcdf(case / "esn-N40-RV-seed0" / "forecast.nc")
     rows = table(finished, "classification")
     rows = rows[(rows["neurons"] == 40) & (rows["validation"] == "RV")]
     energy = 0.5 * (ensemble["state"][3:15] ** 2).sum(axis=2)  # after the training series
@@ -178,7 +195,7 @@ def test_noise_is_in_what_is_observed_and_not_in_the_truth(finished):
 
 
 def test_the_search_keeps_its_whole_trace(finished):
-    network = finished.project.results / "Re400" / "N40" / "SSV" / "seed0"
+    network = finished.project.results / "Re400" / "esn-N40-SSV-seed0"
     trace = read_table(network / "search.csv")
     assert trace["source"].tolist() == ["grid"] * 12 + ["bayesian"] * 3
     assert set(trace["validation"]) == {"SSV"}
@@ -186,7 +203,7 @@ def test_the_search_keeps_its_whole_trace(finished):
     assert trace["evaluation"].tolist() == sorted([*range(5)] * 3)
     chosen = json.loads((network / "hyperparameters.json").read_text())
     assert chosen["objective"] == trace["objective"].min()
-    attributes = read_attributes(network / "network.nc")
+    attributes = read_attributes(network / "forecaster.nc")
     for name in ("spectral_radius", "input_scaling", "tikhonov"):
         assert attributes[name] == chosen[name]
 
@@ -220,7 +237,7 @@ def test_nothing_is_written_outside_of_the_results(finished):
 
 def test_a_second_run_does_nothing(finished):
     logs = finished.project.logs()
-    outcome = finished.project.snakemake("networks", "tables")
+    outcome = finished.project.snakemake("forecasters", "tables")
     assert outcome.status == 0
     assert "Nothing to be done" in outcome.text
     assert finished.project.logs() == logs
@@ -228,10 +245,10 @@ def test_a_second_run_does_nothing(finished):
 
 def test_everything_is_all_of_that_and_the_figures(finished):
     jobs = finished.project.dry_run()
-    assert {*jobs} - {"examples", "flow_event"} == {
-        rule for rule in jobs if rule.startswith("figure_") or rule == "suppressed_event"
+    assert {*jobs} == {
+        *("examples", "flow_event", "suppressed_event", "control_density_table", "figure")
     }
-    assert len(jobs) > 15
+    assert jobs["figure"] > 15
 
 
 @pytest.mark.long
@@ -249,15 +266,20 @@ def test_figures_and_a_second_run_of_everything(finished, tmp_path):
 def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
     project = finished.project.copy(tmp_path / "project")
     before, logs = results(project), project.logs()
-    (project.results / "Re400/N30/SSV/seed0/network.nc").unlink()
-    outcome = project.snakemake("networks", "tables")
+    (project.results / "Re400/esn-N30-SSV-seed0/forecaster.nc").unlink()
+    outcome = project.snakemake("forecasters", "tables")
     assert outcome.status == 0, outcome.text[-3000:]
     ran = jobs_since(logs, project.logs())
     of_network = {name for name in ran if "Re400" in name}
     assert of_network == {
-        f"{rule}/Re400-N30-SSV-seed0.log" for rule in ("train", "forecast", "horizon")
+        f"{rule}/Re400/esn-N30-SSV-seed0.log" for rule in ("train", "forecast", "horizon")
     }
-    assert rules_of(ran - of_network) <= {"classify", "horizon_table", "percentiles", "latex"}
+    assert rules_of(ran - of_network) <= {
+        "classification_table",
+        "horizon_table",
+        "percentiles",
+        "latex",
+    }
     assert results(project) == before
 
 
@@ -315,8 +337,8 @@ COMPUTED = {"lyapunov": {"published_exponent": None}}
     ("rule", "target", "case", "message"),
     [
         (
-            "test_set",
-            "Re400/test_set.nc",
+            "evaluation_set",
+            "Re400/evaluation_set.nc",
             {"test_series": 37, "laminarisation_threshold": 0.25},
             r"training.series is 3 and test_series is 37, but only 34 series did not laminarise",
         ),
@@ -328,13 +350,13 @@ COMPUTED = {"lyapunov": {"published_exponent": None}}
         ),
         (
             "scan",
-            "Re400/N30/scan/seed0/scan.csv",
+            "Re400/scan/esn-N30-seed0-RV+SSV.csv",
             {"training": {"series": 39}, "test_series": 1, "laminarisation_threshold": 0.25},
             r"training.series is 39, but only 34 series",
         ),
         (
             "scan",
-            "Re400/N30/scan/seed0/scan.csv",
+            "Re400/scan/esn-N30-seed0-RV+SSV.csv",
             {**COMPUTED, "recycle_validation": {"intervals_per_series": 50}},
             r"recycle_validation.intervals_per_series is 50, but only \d intervals of",
         ),
@@ -373,7 +395,7 @@ def test_forecasts_that_do_not_fit_a_computed_lyapunov_time(finished, tmp_path):
         "horizon": {"longest_start_lt": 100},
     }
     for rule, file, setting in (
-        ("test_set", "test_set.nc", "classification.longest_prediction_time_lt"),
+        ("evaluation_set", "evaluation_set.nc", "classification.longest_prediction_time_lt"),
         ("events", "events.nc", "horizon.longest_start_lt"),
     ):
         outcome = project.snakemake(f"results/tiny/Re400/{file}", overlay=overlay)
@@ -387,7 +409,10 @@ def test_forecasts_that_do_not_fit_a_computed_lyapunov_time(finished, tmp_path):
 LORENZ = yaml.safe_load("""
     results: results/lorenz
     campaign:
-      - {cases: [lorenz63], neurons: [40], validation: [SSV, RV], seeds: 1}
+      - cases: [lorenz63]
+        forecasters:
+          esn: {neurons: [40], validation: [SSV, RV], seeds: 1}
+          equations_noisy: {}
     cases:
       lorenz63:
         system: lorenz63
@@ -404,7 +429,7 @@ LORENZ = yaml.safe_load("""
         lyapunov: {published_exponent: null, orthonormalisation_interval: 0.2}
         test_series: 10
         recycle_validation: {series: 2, intervals_per_series: 3}
-    control: {validation: []}
+    control: {forecasters: {esn: null, equations: null}}
     statistics: {duration: 20}
     figures: {example_case: lorenz63}
 """)
@@ -445,13 +470,13 @@ def test_another_system_is_one_case_in_the_config(lorenz):
     assert counts.to_numpy().sum() > 50
     assert early["f_score"].iloc[0] > 0.5  # z of the Lorenz system is easily predicted
     horizons = read_table(lorenz / "tables" / "horizon.csv")
-    assert horizons["events"].tolist() == [8, 8]
+    assert horizons["events"].tolist() == [8, 8, 8]
 
 
 def test_the_computed_exponent_is_the_unit_of_time(lorenz):
     exponent = json.loads((lorenz / "lorenz63" / "lyapunov.json").read_text())["leading"]["mean"]
     steps = math.floor(1 / (0.02 * exponent))
-    test_set = read_netcdf(lorenz / "lorenz63" / "test_set.nc", "step", "washout")
+    test_set = read_netcdf(lorenz / "lorenz63" / "evaluation_set.nc", "step", "washout")
     assert test_set["washout"].shape[1:] == (steps // 2, 3)
     assert set(np.diff(test_set["step"][:4])) == {steps}
 

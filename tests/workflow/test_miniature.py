@@ -7,7 +7,7 @@ from helpers_rebuilds import ROOT, digests
 from recomputation import Recomputation, assert_same_rows, percentiles
 
 from burstcast_workflow.config.cases import case_records
-from burstcast_workflow.table_files import read_table
+from burstcast_workflow.harness.tables import read_table
 
 PRESET = "workflow/presets/miniature.yaml"
 TABLES = (
@@ -49,9 +49,11 @@ def test_it_has_the_shape_of_the_paper():
     paper, small = (yaml.safe_load((ROOT / name).read_text()) for name in ("config.yaml", PRESET))
     for block, miniature_block in zip(paper["campaign"], small["campaign"], strict=True):
         assert block["reynolds"] == miniature_block["reynolds"]
-        assert block["validation"] == miniature_block["validation"]
-        assert miniature_block["seeds"] >= 2
-    assert len(small["campaign"][0]["neurons"]) == 3
+        networks, small_networks = (one["forecasters"]["esn"] for one in (block, miniature_block))
+        assert networks["validation"] == small_networks["validation"]
+        assert small_networks["seeds"] >= 2
+        assert block["forecasters"].keys() == miniature_block["forecasters"].keys()
+    assert len(small["campaign"][0]["forecasters"]["esn"]["neurons"]) == 3
 
 
 def test_it_runs_to_its_end_and_makes_all_that_the_paper_has(miniature):
@@ -106,11 +108,17 @@ def test_parameters_belong_to_their_cases(miniature, anew):
 
 # -- in whatever order, by whatever name -----------------------------------------------------------
 
+
+def forecasters(neurons, validation, seeds=2):
+    networks = {"neurons": neurons, "validation": validation, "seeds": seeds}
+    return {"equations_noisy": {}, "esn": networks, "equations": {}}
+
+
 PERMUTED = {
     "campaign": [
-        {"reynolds": [1000, 600], "neurons": [40], "validation": ["RV", "SSV"], "seeds": 2},
-        {"reynolds": [400], "neurons": [50, 30], "validation": ["RV", "SSV"], "seeds": 2},
-        {"reynolds": [800, 400], "neurons": [40], "validation": ["SSV", "RV"], "seeds": 2},
+        {"reynolds": [1000, 600], "forecasters": forecasters([40], ["RV", "SSV"])},
+        {"reynolds": [400], "forecasters": forecasters([50, 30], ["RV", "SSV"])},
+        {"reynolds": [800, 400], "forecasters": forecasters([40], ["SSV", "RV"])},
     ],
     "classification": {"prediction_times_lt": [3, 1, 2]},
     "control": {"prediction_times_lt": [2, 1]},
@@ -128,9 +136,9 @@ def test_the_order_of_the_config_means_nothing(miniature, tmp_path):
 RENAMED = {
     "results": "results/renamed",
     "campaign": [
-        {"cases": ["alpha"], "neurons": [30], "validation": ["RV"], "seeds": 1},
-        {"cases": ["Zeta"], "neurons": [40, 30], "validation": ["SSV", "RV"], "seeds": 1},
-        {"reynolds": [1000, 400], "neurons": [40], "validation": ["RV"], "seeds": 2},
+        {"cases": ["alpha"], "forecasters": forecasters([30], ["RV"], 1)},
+        {"cases": ["Zeta"], "forecasters": forecasters([40, 30], ["SSV", "RV"], 1)},
+        {"reynolds": [1000, 400], "forecasters": forecasters([40], ["RV"])},
     ],
     "cases": {
         "alpha": {

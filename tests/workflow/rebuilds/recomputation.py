@@ -19,7 +19,10 @@ from sklearn.metrics import confusion_matrix, f1_score, precision_score, recall_
 from burstcast import random_streams
 
 KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]
-_NETWORK = re.compile(r"(?P<case>[^/]+)/N(?P<neurons>\d+)/(?P<validation>[A-Z]+)/seed(?P<seed>\d+)")
+_FORECASTER = re.compile(
+    r"(?P<case>[^/]+)/(?P<kind>[a-z_]+)"
+    r"(-N(?P<neurons>\d+)-(?P<validation>[A-Z]+)-seed(?P<seed>\d+))?"
+)
 _CONTROL = re.compile(r"control(_(?P<who>[a-z]+))?_PT(?P<time>[\d.]+)\.json")
 
 
@@ -46,21 +49,22 @@ class Recomputation:
         self.results, self.config, self.records = results, config, records
 
     def keys(self, path: Path) -> dict[str, Any]:
-        """Keys of the network in whose directory a file lies."""
-        found = _NETWORK.match(str(path.relative_to(self.results)))
+        """Keys of the forecaster in whose directory a file lies."""
+        found = _FORECASTER.fullmatch(str(path.parent.relative_to(self.results)))
         assert found, path
+        neurons, seed = found["neurons"], found["seed"]
         return {
             "case": found["case"],
             "reynolds": self.records[found["case"]]["parameters"].get("reynolds"),
-            "forecaster": "esn",
-            "neurons": int(found["neurons"]),
+            "forecaster": found["kind"],
+            "neurons": None if neurons is None else int(neurons),
             "validation": found["validation"],
-            "seed": int(found["seed"]),
+            "seed": None if seed is None else int(seed),
         }
 
     def files(self, name: str) -> Iterator[tuple[dict[str, Any], Path]]:
-        """Files of that name of all networks, with their keys."""
-        for path in sorted(self.results.glob(f"*/N*/*/seed*/{name}")):
+        """Files of that name of all forecasters, with their keys."""
+        for path in sorted(self.results.glob(f"*/*/{name}")):
             yield self.keys(path), path
 
     def hyperparameters(self) -> pd.DataFrame:
@@ -75,7 +79,7 @@ class Recomputation:
         """Whether an event happens and is predicted at each scored point, and its series."""
         settings = self.config["classification"]
         threshold = self.records[case]["event_threshold"]
-        truth, forecast = variables(self.results / case / "test_set.nc"), variables(path)
+        truth, forecast = variables(self.results / case / "evaluation_set.nc"), variables(path)
         first = round(time / settings["resolution_lt"]) - 1
         last = first + round(settings["window_lt"] / settings["resolution_lt"])
         scored = truth["washout_maximum"] < threshold
@@ -184,7 +188,7 @@ class Recomputation:
     def statistics(self) -> pd.DataFrame:
         """Kantorovich metric, logarithmic error and discarded share; profiles are tested apart."""
         rows = []
-        for keys, path in self.files("climate.nc"):
+        for keys, path in self.files("long_term.nc"):
             true = variables(self.results / keys["case"] / "statistics_data.nc")
             found = variables(path)
             fates = found["fate"]
@@ -218,15 +222,9 @@ class Recomputation:
         for path in sorted(self.results.glob("**/control*_PT*.json")):
             name = _CONTROL.fullmatch(path.name)
             assert name
-            who = name["who"] or "esn"
-            if who == "equations":
-                case = path.parent.name
-                keys = dict.fromkeys(KEYS) | {
-                    "case": case,
-                    "reynolds": self.records[case]["parameters"].get("reynolds"),
-                }
-            else:
-                keys = self.keys(path)
+            keys = self.keys(path)
+            if name["who"]:
+                keys["forecaster"] = name["who"]
             counts = json.loads(path.read_text())
             edge = variables(path.with_suffix(".nc"))["edge"]
             assert len(edge) == self.records[keys["case"]]["controlled_density"]["bins"] + 1
@@ -235,7 +233,6 @@ class Recomputation:
             rows.append(
                 {
                     **keys,
-                    "forecaster": who,
                     "prediction_time_lt": float(name["time"]),
                     "exceedance_uncontrolled": without,
                     "exceedance_controlled": with_it,
