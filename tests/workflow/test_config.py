@@ -221,6 +221,7 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
     ("name", "value", "parts"),
     [
         ("horizon.evnts", 3, ["unknown setting horizon.evnts", "did you mean events?"]),
+        ("seeds", 1, ["unknown setting seeds", "campaign[].seeds or control.sweep.seeds?"]),
         ("washout_lt", 1, ["unknown setting washout_lt", "did you mean network.washout_lt?"]),
         ("cases.Re400.lyapunov.xyz", 1, ["cases.Re400.lyapunov.xyz", "known are time_unit"]),
         ("horizon.events", 0, ["horizon.events is 0", "whole number not below 1", "(number of"]),
@@ -325,7 +326,11 @@ def test_all_mistakes_are_told_at_once(config):
         ("case_defaults.actuation.force", [0, 1], ["actuation.force has 2", "needs 9"]),
         ("case_defaults.actuation.parameters", {"rho": 1}, ["actuation.parameters", "'rho'"]),
         ("case_defaults.actuation.start_lt", -1.5, ["control.prediction_times_lt has 1", "alarm"]),
-        ("control.neurons", [2000, 7], ["control.neurons has 7", "500, 1000"]),
+        (
+            "control.neurons",
+            [2000, 7],
+            ["control.neurons has 7", "500, 1000", "unless control"],
+        ),
         ("control.sweep.cases", ["Re40"], ["control.sweep.cases", "did you mean Re400"]),
         ("cases.Re400.parameters", {"reynolds": 300}, ["Re400", "contradicts the name"]),
         ("cases.Re400.lyapunov.published_exponent", 2, ["Re400", "published_exponent", "step"]),
@@ -341,6 +346,13 @@ def test_mistake_between_settings(config, name, value, parts):
 def test_block_without_case(config):
     del config["campaign"][1]["reynolds"]
     assert any("campaign[1] names no case" in problem for problem in problems(config))
+
+
+def test_bounds_of_control_do_not_matter_without_it(config):
+    put(config, "control.neurons", [7])
+    put(config, "control.validation", [])
+    put(config, "figures.control_prediction_time_lt", 7)
+    load(config)
 
 
 def test_blocks_may_overlap(config):

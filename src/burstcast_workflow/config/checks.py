@@ -74,7 +74,9 @@ def _related(settings: Settings, model: type[Section]) -> Iterator[str]:
                 if bound not in (None, []) and not _HOLDS[relation](item, bound):
                     verb = "has" if isinstance(value, list) else "is"
                     limit = ", ".join(map(str, bound if isinstance(bound, list) else [bound]))
-                    yield f"{place.name} {verb} {item}; it {RELATIONS[relation]} {other}, {limit}"
+                    unless = f", unless {place.when} is empty" if place.when else ""
+                    must = f"{RELATIONS[relation]} {other}, {limit}{unless}"
+                    yield f"{place.name} {verb} {item}; it {must}"
 
 
 def _at(settings: Settings, name: str) -> Any:

@@ -66,10 +66,10 @@ def _message(root: Place, error: str, path: Sequence[str | int], value: Any, tex
 
 
 def _known_elsewhere(name: str, section: Place, root: Place) -> str:
-    if not difflib.get_close_matches(name, section.fields, n=1, cutoff=0.6):
-        places = [place.name for place in root.settings()]
-        if elsewhere := [place for place in places if place.split(".")[-1] == name]:
-            return f"did you mean {' or '.join(elsewhere)}?"
+    places = [place.name for place in root.settings()]
+    if elsewhere := [place for place in places if place.split(".")[-1] == name]:
+        near = difflib.get_close_matches(name, section.fields, n=1, cutoff=0.6)
+        return f"did you mean {' or '.join([*near, *elsewhere])}?"
     return suggestion(name, section.fields)
 
 

@@ -21,7 +21,10 @@ _KINDS = {
 
 @dataclass(frozen=True)
 class Place:
-    """A place in the configuration; ``name`` is as a person reads it: ``campaign[0].neurons``."""
+    """A place in the configuration; ``name`` is as a person reads it: ``campaign[0].neurons``.
+
+    The others are its type, the bounds of its values, and what `setting` was told.
+    """
 
     kind: Any
     name: str = ""
@@ -34,9 +37,8 @@ class Place:
     @property
     def kinds(self) -> list[Any]:
         """Types that are allowed: of ``number | None`` both."""
-        options = (
-            get_args(self.kind) if get_origin(self.kind) in (Union, UnionType) else [self.kind]
-        )
+        several = get_origin(self.kind) in (Union, UnionType)
+        options = get_args(self.kind) if several else [self.kind]
         return [get_args(kind)[0] if get_origin(kind) is Annotated else kind for kind in options]
 
     @property

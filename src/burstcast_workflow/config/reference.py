@@ -33,13 +33,8 @@ def text(config: Mapping[str, Any]) -> str:
 def _lines(config: Mapping[str, Any]) -> Iterator[str]:
     for name in Configuration.model_fields:
         section = Place(Configuration).below(name)
-        yield from (
-            "",
-            f"## {name}",
-            "",
-            f"{section.meaning[:1].upper()}{section.meaning[1:]}.",
-            "",
-        )
+        meaning = section.meaning[:1].upper() + section.meaning[1:]
+        yield f"\n## {name}\n\n{meaning}.\n"
         yield from (_row(_COLUMNS), _row(["---"] * len(_COLUMNS)))
         for place in (section, *section.settings()):
             if not place.fields:
@@ -51,7 +46,7 @@ def _lines(config: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _default(config: Any, name: str) -> str:
-    """Value in config.yaml, unless it is a long list."""
+    """Value in config.yaml, except of what is repeated there."""
     if name.startswith(("campaign", "cases")):
         return "see config.yaml"
     for part in name.split("."):
