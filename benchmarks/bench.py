@@ -489,6 +489,7 @@ class Stages:
         truth = data.truth[data.test]
         events = horizon_events(
             crossing_points(truth, threshold),
+            0,
             search.steps_before_event,
             16 if self._quick else 128,
         )

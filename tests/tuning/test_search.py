@@ -72,9 +72,9 @@ def test_grids_and_logarithms_stay_within_the_bounds(rho, sigma, points):
 
 @pytest.mark.parametrize("bounds", [(0.0, 1.0), (-1.0, 1.0), (1.0, 1.0), (2.0, 1.0)])
 def test_impossible_bounds_are_refused(bounds):
-    with pytest.raises(ValueError, match=r"search\.spectral_radius"):
+    with pytest.raises(ValueError, match="bounds of spectral_radius"):
         SearchSpace(bounds, (0.1, 1.0))
-    with pytest.raises(ValueError, match=r"search\.input_scaling"):
+    with pytest.raises(ValueError, match="bounds of input_scaling"):
         SearchSpace((0.1, 1.0), bounds)
 
 

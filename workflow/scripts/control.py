@@ -12,7 +12,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
     setting = ControlSetting.read(settings, inputs)
     forecaster = read_forecaster(inputs.network, settings["kernel"])
     flows = setting.run(setting.forecast_monitor(forecaster), noisy=True)
-    write_outcome(outputs, setting.outcome(flows), provenance)
+    write_outcome(outputs, setting.count_outcome(flows), provenance)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         setting.system, settings["time_step"], settings["sampling_stride"]
     )
     flows = setting.run(setting.forecast_monitor(equations), noisy=False)
-    write_outcome(outputs, setting.outcome(flows), provenance)
+    write_outcome(outputs, setting.count_outcome(flows), provenance)
 
 
 if __name__ == "__main__":

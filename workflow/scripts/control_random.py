@@ -20,7 +20,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         settings.get("seed", 0),
     )
     flows = setting.run(RandomMonitor(alarm_rate, draws), noisy=False)
-    write_outcome(outputs, setting.outcome(flows), provenance)
+    write_outcome(outputs, setting.count_outcome(flows), provenance)
 
 
 if __name__ == "__main__":
