@@ -14,7 +14,6 @@ from burstcast.statistics.densities import (
     bin_edges,
     histogram,
     kantorovich_metric,
-    kantorovich_metric_of_samples,
     mean_density,
     mean_logarithmic_error,
 )
@@ -37,15 +36,6 @@ def test_counts_are_numpys(values):
     assert found.below == (values < 0).sum()
     assert found.above == (values > 1).sum()
     assert found.below + found.inside + found.above == len(values)
-
-
-@given(samples, samples)
-def test_merging_counts_both_samples(first, second):
-    first, second = np.array(first), np.array(second)
-    merged = histogram(first, EDGES).merge(histogram(second, EDGES))
-    whole = histogram(np.concatenate([first, second]), EDGES)
-    np.testing.assert_array_equal(merged.counts, whole.counts)
-    assert (merged.below, merged.above) == (whole.below, whole.above)
 
 
 def test_density_is_normalised_over_the_values_inside():
@@ -81,7 +71,7 @@ def test_what_is_no_histogram_is_refused():
     with pytest.raises(ValueError, match="negative"):
         filled([1, -1, 0, 0])
     other = Histogram(EDGES + 1e-9, np.ones(4, dtype=np.int64))
-    for function in (kantorovich_metric, mean_logarithmic_error, Histogram.merge):
+    for function in (kantorovich_metric, mean_logarithmic_error):
         with pytest.raises(ValueError, match="common bins"):
             function(filled([1, 1, 1, 1]), other)
 
@@ -123,13 +113,6 @@ def test_kantorovich_metric_is_scipys_for_evenly_filled_bins(first, second):
     assert kantorovich_metric(filled(first), filled(second)) == pytest.approx(expected, abs=2e-3)
 
 
-@given(samples, samples)
-def test_kantorovich_metric_of_samples_is_scipys(first, second):
-    expected = wasserstein_distance(first, second)
-    found = kantorovich_metric_of_samples(np.array(first), np.array(second))
-    assert found == pytest.approx(expected, rel=1e-12, abs=1e-14)
-
-
 def test_bins_of_the_paper_resolve_the_kantorovich_metric():
     # values as skewed as the kinetic energy; within a bin, binning may move a value by its width
     generator = np.random.default_rng(1)
@@ -141,14 +124,6 @@ def test_bins_of_the_paper_resolve_the_kantorovich_metric():
     exact = wasserstein_distance(first, second)
     binned = kantorovich_metric(histogram(first, edges), histogram(second, edges))
     assert binned == pytest.approx(exact, rel=0.01)
-    assert kantorovich_metric_of_samples(first, second) == pytest.approx(exact, rel=1e-10)
-
-
-def test_empty_samples_are_refused():
-    with pytest.raises(ValueError, match="empty"):
-        kantorovich_metric_of_samples(np.array([]), np.array([1.0]))
-    with pytest.raises(ValueError, match="finite"):
-        kantorovich_metric_of_samples(np.array([np.inf]), np.array([1.0]))
 
 
 def test_mean_logarithmic_error_by_hand():

@@ -174,14 +174,11 @@ def test_fates_and_statistics_are_those_of_the_whole_series(kinds, steps, chunk,
         )
 
 
-def test_counts_and_share_of_the_discarded():
+def test_fates_in_the_order_of_the_starting_points():
     script = script_of(["chaotic"] * 3 + ["laminar"] * 2 + ["diverging", "settling"], 300)
     found, _ = run(script)
-    assert found.starting_points == 7
-    assert found.discarded_laminar == 2
-    assert found.discarded_diverged == 1
-    assert found.discarded_at_fixed_point == 1
-    assert found.discarded_fraction == pytest.approx(4 / 7)
+    expected = [Fate.KEPT] * 3 + [Fate.LAMINAR] * 2 + [Fate.DIVERGED, Fate.FIXED_POINT]
+    assert found.fates.tolist() == expected
 
 
 def test_nothing_is_discarded_without_criteria():
@@ -213,7 +210,7 @@ def test_what_happens_first_counts(laminar, diverging, fate, chunk):
 def test_all_trajectories_may_end():
     found, forecaster = run(script_of(["laminar", "diverging"], 5000))
     assert np.isnan(found.statistics.moments.mean).all()
-    assert found.discarded_fraction == 1
+    assert (found.fates != Fate.KEPT).all()
     assert forecaster.asked < 2 * 5000
 
 
@@ -270,7 +267,7 @@ def test_a_network_on_a_fixed_point_is_found_out_early():
         washouts,
         LongTermSettings(3000, EDGES, 0.48, FIXED_POINT),
     )
-    assert found.discarded_at_fixed_point == 4
+    assert found.fates.tolist() == [Fate.FIXED_POINT] * 4
     assert sum(asked) < 0.6 * 4 * 3000
 
 

@@ -12,7 +12,6 @@ from burstcast.statistics.densities import (
     mean_logarithmic_error,
 )
 from burstcast.statistics.measures import Measures, compare, nearest, sampling_floor
-from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.profiles import (
     flow_modes,
     midplane_mean_square,
@@ -114,22 +113,6 @@ def test_what_cannot_be_reduced_is_refused():
         reduce_series([series], energy, EDGES)
     with pytest.raises(ValueError, match="no series"):
         reduce_series([], energy, EDGES)
-
-
-def test_moments_merge_to_those_of_both_samples():
-    flat = random_series().reshape(-1, 9)
-
-    def moments(states):
-        return StateMoments(len(states), states.mean(axis=0), states.T @ states / len(states))
-
-    merged = moments(flat[:100]).merge(moments(flat[100:]))
-    expected = moments(flat)
-    assert merged.count == expected.count
-    np.testing.assert_allclose(merged.mean, expected.mean, atol=1e-14)
-    np.testing.assert_allclose(merged.mean_product, expected.mean_product, atol=1e-14)
-    nothing = StateMoments(0, np.full(9, np.nan), np.full((9, 9), np.nan))
-    assert merged.merge(nothing) is merged
-    assert nothing.merge(merged) is merged
 
 
 def test_profiles_and_midplane_are_the_averages_of_the_fields():

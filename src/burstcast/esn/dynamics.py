@@ -57,11 +57,6 @@ class StatePanel:
         """
         return self.states.reshape(self.states.shape[0], -1)
 
-    @property
-    def last(self) -> FloatArray:
-        """States after input ``stop - 1``, ``(neurons, batch)``: where a forecast may start."""
-        return np.ascontiguousarray(self.states[:, -1])
-
 
 @dataclass(frozen=True)
 class Dynamics:
@@ -134,10 +129,10 @@ class Dynamics:
         inputs, states
             As for `open_loop`.
         breakpoints
-            Steps at which a panel must end, in any order. After the panel that ends at step b,
-            ``panel.last`` holds the states after the inputs before b, whose prediction is the data
-            at step b; sums over the panels so far are those of the steps before b. Zero and the
-            number of steps are always among them.
+            Steps at which a panel must end, in any order. The last states of the panel that ends
+            at step b are those after the inputs before b, whose prediction is the data at step b;
+            sums over the panels so far are those of the steps before b. Zero and the number of
+            steps are always among them.
         columns_per_panel
             Largest number of columns of a panel (steps times batch; one step at least).
 

@@ -69,22 +69,6 @@ class Histogram:
         """
         return np.concatenate([[0], np.cumsum(self.counts)]) / (self.inside or np.nan)
 
-    def merge(self, other: "Histogram") -> "Histogram":
-        """Histogram of the values of both.
-
-        Raises
-        ------
-        ValueError
-            If the bins differ.
-        """
-        _check_common_bins(self, other)
-        return Histogram(
-            self.edges,
-            self.counts + other.counts,
-            self.below + other.below,
-            self.above + other.above,
-        )
-
 
 def bin_edges(low: float, high: float, bins: int) -> FloatArray:
     """Edges of equal bins from ``low`` to ``high``, ``(bins + 1,)``."""
@@ -186,26 +170,6 @@ def kantorovich_metric(first: Histogram, second: Histogram) -> float:
     return float(areas.sum())
 
 
-def kantorovich_metric_of_samples(first: FloatArray, second: FloatArray) -> float:
-    """Kantorovich metric of the empirical distributions of two samples, without any bins.
-
-    Raises
-    ------
-    ValueError
-        If a sample is empty or not finite.
-    """
-    first, second = np.sort(first, axis=None), np.sort(second, axis=None)
-    if first.size == 0 or second.size == 0:
-        raise ValueError("the Kantorovich metric of an empty sample is not defined")
-    values = np.sort(np.concatenate([first, second]))
-    if not np.isfinite(values).all():
-        raise ValueError("the Kantorovich metric needs finite values")
-    # the distributions are constant between two neighbouring values
-    below_first = np.searchsorted(first, values[:-1], side="right") / first.size
-    below_second = np.searchsorted(second, values[:-1], side="right") / second.size
-    return float((np.abs(below_first - below_second) * np.diff(values)).sum())
-
-
 def mean_logarithmic_error(first: Histogram, second: Histogram) -> float:
     """Mean over the bins of the difference of the densities' decimal logarithms (paper, MLE).
 
@@ -232,4 +196,4 @@ def mean_logarithmic_error(first: Histogram, second: Histogram) -> float:
 
 def _check_common_bins(first: Histogram, second: Histogram) -> None:
     if not np.array_equal(first.edges, second.edges):
-        raise ValueError("histograms can only be compared or merged on common bins")
+        raise ValueError("histograms can only be compared on common bins")

@@ -107,34 +107,6 @@ class LongTermRun:
     fates: IntArray
     statistics: LongTermStatistics
 
-    @property
-    def starting_points(self) -> int:
-        """Number of trajectories."""
-        return len(self.fates)
-
-    @property
-    def discarded_laminar(self) -> int:
-        """Trajectories that laminarised."""
-        return self._number(Fate.LAMINAR)
-
-    @property
-    def discarded_at_fixed_point(self) -> int:
-        """Trajectories that came to a fixed point."""
-        return self._number(Fate.FIXED_POINT)
-
-    @property
-    def discarded_diverged(self) -> int:
-        """Trajectories that diverged."""
-        return self._number(Fate.DIVERGED)
-
-    @property
-    def discarded_fraction(self) -> float:
-        """Share of all trajectories that were discarded."""
-        return 1 - self._number(Fate.KEPT) / len(self.fates)
-
-    def _number(self, fate: Fate) -> int:
-        return int((self.fates == fate).sum())
-
 
 def long_term_starting_points(
     series: int, length: int, spacing: int, washout: int, count: int

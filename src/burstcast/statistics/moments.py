@@ -22,15 +22,3 @@ class StateMoments:
     count: int
     mean: FloatArray
     mean_product: FloatArray
-
-    def merge(self, other: "StateMoments") -> "StateMoments":
-        """Moments of the states of both."""
-        if self.count == 0 or other.count == 0:
-            return other if self.count == 0 else self
-        count = self.count + other.count
-        weight = other.count / count
-        return StateMoments(
-            count,
-            (1 - weight) * self.mean + weight * other.mean,
-            (1 - weight) * self.mean_product + weight * other.mean_product,
-        )
