@@ -28,7 +28,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
         keys = {name: value for name, value in run.items() if name != "rule"}
         record = read_json(path)
         del record["provenance"]
-        # the rest of the outcome follows the columns that everybody looks at
+        # the rest of the accounting follows the columns that everybody looks at
         others = sorted(set(record) - set(COLUMNS) - set(SCORES))
         names = [*COLUMNS, "exceedance_free", "alarm_rate", *others]
         rows.append({**keys, **{name: record[name] for name in names}})

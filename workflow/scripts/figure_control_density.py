@@ -57,7 +57,7 @@ def main(inputs: Any, outputs: Any, settings: dict[str, Any], provenance: Proven
                 for index, (low, high) in enumerate(pairwise(edges))
             ]
     write_table(outputs.table, keyed_table(rows))
-    # NaN where no flow counts
+    # not a number where no flow counts
     if any(np.isfinite(panel.uncontrolled).all() for panel in panels):
         figure = control_density(
             panels, symbol=settings["symbol"], name=settings["observable_name"]
