@@ -10,7 +10,7 @@ from pathlib import Path
 import burstcast
 
 SOURCE = Path(burstcast.__file__).parents[1]
-BLOCKED = ("snakemake", "yaml", "netCDF4", "jsonschema", "pydantic", "matplotlib", "skimage")
+BLOCKED = ("snakemake", "yaml", "netCDF4", "pydantic", "matplotlib", "skimage")
 
 # A module that is None in sys.modules cannot be imported. What the library depends on may itself
 # use one of them, as scikit-optimize does YAML.

@@ -4,7 +4,7 @@ import json
 import random
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast_workflow.gather import NETWORK, by_key, gathered
@@ -33,6 +33,7 @@ def wildcards(record):
     return {name: str(value) for name, value in record.items()}
 
 
+@settings(deadline=None)  # it writes files
 @given(st.lists(st.sampled_from(NAMES), min_size=1, unique=True), st.randoms())
 def test_files_in_any_order_find_their_records(tmp_path_factory, cases, generator):
     directory = tmp_path_factory.mktemp("files")
