@@ -55,6 +55,7 @@ class BlockForecasters(Section):
     esn: NetworkAxes | None = setting("echo state networks", default=None)
     equations: NoAxes | None = setting("the equations, from the true state", default=None)
     equations_noisy: NoAxes | None = setting("the equations, as observed", default=None)
+    linear_inverse: NoAxes | None = setting("a linear inverse model", default=None)
 
 
 class NetworkChoice(Section):
@@ -70,6 +71,7 @@ class Choice(Section):
     esn: NetworkChoice | None = setting("echo state networks", default=None)
     equations: NoAxes | None = setting("the equations, from the true state", default=None)
     equations_noisy: NoAxes | None = setting("the equations, as observed", default=None)
+    linear_inverse: NoAxes | None = setting("a linear inverse model", default=None)
 
 
 class Block(Section):
