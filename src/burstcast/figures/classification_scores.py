@@ -20,9 +20,9 @@ from burstcast.figures.percentile_curves import (
     say_where_empty,
     select,
 )
+from burstcast.figures.reference_forecasters import draw_references
 from burstcast.figures.style import (
     DOUBLE_COLUMN,
-    GREY,
     letter_panels,
     new_figure,
     ordered_validations,
@@ -70,7 +70,6 @@ def classification_scores(
     """
     require_single_case(percentiles)
     networks = percentiles[percentiles["forecaster"] == "esn"]
-    references = percentiles[percentiles["forecaster"] != "esn"]
     neurons = nearest_value(networks, "neurons", fixed_neurons)
     prediction_time = nearest_value(networks, "prediction_time_lt", fixed_prediction_time_lt)
     validations = ordered_validations(networks["validation"].dropna())
@@ -88,12 +87,7 @@ def classification_scores(
     )
     for row, metric in enumerate(METRICS):
         by_time: Axes = panels[row, 0]
-        for name in references["forecaster"].unique():
-            rows = select(references, forecaster=name, metric=metric)
-            rows = rows.sort_values("prediction_time_lt")
-            by_time.plot(
-                rows["prediction_time_lt"], rows["p50"], color=GREY, linestyle=":", label=name
-            )
+        draw_references(by_time, percentiles, metric, "prediction_time_lt")
         for validation in validations:
             style = validation_style(validation)
             chosen: dict[str, object] = {"validation": validation, "metric": metric}

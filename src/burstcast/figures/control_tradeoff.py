@@ -14,6 +14,7 @@ from burstcast.figures.percentile_curves import (
     require_single_case,
     select,
 )
+from burstcast.figures.reference_forecasters import forecaster_label
 from burstcast.figures.style import (
     BLACK,
     BLUE,
@@ -75,7 +76,7 @@ def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
     left, right = figure.subplots(1, 2, sharey=True)
     present = list(percentiles["forecaster"].unique())
     for forecaster in sorted(present, key=[*_FORECASTERS, *present].index):
-        name, style = _FORECASTERS.get(forecaster, (str(forecaster), _OTHER))
+        name, style = _FORECASTERS.get(forecaster, (forecaster_label(str(forecaster)), _OTHER))
         reduction = select(percentiles, forecaster=forecaster, metric="reduction")
         fraction = select(percentiles, forecaster=forecaster, metric="control_fraction")
         draw_percentiles(left, reduction, "prediction_time_lt", style, label=name)

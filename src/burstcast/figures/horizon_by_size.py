@@ -14,6 +14,7 @@ from burstcast.figures.percentile_curves import (
     say_where_empty,
     select,
 )
+from burstcast.figures.reference_forecasters import draw_references
 from burstcast.figures.style import (
     SINGLE_COLUMN,
     new_figure,
@@ -52,6 +53,7 @@ def horizon_by_size(percentiles: pd.DataFrame, *, published: pd.DataFrame | None
         draw_percentiles(axes, select(networks, **chosen), "neurons", style, label=validation)
         if published is not None:
             draw_published(axes, select(published, **chosen), "neurons", style)
+    draw_references(axes, percentiles, "mean_horizon_lt", None)
     handles, _ = axes.get_legend_handles_labels()
     if published is not None and not published.empty:
         handles.append(published_handle())
