@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from burstcast.figures.percentile_curves import (
+from burstcast.figures.parts.percentile_curves import (
     METRIC_LABELS,
     NEURONS_LABEL,
     PREDICTION_TIME_LABEL,
@@ -20,8 +20,8 @@ from burstcast.figures.percentile_curves import (
     say_where_empty,
     select,
 )
-from burstcast.figures.reference_forecasters import draw_references
-from burstcast.figures.style import (
+from burstcast.figures.parts.reference_forecasters import draw_references
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     letter_panels,
     new_figure,

@@ -7,15 +7,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from burstcast.figures.nothing_to_show import nothing_to_show
-from burstcast.figures.percentile_curves import (
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.percentile_curves import (
     PREDICTION_TIME_LABEL,
     draw_percentiles,
     require_single_case,
     select,
 )
-from burstcast.figures.reference_forecasters import forecaster_label
-from burstcast.figures.style import (
+from burstcast.figures.parts.reference_forecasters import forecaster_label
+from burstcast.figures.parts.style import (
     BLACK,
     BLUE,
     DOUBLE_COLUMN,

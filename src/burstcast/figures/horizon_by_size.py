@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from burstcast.figures.percentile_curves import (
+from burstcast.figures.parts.percentile_curves import (
     METRIC_LABELS,
     NEURONS_LABEL,
     draw_percentiles,
@@ -14,8 +14,8 @@ from burstcast.figures.percentile_curves import (
     say_where_empty,
     select,
 )
-from burstcast.figures.reference_forecasters import draw_references
-from burstcast.figures.style import (
+from burstcast.figures.parts.reference_forecasters import draw_references
+from burstcast.figures.parts.style import (
     SINGLE_COLUMN,
     new_figure,
     ordered_validations,

@@ -1,10 +1,12 @@
 """Forecasters that networks are compared with, in figures: in grey, whatever their kind."""
 
+from typing import Any
+
 import pandas as pd
 from matplotlib.axes import Axes
 
-from burstcast.figures.percentile_curves import select
-from burstcast.figures.style import GREY
+from burstcast.figures.parts.percentile_curves import select
+from burstcast.figures.parts.style import GREY
 
 _LABELS = {"equations": "equations, true state", "equations_noisy": "equations, noisy state"}
 _LINES = ((0, (1.0, 1.2)), (0, (4.0, 1.5)), (0, (4.0, 1.5, 1.0, 1.5)), (0, (8.0, 2.0)))
@@ -35,7 +37,7 @@ def draw_references(axes: Axes, percentiles: pd.DataFrame, metric: str, x: str |
         rows = select(percentiles, forecaster=kind, metric=metric)
         if rows.empty:
             continue
-        line = {
+        line: dict[str, Any] = {
             "color": GREY,
             "linestyle": _LINES[index % len(_LINES)],
             "linewidth": 1.0,
