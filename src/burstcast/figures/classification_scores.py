@@ -137,7 +137,10 @@ def _finish(
     handles = list(entries.values())
     if has_published:
         handles.append(published_handle())
-    if handles:
+    if len(handles) > 3:  # more would hide the curves
+        columns = len(handles) if panels.shape[1] > 1 else 2
+        panels[0, 0].get_figure().legend(handles=handles, loc="outside upper center", ncols=columns)
+    elif handles:
         panels[2, 0].legend(handles=handles, loc="best")
     say_where_empty(panels.flat)
     for column in range(panels.shape[1]):

@@ -1,5 +1,6 @@
 """Forecasters that networks are compared with, in figures: in grey, whatever their kind."""
 
+from collections.abc import Collection
 from typing import Any
 
 import pandas as pd
@@ -17,7 +18,13 @@ def forecaster_label(kind: str) -> str:
     return _LABELS.get(kind, kind.replace("_", " "))
 
 
-def draw_references(axes: Axes, percentiles: pd.DataFrame, metric: str, x: str | None) -> None:
+def draw_references(
+    axes: Axes,
+    percentiles: pd.DataFrame,
+    metric: str,
+    x: str | None,
+    leave_out: Collection[str] = (),
+) -> None:
     """Draw the forecasters that are no networks: the median of a metric in grey.
 
     Parameters
@@ -31,8 +38,10 @@ def draw_references(axes: Axes, percentiles: pd.DataFrame, metric: str, x: str |
     x
         Column on the horizontal axis; None: what they achieve does not depend on it, and is a
         horizontal line.
+    leave_out
+        Kinds that are not drawn.
     """
-    kinds = sorted(set(percentiles["forecaster"].dropna()) - {"esn"})
+    kinds = sorted(set(percentiles["forecaster"].dropna()) - {"esn", *leave_out})
     for index, kind in enumerate(kinds):
         rows = select(percentiles, forecaster=kind, metric=metric)
         if rows.empty:
