@@ -8,7 +8,7 @@ from burstcast.flow_grid import make_flow_grid
 from burstcast.statistics import profiles
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import best_of
+from burstcast_workflow.jobs.best_network import best_of
 from burstcast_workflow.jobs.statistics_files import read_statistics
 from burstcast_workflow.jobs.systems import system_of
 
