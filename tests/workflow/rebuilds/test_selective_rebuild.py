@@ -86,15 +86,12 @@ def test_why_says_it_in_words(sample_lab):
     path = work.directory / "src/burstcast/forecast/classification.py"
     path.write_text(path.read_text() + "\nEDITED = 1\n")
     said = work.why("tables", overlay={"case_defaults": {"event_threshold": 0.08}}).splitlines()
-    (threshold,) = [
-        line for line in said if line.startswith("event_threshold 0.07 -> 0.08 (Re400)")
-    ]
+    (threshold,) = [line for line in said if "event_threshold 0.07 -> 0.08 (Re400)" in line]
     assert "events (1), " in threshold
     assert "horizon (6), " in threshold
-    (code,) = [line for line in said if "classification" in line]
-    assert code.startswith(
-        "code of burstcast.forecast.classification changed: classification_table (1), latex"
-    )
+    module = "burstcast.forecast.classification"
+    (code,) = [line for line in said if module in line]
+    assert code.startswith(f"code of {module} changed: classification_table (1), latex")
 
 
 def test_another_campaign_takes_from_the_cache_what_it_shares(sample_lab, tmp_path):
