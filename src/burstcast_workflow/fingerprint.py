@@ -109,7 +109,7 @@ def _fingerprint(script: Path, source_root: Path, extra_modules: tuple[str, ...]
         waiting.append(module)
     while waiting:
         for name in _with_parents(waiting.pop()):
-            module = _VERSION if name.startswith(f"{_HARNESS}.") else name
+            module = _VERSION if f"{name}.".startswith(f"{_HARNESS}.") else name
             path = _located(module, roots)
             if module in entries or path is None:
                 continue
@@ -223,7 +223,7 @@ def _without_effect(node: ast.AST) -> bool:
     if kind is ast.Expr:
         value = node.value  # type: ignore[attr-defined]
         return type(value) is ast.Constant or _says_something(value)
-    return kind is ast.Pass
+    return kind is ast.Pass or _makes_logger(node)
 
 
 def _says_something(node: ast.AST) -> bool:
@@ -234,6 +234,14 @@ def _says_something(node: ast.AST) -> bool:
         and isinstance(called.value, ast.Name)
         and called.value.id == "logger"
     )
+
+
+def _makes_logger(node: ast.AST) -> bool:
+    """Whether it is ``import logging`` or ``logger = ...``, which a first message brings along."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names] == ["logging"]
+    target = node.targets[0] if isinstance(node, ast.Assign) else None
+    return isinstance(target, ast.Name) and target.id == "logger"
 
 
 # -- what fingerprints cannot follow ------------------------------------------------------------

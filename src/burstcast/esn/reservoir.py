@@ -12,6 +12,7 @@ import scipy.linalg
 import scipy.sparse
 import scipy.sparse.linalg
 
+from burstcast import random_streams
 from burstcast.arrays import FloatArray, Int32Array, IntArray
 
 # Below this size the dense eigenvalues cost less than a tenth of a second.
@@ -51,6 +52,34 @@ class Reservoir:
     def neurons(self) -> int:
         """Number of neurons, N_r."""
         return int(self.input_column.size)
+
+
+@dataclass(frozen=True)
+class ReservoirSeed:
+    """What a reservoir is made from: the same for all cases, strategies and hyperparameters.
+
+    Attributes
+    ----------
+    random_seed
+        The one root of all random numbers.
+    neurons
+        Its size.
+    seed
+        Which realisation of its size.
+    connectivity, input_bias
+        See `make_reservoir`.
+    """
+
+    random_seed: int
+    neurons: int
+    seed: int
+    connectivity: float
+    input_bias: float
+
+    def reservoir(self, dimension: int) -> Reservoir:
+        """Make the reservoir for states of some dimension."""
+        stream = random_streams.stream(self.random_seed, "reservoir", self.neurons, self.seed)
+        return make_reservoir(self.neurons, dimension, self.connectivity, self.input_bias, stream)
 
 
 def make_reservoir(

@@ -5,41 +5,12 @@ from typing import Self
 
 import numpy as np
 
-from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
-from burstcast.esn.reservoir import Reservoir, make_reservoir
+from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
-
-
-@dataclass(frozen=True)
-class ReservoirSeed:
-    """What a reservoir is made from: the same for all cases, strategies and hyperparameters.
-
-    Attributes
-    ----------
-    random_seed
-        The one root of all random numbers.
-    neurons
-        Its size.
-    seed
-        Which realisation of its size.
-    connectivity, input_bias
-        See `burstcast.esn.reservoir.make_reservoir`.
-    """
-
-    random_seed: int
-    neurons: int
-    seed: int
-    connectivity: float
-    input_bias: float
-
-    def reservoir(self, dimension: int) -> Reservoir:
-        """Make the reservoir for states of some dimension."""
-        stream = random_streams.stream(self.random_seed, "reservoir", self.neurons, self.seed)
-        return make_reservoir(self.neurons, dimension, self.connectivity, self.input_bias, stream)
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,8 @@ from burstcast_workflow.harness.storage import (
     write_json,
     write_netcdf,
 )
-from burstcast_workflow.jobs.data import edges_of, system_of
+from burstcast_workflow.jobs.bins import edges_of
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 

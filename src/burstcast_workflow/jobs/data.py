@@ -1,29 +1,17 @@
-"""What the jobs of a case know of its data: its system, its training series, what is observed."""
+"""What the jobs of a case know of its data: its training series, what is observed.
+
+Nothing here knows systems or forecasters: what imports it depends on its code.
+"""
 
 from collections.abc import Mapping
 from typing import Any
 
 from burstcast.arrays import FloatArray
 from burstcast.dataset import component_scales, observed_series
-from burstcast.esn.training import TrainingSeries
-from burstcast.statistics.densities import bin_edges
-from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.registry import make_system
 from burstcast_workflow.harness.storage import read_netcdf, read_rows
 from burstcast_workflow.jobs.length_checks import check_kept_series
 
 Settings = Mapping[str, Any]
-
-
-def system_of(settings: Settings) -> DynamicalSystem:
-    """The dynamical system of a case."""
-    return make_system(settings["case.system"], settings["case.parameters"])
-
-
-def edges_of(density: Settings) -> FloatArray:
-    """Edges of equal bins from the setting ``density`` of a case, or its like under control."""
-    low, high = density["range"]
-    return bin_edges(low, high, density["bins"])
 
 
 def kept_series(ensemble: str) -> int:
@@ -67,16 +55,3 @@ def training_states(settings: Settings, ensemble: str) -> FloatArray:
     series = settings["case.training.series"]
     check_kept_series(kept_series(ensemble), {"training.series": series})
     return read_rows(ensemble, "state", 0, series)
-
-
-def training_series(settings: Settings, ensemble: str) -> TrainingSeries:
-    """Training series of a case as forecasters see them.
-
-    Raises
-    ------
-    ValueError
-        If the ensemble has too few series, or a component of them is constant.
-    """
-    states = training_states(settings, ensemble)
-    observed = observed_rows(settings, ensemble, 0, states)
-    return TrainingSeries(observed=observed, input_range=component_scales(states).range)

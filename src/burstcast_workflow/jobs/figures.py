@@ -1,29 +1,14 @@
-"""What several figures need of a job's settings and files."""
+"""What figures of percentiles take from their tables."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
 
 from burstcast.published import published_percentiles
-from burstcast.statistics.measures import BestNetwork, best_network
-from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.statistics_files import read_statistics
 
 Settings = Mapping[str, Any]
-
-
-def best_of(
-    settings: Settings, data: LongTermStatistics, long_term: Sequence[str]
-) -> BestNetwork | None:
-    """The network whose statistics are nearest to the data's; None if none has any."""
-    networks = {
-        (record["keys"]["neurons"], record["keys"]["seed"]): read_statistics(path)
-        for record, path in gathered(settings["rows"], long_term)
-    }
-    return best_network(data, networks)
 
 
 def of_case(settings: Settings, percentiles: str) -> pd.DataFrame:

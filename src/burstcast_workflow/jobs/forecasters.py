@@ -13,7 +13,7 @@ from burstcast_workflow.harness.storage import (
     write_netcdf,
 )
 from burstcast_workflow.identifiers import parsed
-from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 Settings = Mapping[str, Any]

@@ -3,46 +3,19 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from burstcast import durations
 from burstcast.esn.reservoir import Reservoir
-from burstcast.forecasters.esn import ReservoirSeed
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
-from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.validation import PointValidator, Validation
-from burstcast_workflow.identifiers import parsed
-from burstcast_workflow.jobs.data import system_of, training_series
 from burstcast_workflow.jobs.length_checks import (
     check_recycle_validation,
     check_single_shot_validation,
 )
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.training import reservoir_seed, training_series
+from burstcast_workflow.jobs.validation_plans import validation_plan
 
 Settings = Mapping[str, Any]
-
-
-def reservoir_seed(settings: Settings, identifier: str) -> ReservoirSeed:
-    """What the reservoir of a network, or of its scan, is made from."""
-    name = parsed(identifier)
-    assert name.neurons is not None
-    assert name.seed is not None
-    return ReservoirSeed(
-        settings["random_seed"],
-        name.neurons,
-        name.seed,
-        settings["forecasters.esn.connectivity"],
-        settings["forecasters.esn.input_bias"],
-    )
-
-
-def validation_plan(settings: Settings, steps_per_lyapunov_time: int) -> ValidationPlan:
-    """Parameters of the validation strategies, in steps."""
-    recycle = settings["case.recycle_validation"]
-    return ValidationPlan(
-        washout=durations.steps(settings["washout_lt"], steps_per_lyapunov_time),
-        interval=durations.steps(settings["search.interval_lt"], steps_per_lyapunov_time),
-        series=recycle["series"],
-        intervals=recycle["intervals_per_series"],
-    )
 
 
 def search_space(settings: Settings) -> SearchSpace:

@@ -8,13 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from dependencies import and_what_follows, readers
+from dependencies import ALL, and_what_follows, readers
 from helpers_rebuilds import ROOT, TINY
 
-NETWORK_RULES = {"scan", "tune", "train", "forecast", "horizon", "climate"}
-CONTROL_RULES = {"control", "control_random", "control_equations", "control_table"}
-TABLES_OF_CASES = {"control_table", "dataset_table", "data_generation_parameters"}
-TABLES_OF_NETWORKS = {"hyperparameters_table", "classify", "horizon_table", "statistics_table"}
+# Jobs of each network, and of those networks that control; tables that have rows of forecasters.
+OF_NETWORKS = {"scan", "search", "train", "forecast/esn", "horizon/esn", "long_term/esn"}
+OF_CONTROLLING_NETWORKS = {"control/esn", "control_random/esn", "control_table"}
+TABLES_OF_FORECASTERS = {"classification_table", "horizon_table"}
+TABLES_OF_NETWORKS = {*TABLES_OF_FORECASTERS, "hyperparameters_table"}
+TABLES = {
+    *TABLES_OF_NETWORKS,
+    *("statistics_table", "control_table", "dataset_table", "data_generation_parameters"),
+    "network_hyperparameters",
+}
 
 
 @dataclass(frozen=True)
@@ -30,7 +36,7 @@ class ConfigEdit:
     with_it
         What must change with it for the config to stay valid.
     expected
-        Rules that run again for the tables.
+        Jobs that run again for the tables, as the oracle calls them.
     """
 
     path: tuple[str, ...]
@@ -47,10 +53,10 @@ class ConfigEdit:
         result: dict[str, Any] = copy.deepcopy(self.with_it)
         if self.path[0] == "campaign":
             campaign = copy.deepcopy(tiny_config()["campaign"])
-            if self.value is None:
-                campaign[0].pop(self.path[2])
-            else:
-                campaign[0][self.path[2]] = self.value
+            inner: Any = campaign[0]
+            for key in self.path[2:-1]:
+                inner = inner[key]
+            inner[self.path[-1]] = self.value
             return merged(result, {"campaign": campaign})
         node: Any = self.value
         for key in reversed(self.path):
@@ -92,8 +98,10 @@ def leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
 _VALUES: dict[str, Any] = {
     "results": "results/elsewhere",
     "campaign.0.reynolds": [400, 500],
-    "campaign.0.neurons": [30, 40, 35],
-    "campaign.0.validation": ["RV"],
+    "campaign.0.forecasters.esn.neurons": [30, 40, 35],
+    "campaign.0.forecasters.esn.validation": ["RV"],
+    "campaign.0.forecasters.equations": None,
+    "campaign.0.forecasters.equations_noisy": None,
     "case_defaults.system": "lorenz63",
     "case_defaults.laminarisation_threshold": 0.3,
     "case_defaults.parameters.length_x": 13,  # a longer domain has more energy than the threshold
@@ -114,7 +122,7 @@ _VALUES: dict[str, Any] = {
     "case_defaults.actuation.start_lt": -0.5,
     "cases.Re400.recycle_validation.series": 3,
     "cases.Re400.lyapunov.published_exponent": 0.0174,
-    "network.kernel": "compiled",
+    "forecasters.esn.backend": "numba",
     "search.spectral_radius": [0.2, 1],
     "search.input_scaling": [0.2, 10],
     "search.tikhonov": [1e-6, 1e-9],
@@ -125,19 +133,19 @@ _VALUES: dict[str, Any] = {
     "classification.longest_prediction_time_lt": 3.5,
     "classification.prediction_times_lt": [1, 2, 3, 2.5],
     "horizon.start_step_lt": 0.25,
-    "statistics.validation": ["RV", "SSV"],
+    "statistics.forecasters.esn.validation": ["RV", "SSV"],
     "statistics.duration": 220,
-    "control.neurons": [30, 40],
-    "control.validation": ["RV", "SSV"],
+    "control.forecasters.esn.neurons": [30, 40],
+    "control.forecasters.esn.validation": ["RV", "SSV"],
     "control.prediction_times_lt": [1, 2],
-    "control.references": ["equations"],
+    "control.forecasters.equations": None,
+    "control.forecasters.equations_noisy": {},
+    "statistics.forecasters.equations": {},
     "control.sweep.cases": ["Re400"],
     "control.sweep.prediction_times_lt": [1, 2],
     "bootstrap.confidence": 0.9,
     "figures.example_case": "Re400",  # the only one there is: the same again
-    "figures.example_neurons": 30,
-    "figures.example_validation": "SSV",
-    "figures.example_seed": 0,
+    "figures.example_forecaster": "esn-N30-SSV-seed0",
     "figures.fixed_neurons": 30,
     "figures.example_prediction_time_lt": 3,
     "figures.fixed_prediction_time_lt": 2,
@@ -158,40 +166,49 @@ _WITH: dict[str, dict[str, Any]] = {
     "control.sweep.cases": {"control": {"sweep": {"prediction_times_lt": [2], "seeds": 1}}},
 }
 
-_NEW_NETWORKS = NETWORK_RULES | TABLES_OF_NETWORKS
+# Who is new, and the tables that list them: what is there already has nothing to do with it.
 _EXPECTED: dict[str, set[str]] = {
-    "campaign.0.neurons": _NEW_NETWORKS,
-    "campaign.0.seeds": _NEW_NETWORKS | {"control", "control_random", "control_table"},
-    "campaign.0.validation": TABLES_OF_NETWORKS - {"statistics_table"},
-    "campaign.0.reynolds": set(readers("case.system"))
-    | {"events", "train"}
+    "campaign.0.reynolds": set(ALL),
+    "campaign.0.forecasters.esn.neurons": OF_NETWORKS | TABLES_OF_NETWORKS | {"statistics_table"},
+    "campaign.0.forecasters.esn.seeds": OF_NETWORKS
     | TABLES_OF_NETWORKS
-    | TABLES_OF_CASES,
-    "statistics.validation": {"climate", "statistics_table"},
-    "control.neurons": {"control", "control_random", "control_table"},
-    "control.validation": {"control", "control_random", "control_table"},
-    "control.prediction_times_lt": CONTROL_RULES,
-    "control.references": {"control_table"},
-    "control.sweep.cases": CONTROL_RULES,
+    | {"statistics_table"}
+    | OF_CONTROLLING_NETWORKS,
+    "campaign.0.forecasters.esn.validation": TABLES_OF_NETWORKS,
+    "campaign.0.forecasters.equations": TABLES_OF_FORECASTERS | {"control_table"},
+    "campaign.0.forecasters.equations_noisy": TABLES_OF_FORECASTERS,
+    "statistics.forecasters.esn.validation": {"long_term/esn", "statistics_table"},
+    "statistics.forecasters.equations": {"long_term/equations", "statistics_table"},
+    "control.forecasters.esn.neurons": OF_CONTROLLING_NETWORKS,
+    "control.forecasters.esn.validation": OF_CONTROLLING_NETWORKS,
+    "control.forecasters.equations": {"control_table"},
+    "control.forecasters.equations_noisy": {"control/equations_noisy", "control_table"},
+    "control.prediction_times_lt": OF_CONTROLLING_NETWORKS | {"control/equations"},
+    "control.random_alarms": {"control_table"},
+    "control.sweep.cases": OF_CONTROLLING_NETWORKS | {"control/equations"},
 }
+# Choices that the preset leaves out, which become {}.
+_CHOICES = [
+    ("statistics", "forecasters", "equations"),
+    ("control", "forecasters", "equations_noisy"),
+]
 # settings that say nothing where they are: another one hides them, or nothing uses them here
 _WITHOUT_EFFECT = ("figures.", "control.sweep.seeds", "control.sweep.prediction_times_lt")
 
 
 def config_edits() -> list[ConfigEdit]:
-    """One edit for every leaf of the tiny preset."""
+    """One edit for every leaf of the tiny preset, and for what it leaves out."""
     config = tiny_config()
     own = {".".join(path) for path, _ in leaves(config["cases"]["Re400"])}
     edits = []
-    for path, value in leaves(config):
+    for path, value in [*leaves(config), *((choice, None) for choice in _CHOICES)]:
         name = ".".join(path)
         if name in ("results", "case_defaults.system", "case_defaults.parameters"):
             continue  # tested apart: nothing is there, or nothing fits it
         new = _VALUES[name] if name in _VALUES else _another(value)
         if name in _EXPECTED:
-            # of the networks' own rules, only the jobs of new networks: nothing follows from them
-            rules = _EXPECTED[name]
-            expected = rules | and_what_follows(rules & (TABLES_OF_NETWORKS | TABLES_OF_CASES))
+            # of the forecasters' own jobs, only those that are new: nothing follows from them
+            expected = _EXPECTED[name] | and_what_follows(_EXPECTED[name] & TABLES)
         elif name.startswith(_WITHOUT_EFFECT):
             expected = set()
         elif path[0] == "cases":
@@ -236,10 +253,10 @@ class CodeEdit:
 
     @property
     def module(self) -> str:
-        """Name of the module; of a script its file name."""
+        """Name of the module; of a script its path below ``workflow/scripts``."""
         path = Path(self.path)
         if path.parts[0] != "src":
-            return path.name
+            return "/".join(path.parts[2:])
         parts = [*path.parts[1:-1], path.stem]
         return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
@@ -262,20 +279,29 @@ def changed_meanings(path: str) -> Iterator[CodeEdit]:
     """Edits that mean something else: of a fractional number, a sum, a comparison; one each."""
     text = (ROOT / path).read_text()
     tree = ast.parse(text)
-    # a loop that never ends would prove nothing
-    loops = {
+    # a loop that never ends would prove nothing; texts of errors and of the log change nothing
+    left_out = {
         id(node)
-        for loop in ast.walk(tree)
-        if isinstance(loop, ast.While)
-        for node in ast.walk(loop.test)
+        for outer in ast.walk(tree)
+        for part in _without_meaning(outer)
+        for node in ast.walk(part)
     }
-    nodes = [node for node in ast.walk(tree) if id(node) not in loops]
+    nodes = [node for node in ast.walk(tree) if id(node) not in left_out]
     lines = text.splitlines()
     for found in (_number, _sum, _comparison):
         for node in nodes:
             change = found(node, lines)
             if change is not None:
                 yield _edit(path, text, *change)
+
+
+def _without_meaning(node: ast.AST) -> list[ast.AST]:
+    if isinstance(node, ast.While):
+        return [node.test]
+    if isinstance(node, ast.Raise):
+        return [node]
+    logs = isinstance(node, ast.Expr) and ast.unparse(node.value).startswith("logger.")
+    return [node] if logs else []
 
 
 _Change = tuple[int, int, int, str]  # line, first and last column in bytes, what stands there then

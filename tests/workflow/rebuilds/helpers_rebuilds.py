@@ -40,7 +40,7 @@ class Outcome:
         return {
             rule: int(count)
             for rule, count in counts.items()
-            if rule not in ("all", "tables", "figures", "report")
+            if rule not in ("all", "forecasters", "tables", "figures", "report")
         }
 
 
@@ -159,10 +159,10 @@ class Project:
         return Outcome(status[0] if status else 137, said)
 
     def loaded_modules(self) -> dict[str, set[str]]:
-        """Modules of the project that importing each script loads, by rule."""
+        """Modules of the project that importing scripts and modules loads, by their names."""
         outcome = self._request({"script": str(HERE / "loaded_modules.py")}, self.environment())
         assert outcome.status == 0, outcome.text
-        return {rule: set(modules) for rule, modules in json.loads(outcome.text).items()}
+        return {name: set(modules) for name, modules in json.loads(outcome.text).items()}
 
     def options(self, *arguments: str, overlay: dict | None = None) -> list[str]:
         """Options of Snakemake; the overlay becomes a file."""
@@ -180,6 +180,24 @@ class Project:
         outcome = self.snakemake("--quiet", "rules", "-n", *arguments, overlay=overlay)
         assert outcome.status == 0, outcome.text
         return outcome.jobs
+
+    def planned(self, overlay: dict | None = None) -> set[str]:
+        """Jobs that would run, by the paths of their logs without their ends, or of new files.
+
+        Of a file that is not there yet Snakemake does not say the log.
+        """
+        outcome = self.snakemake("--summary", overlay=overlay)
+        assert outcome.status == 0, outcome.text
+        rows = [line.split("\t") for line in outcome.text.splitlines() if line.count("\t") == 5]
+        names, *rows = rows
+        assert names[3:] == ["log-file(s)", "status", "plan"], names
+        return {
+            output.removeprefix(f"{RESULTS}/")
+            if log == "-"
+            else log.removeprefix(f"{RESULTS}/logs/").removesuffix(".log")
+            for output, _, _, log, _, plan in rows
+            if plan == "update pending"
+        }
 
     def why(self, *targets: str, overlay: dict | None = None) -> str:
         """What the project itself says would run again, and why."""

@@ -1,19 +1,41 @@
-"""Print which modules of the project each script loads when Python imports it."""
+"""Print which modules of the project scripts load when Python imports them, and some modules.
+
+The harness is replaced by something empty: what it loads is not what a result depends on.
+"""
 
 import json
 import os
 import runpy
 import sys
+from collections.abc import Callable
+from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
 from pathlib import Path
+from types import ModuleType
+
+HARNESS = "burstcast_workflow.harness"
+REGISTRIES = ("systems", "forecasters", "tuning/strategies")
 
 
-def loaded(script: Path) -> list[str]:
-    """Modules that a script loads, found in a fork so that scripts do not see each other's."""
+class EmptyHarness(MetaPathFinder, Loader):
+    """Finds modules of the harness that have every name, with nothing behind it."""
+
+    def find_spec(self, name: str, *_: object) -> ModuleSpec | None:
+        ours = name == HARNESS or name.startswith(f"{HARNESS}.")
+        return ModuleSpec(name, self, is_package=name == HARNESS) if ours else None
+
+    def exec_module(self, module: ModuleType) -> None:
+        module.__dict__["__getattr__"] = lambda name: type(name, (), {})
+
+
+def loaded(load: Callable[[], object]) -> list[str]:
+    """Modules that something loads, found in a fork so that scripts do not see each other's."""
     read, write = os.pipe()
     if os.fork() == 0:
         os.close(read)
-        sys.path.insert(0, str(script.parent))
-        runpy.run_path(str(script), run_name="not a job")
+        sys.meta_path.insert(0, EmptyHarness())
+        load()
         names = [name for name in sys.modules if name.partition(".")[0].startswith("burstcast")]
         with open(write, "w") as stream:
             json.dump(names, stream)
@@ -23,6 +45,25 @@ def loaded(script: Path) -> list[str]:
         return json.load(stream)
 
 
+def of_script(script: Path) -> list[str]:
+    def load() -> None:
+        sys.path.insert(0, str(script.parent))
+        runpy.run_path(str(script), run_name="not a job")
+
+    return loaded(load)
+
+
 if __name__ == "__main__":
-    scripts = sorted(Path("workflow/scripts").resolve().glob("*.py"))
-    print(json.dumps({script.stem: loaded(script) for script in scripts}))
+    scripts, library = Path("workflow/scripts").resolve(), Path("src/burstcast")
+    found = {
+        str(script.relative_to(scripts)): of_script(script)
+        for script in sorted(scripts.rglob("*.py"))
+    }
+    modules = [
+        ".".join(path.relative_to("src").with_suffix("").parts)
+        for package in REGISTRIES
+        for path in sorted((library / package).glob("*.py"))
+        if path.name != "__init__.py"
+    ]
+    found.update({name: loaded(lambda name=name: import_module(name)) for name in modules})
+    print(json.dumps(found))

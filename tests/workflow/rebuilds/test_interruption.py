@@ -123,7 +123,7 @@ def test_the_disk_is_full(project, undisturbed):
 
 LONG_TARGETS = [
     *TARGETS,
-    *(f"{RESULTS}/Re400/N30/RV/seed0/{name}" for name in ("horizon.nc", "forecast.nc")),
+    *(f"{RESULTS}/Re400/esn-N30-RV-seed0/{name}" for name in ("horizon.nc", "forecast.nc")),
 ]
 
 

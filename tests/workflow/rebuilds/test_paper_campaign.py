@@ -1,8 +1,10 @@
 """What edits set off in the paper's campaign, job by job, and what is said about it beforehand.
 
-Its 1,156 jobs are not run: each makes empty outputs, which is all that planning looks at. The
+Its 1,181 jobs are not run: each makes empty outputs, which is all that planning looks at. The
 numbers are those of docs/selective_rebuilds.md.
 """
+
+import copy
 
 import pytest
 import yaml
@@ -12,9 +14,49 @@ pytestmark = pytest.mark.long
 
 PAPER = "config.yaml"
 CONFIG = yaml.safe_load((ROOT / PAPER).read_text())
-CASES, SCANS, NETWORKS, RECYCLED, CONTROLLED = 4, 90, 180, 90, 80
-JOBS = 1156
-SCORES = {"classify": 1, "percentiles": 1, "latex": 3}
+CASES = 4
+# six sizes at one Reynolds number, one at three others; two strategies that share scans; ten seeds
+SCANS = (6 + 3) * 10
+NETWORKS = 2 * SCANS
+RECYCLED = SCANS  # those of one strategy are run freely
+EQUATIONS = 2 * CASES  # from the true and from the noisy state
+FORECASTERS = NETWORKS + EQUATIONS
+# networks of one size and strategy, and the equations from the true state, at two prediction times
+CONTROLLED, BY_EQUATIONS = 10 * CASES * 2, CASES * 2
+DATA = dict.fromkeys(
+    ("simulate", "lyapunov", "evaluation_set", "events", "reference_statistics"), CASES
+)
+TRAINING = {"scan": SCANS, "search": NETWORKS, "train": NETWORKS}
+SCORES = {"classification_table": 1, "percentiles": 1, "latex": 3}
+# the ensemble's networks at each Reynolds number: scores, density, profiles, midplane, trade-off
+OF_CASES = 5 * CASES
+JOBS = {
+    **DATA,
+    **TRAINING,
+    "fit": EQUATIONS,
+    "forecast": FORECASTERS,
+    "horizon": FORECASTERS,
+    "long_term": RECYCLED,
+    "control": CONTROLLED + BY_EQUATIONS,
+    "control_random": CONTROLLED,
+    "examples": 1,
+    "flow_event": 1,
+    "suppressed_event": 1,
+    **{
+        f"{name}_table": 1
+        for name in (
+            *("dataset", "hyperparameters", "classification", "horizon", "statistics", "control"),
+            "control_density",
+        )
+    },
+    "data_generation_parameters": 1,
+    "network_hyperparameters": 1,
+    "percentiles": 5,
+    # results, percentiles, intervals of scores, two tables of parameters
+    "latex": 6 + 5 + 1 + 2,
+    # those of each case and the observable's, one of each other kind
+    "figure": OF_CASES + CASES + 14,
+}
 
 
 @pytest.fixture(scope="module")
@@ -33,20 +75,22 @@ def edited(paper, tmp_path):
 
 
 def plan(project: Project, overlay: dict | None = None) -> dict[str, int]:
-    """Jobs of each rule that would run: figures together."""
+    """Jobs of each rule that would run."""
     jobs = project.dry_run(overlay=overlay)
-    figures = sum(count for rule, count in jobs.items() if rule.startswith("figure_"))
-    others = {rule: count for rule, count in jobs.items() if not rule.startswith("figure_")}
-    together = {**others, **({"figures": figures} if figures else {})}
-    print(sum(together.values()), together)  # for docs/selective_rebuilds.md: pytest -s
-    return together
+    print(sum(jobs.values()), jobs)  # for docs/selective_rebuilds.md: pytest -s
+    return jobs
 
 
-def reasons(project: Project, overlay: dict | None = None) -> list[str]:
-    """What is said about it: a line for each reason."""
-    *lines, _, last = project.why(overlay=overlay).splitlines()
-    assert last.startswith("In all ")
-    return lines
+def reason(project: Project, words: str, overlay: dict | None = None) -> str:
+    """The line that gives a reason in these words."""
+    (line,) = [line for line in project.why(overlay=overlay).splitlines() if words in line]
+    return line
+
+
+def test_the_campaign_has_these_jobs(tmp_path, job_server):
+    project = Project.create(tmp_path / "project", job_server, PAPER)
+    assert plan(project) == JOBS
+    assert sum(JOBS.values()) == 1181
 
 
 def test_the_finished_campaign_has_nothing_to_do(paper):
@@ -57,40 +101,67 @@ def test_the_finished_campaign_has_nothing_to_do(paper):
 def test_another_event_threshold(paper):
     overlay = {"case_defaults": {"event_threshold": 0.12}}
     jobs = plan(paper, overlay)
-    assert not jobs.keys() & {"simulate", "lyapunov", "test_set", "scan", "tune", "train"}
-    assert not jobs.keys() & {"forecast", "climate", "reference_statistics"}
-    assert jobs["events"] == CASES
-    assert jobs["horizon"] == NETWORKS
-    assert jobs["control"] == jobs["control_random"] == CONTROLLED
-    assert sum(jobs.values()) == 399
-    (line,) = reasons(paper, overlay)
-    assert line.startswith("event_threshold 0.1 -> 0.12 (Re400, Re600, Re800, Re1000): ")
-    assert "horizon (180)" in line
+    assert jobs == {
+        # no ensemble, exponent, network, forecast or long-term run
+        "events": CASES,
+        "horizon": FORECASTERS,
+        "control": CONTROLLED + BY_EQUATIONS,
+        "control_random": CONTROLLED,
+        **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
+        **dict.fromkeys(("dataset_table", "classification_table", "horizon_table"), 1),
+        **dict.fromkeys(("control_table", "control_density_table"), 1),
+        "data_generation_parameters": 1,
+        "percentiles": 3,  # classification, horizon, control
+        "latex": 3 + 4 + 2,  # those, their tables and the dataset, intervals, parameters
+        # observable, scores, density, trade-off of each case; 11 of the example or of all cases
+        "figure": 4 * CASES + 11,
+    }
+    assert sum(jobs.values()) == 408
+    line = reason(paper, "event_threshold 0.1 -> 0.12 (Re400, Re600, Re800, Re1000): ", overlay)
+    assert "horizon (188)" in line
 
 
 def test_one_more_seed(paper):
-    overlay = {"campaign": [{**block, "seeds": 11} for block in CONFIG["campaign"]]}
-    jobs = plan(paper, overlay)
-    assert not jobs.keys() & {"simulate", "lyapunov", "test_set", "events", "reference_statistics"}
-    assert jobs["scan"] == SCANS // 10
-    assert jobs["tune"] == jobs["train"] == jobs["forecast"] == jobs["horizon"] == NETWORKS // 10
-    assert jobs["climate"] == RECYCLED // 10
-    assert jobs["control"] == jobs["control_random"] == CONTROLLED // 10
-    assert sum(jobs.values()) == 150
-    first, *_ = reasons(paper, overlay)
-    assert first.startswith("one more seed, 10 -> 11 (10) (Re400, Re600, Re800, Re1000): scan (9)")
+    campaign = copy.deepcopy(CONFIG["campaign"])
+    for block in campaign:
+        block["forecasters"]["esn"]["seeds"] = 11
+    jobs = plan(paper, {"campaign": campaign})
+    assert jobs == {
+        # of new networks
+        "scan": SCANS // 10,
+        **dict.fromkeys(("search", "train", "forecast", "horizon"), NETWORKS // 10),
+        "long_term": RECYCLED // 10,
+        **dict.fromkeys(("control", "control_random"), CONTROLLED // 10),
+        # of all
+        **dict.fromkeys(("hyperparameters_table", "classification_table", "horizon_table"), 1),
+        **dict.fromkeys(("statistics_table", "control_table", "control_density_table"), 1),
+        "percentiles": 5,
+        "latex": 5 + 5 + 1,
+        "figure": OF_CASES + 3,  # horizon by size, by Reynolds number, density under control
+    }
+    assert sum(jobs.values()) == 151
+    assert "scan (9)" in reason(paper, "one more seed, 10 -> 11 (10)", {"campaign": campaign})
 
 
 def test_one_more_beta(paper):
     overlay = {"search": {"tikhonov": [*CONFIG["search"]["tikhonov"], 1e-3]}}
     jobs = plan(paper, overlay)
-    assert not jobs.keys() & {"simulate", "lyapunov", "test_set", "events", "reference_statistics"}
-    assert jobs["scan"] == SCANS
-    assert jobs["tune"] == NETWORKS
-    assert sum(jobs.values()) == 1118
-    first, *_ = reasons(paper, overlay)
-    assert first.startswith("tikhonov")
-    assert "tune (180)" in first
+    assert jobs == {
+        **TRAINING,
+        **dict.fromkeys(("forecast", "horizon"), NETWORKS),  # not the equations'
+        "long_term": RECYCLED,
+        **dict.fromkeys(("control", "control_random"), CONTROLLED),
+        **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
+        **dict.fromkeys(("hyperparameters_table", "classification_table", "horizon_table"), 1),
+        **dict.fromkeys(("statistics_table", "control_table", "control_density_table"), 1),
+        "network_hyperparameters": 1,
+        "percentiles": 5,
+        "latex": 5 + 5 + 1 + 1,
+        # all but the observable's, the strategies' and the schematic of the horizon
+        "figure": OF_CASES + 12,
+    }
+    assert sum(jobs.values()) == 1119
+    assert "search (180)" in reason(paper, "tikhonov", overlay)
 
 
 def test_one_more_prediction_time(paper):
@@ -100,25 +171,26 @@ def test_one_more_prediction_time(paper):
         "classification": {"prediction_times_lt": [*times, 6], "longest_prediction_time_lt": 6}
     }
     jobs = plan(paper, overlay)
-    expected = {**SCORES, "forecast": NETWORKS, "test_set": CASES}
-    assert {rule: count for rule, count in jobs.items() if rule in expected} == expected
-    assert jobs.keys() - expected.keys() == {"figures", "examples"}
-    assert any(line.startswith("prediction_times_lt with 6: ") for line in reasons(paper, overlay))
+    assert jobs == {
+        "evaluation_set": CASES,
+        "forecast": FORECASTERS,
+        **SCORES,
+        "examples": 1,
+        "figure": CASES + 4,  # scores, by Reynolds number, three of the example's forecasts
+    }
+    assert sum(jobs.values()) == 206
+    assert "classification_table (1)" in reason(paper, "prediction_times_lt with 6: ", overlay)
 
 
 def test_another_colour(edited):
     edited.edit("src/burstcast/figures/style.py", 'BLUE = "#0072B2"', 'BLUE = "#0072B3"')
-    jobs = plan(edited)
-    assert jobs.keys() == {"figures"}
-    (line,) = reasons(edited)
-    assert line == f"code of burstcast.figures.parts.style changed: figures ({jobs['figures']})"
+    assert plan(edited) == {"figure": JOBS["figure"]}
+    assert "figure" in reason(edited, "code of burstcast.figures.style changed: ")
 
 
 def test_a_line_of_the_classification(edited):
     path = edited.directory / "src/burstcast/forecast/classification.py"
     path.write_text(path.read_text() + "\nEDITED = 1\n")
-    jobs = plan(edited)
-    assert jobs.keys() == {*SCORES, "figures"}
-    assert {rule: jobs[rule] for rule in SCORES} == SCORES
-    (line,) = reasons(edited)
-    assert line.startswith("code of burstcast.forecast.classification changed: classify (1), ")
+    assert plan(edited) == {**SCORES, "figure": CASES + 1}  # scores, by Reynolds number
+    line = reason(edited, "code of burstcast.forecast.classification changed: ")
+    assert "classification_table (1)" in line

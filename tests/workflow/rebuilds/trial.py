@@ -1,6 +1,5 @@
 """Trials: an edit, a run that goes on from finished results, and a run from scratch."""
 
-import ast
 import hashlib
 import json
 import os
@@ -15,21 +14,18 @@ from pathlib import Path
 from typing import Any
 
 from dependencies import (
-    COMES_FROM,
-    RULES_WITH_VALUES_OF,
+    ALL,
+    FORECASTERS_BY_NAME,
+    FOUND_BY_NAME,
+    HARNESS,
+    JOBS_OF_NETWORKS,
+    VERSION_OF_HARNESS,
     and_what_follows,
     may_be_found_otherwise,
 )
 from edits import CodeEdit, ConfigEdit, added_statement, changed_meanings, merged, tiny_config
 from helpers_rebuilds import PARTS, ROOT, JobServer, Outcome, Project, jobs_since
 
-# rules whose every job belongs to a case, and so to its system's module
-RULES_OF_A_CASE = {
-    *("simulate", "lyapunov", "test_set", "events", "reference_statistics", "control_equations"),
-    *("scan", "tune", "train", "forecast", "horizon", "climate", "control", "control_random"),
-    *("examples", "flow_event", "suppressed_event"),
-}
-_BY_TABLE = ("percentiles", "latex")
 _EDITS_TRIED = 3
 
 
@@ -39,7 +35,7 @@ class Trial:
 
     name: str
     what: str
-    rerun: list[str]  # rules (and tables) that ran again for the tables
+    rerun: list[str]  # what ran again for the tables, as the oracle calls it
     jobs: int
     figures: int  # jobs of the figures that would run again
     tables: int
@@ -89,7 +85,7 @@ class Laboratory:
 
     @cached_property
     def loaded(self) -> dict[str, set[str]]:
-        """Modules that each rule's script loads."""
+        """Modules that each script loads, and each module that is found by its name."""
         return self.base.loaded_modules()
 
     def config_trial(self, edit: ConfigEdit) -> Trial:
@@ -114,44 +110,45 @@ class Laboratory:
         edit, scratch = self._edit_that_runs(path)
         work = self.base.copy(self.directory / "work")
         (work.directory / path).write_text(edit.text)
-        least, most = self.rules_with(edit.module)
+        least, most = self.jobs_with(edit.module)
         return self._judged(work, {}, scratch, edit.what, edit, least, most, start)
 
-    def rules_with(self, module: str) -> tuple[set[str], set[str]]:
-        """Rules that must run again when a module has changed, and those that may."""
+    def jobs_with(self, module: str) -> tuple[set[str], set[str]]:
+        """Jobs that must run again when a module or script has changed, and those that may."""
+        if module == VERSION_OF_HARNESS:
+            return set(ALL), set(ALL)
+        if module == HARNESS or module.startswith(f"{HARNESS}."):
+            return set(), set()
         least, most = set(), set()
-        for rule, loaded in self.loaded.items():
-            if module in loaded or module == f"{rule}.py":
-                least.add(rule)
-            elif may_be_found_otherwise(module, rule in RULES_OF_A_CASE, loaded):
-                most.add(rule)
-        most |= RULES_WITH_VALUES_OF.get(module, set())
-        if module == "burstcast.systems.mfe":  # the system of the preset
-            least, most = least | most, set()
-        elif module.startswith("burstcast.systems.") and "mfe" in module:
-            # what the system's module itself imports
-            least, most = least | (most if self._imports(module) else set()), set()
-        elif module.startswith("burstcast.systems."):
-            most = set()
-        expanded = [and_what_follows(_by_table(rules)) for rules in (least, least | most)]
-        return expanded[0], expanded[1]
+        for script in (name for name in self.loaded if name.endswith(".py")):
+            for job in _jobs_of(script):
+                loaded = self._loaded_by(script, job)
+                if module == script or module in loaded:
+                    least.add(job)
+                elif may_be_found_otherwise(module, loaded):
+                    most.add(job)
+        return and_what_follows(least), and_what_follows(least | most)
 
-    def _imports(self, module: str) -> bool:
-        """Whether the system's module imports another, anywhere in it."""
-        tree = ast.parse((ROOT / "src/burstcast/systems/mfe.py").read_text())
-        names = {
-            f"{node.module}.{alias.name}"
-            for node in ast.walk(tree)
-            if isinstance(node, ast.ImportFrom)
-            for alias in node.names
+    def _loaded_by(self, script: str, job: str) -> set[str]:
+        """Modules that a script loads at its start, and those that its job finds by name."""
+        loaded = self.loaded[script]
+        by_name = {
+            name
+            for registry, names in FOUND_BY_NAME.items()
+            if registry in loaded
+            for name in names
         }
-        return any(name == module or name.startswith(f"{module}.") for name in names)
+        registry, prefix = FORECASTERS_BY_NAME
+        if registry in loaded:
+            kind = "esn" if job in JOBS_OF_NETWORKS else job.partition("/")[2]
+            by_name.add(f"{prefix}{kind}")
+        return loaded.union(*(self.loaded[name] for name in by_name))
 
     def _edit_that_runs(self, path: str) -> tuple[CodeEdit, dict[str, str]]:
         """Find an edit that changes tables, if there is one among the first few."""
         added = added_statement(path)
-        _, most = self.rules_with(added.module)
-        if not most & TABLE_RULES:
+        _, most = self.jobs_with(added.module)
+        if not most:
             return added, self.base_tables
         found = added, self.base_tables
         for number, edit in enumerate(changed_meanings(path)):
@@ -193,7 +190,7 @@ class Laboratory:
         start: float,
     ) -> Trial:
         """Run the edited copy, and compare."""
-        least, most = least & TABLE_RULES, (least if most is None else most) & TABLE_RULES
+        most = least if most is None else most
         problems = []
         would = work.dry_run(overlay=overlay)
         before = work.logs()
@@ -201,7 +198,7 @@ class Laboratory:
         if outcome.status != 0:
             problems.append(f"the run failed: {outcome.text[-2000:]}")
         ran = jobs_since(before, work.logs())
-        rerun = {_rule(name) for name in ran}
+        rerun = {_job(name) for name in ran}
         if missed := least - rerun:
             problems.append(f"did not run again: {', '.join(sorted(missed))}")
         if extra := rerun - most:
@@ -236,23 +233,25 @@ class Laboratory:
         return trial
 
 
-TABLE_RULES = {*COMES_FROM, *COMES_FROM["control_table"].split(), "simulate"} | {
-    "network_hyperparameters"
-}
-TABLE_SCRIPTS = {name.partition("/")[0] for name in TABLE_RULES}
+TABLE_SCRIPTS = {job.partition("/")[0] for job in ALL}
+_TOLD_APART = {job.partition("/")[0] for job in ALL if "/" in job}
 
 
-def _rule(log: str) -> str:
-    """Rule of a log: with the table, where a rule makes each of them."""
-    rule, _, job = log.removesuffix(".log").partition("/")
-    return f"{rule}/{job}" if rule in _BY_TABLE else rule
+def _job(log: str) -> str:
+    """What the oracle calls the job of a log: with its table, or the kind that forecasts."""
+    rule, _, rest = log.removesuffix(".log").partition("/")
+    if rule not in _TOLD_APART:
+        return rule
+    name = rest.rpartition("/")[2]
+    return f"{rule}/{name if rule in ('percentiles', 'latex') else name.partition('-')[0]}"
 
 
-def _by_table(rules: set[str]) -> set[str]:
-    """Replace rules that make several tables by one entry for each."""
-    return {rule for rule in rules if rule not in _BY_TABLE} | {
-        name for name in COMES_FROM if name.partition("/")[0] in rules & set(_BY_TABLE)
-    }
+def _jobs_of(script: str) -> list[str]:
+    """Jobs of a script; those for figures are none of the tables'."""
+    if script.startswith("figures/"):
+        return []
+    rule = Path(script).stem
+    return [job for job in ALL if job.partition("/")[0] == rule]
 
 
 def source_digest() -> str:

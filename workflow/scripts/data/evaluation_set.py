@@ -8,8 +8,9 @@ from burstcast.forecast.windows import summarise, window_boundaries
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, read_rows, write_netcdf
-from burstcast_workflow.jobs.data import kept_series, observed_rows, system_of
+from burstcast_workflow.jobs.data import kept_series, observed_rows
 from burstcast_workflow.jobs.length_checks import check_classification, check_kept_series
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 from burstcast_workflow.jobs.windows import windows_of
 

@@ -13,8 +13,9 @@ from burstcast.systems.lyapunov import (
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_rows, write_json
-from burstcast_workflow.jobs.data import kept_series, system_of
+from burstcast_workflow.jobs.data import kept_series
 from burstcast_workflow.jobs.length_checks import check_kept_series
+from burstcast_workflow.jobs.systems import system_of
 
 
 def lyapunov(

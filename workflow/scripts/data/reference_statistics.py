@@ -11,8 +11,9 @@ from burstcast.statistics.reductions import reduce_series
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, read_json, read_rows, write_netcdf
-from burstcast_workflow.jobs.data import edges_of, system_of
+from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.statistics_files import write_statistics
+from burstcast_workflow.jobs.systems import system_of
 
 SERIES_AT_A_TIME = 100
 

@@ -7,7 +7,7 @@ from burstcast.dataset import generate_ensemble, initial_states
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, write_json, write_netcdf
-from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.systems import system_of
 
 
 def simulate(

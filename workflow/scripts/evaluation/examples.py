@@ -23,9 +23,9 @@ from burstcast_workflow.harness.storage import (
     read_rows,
     write_netcdf,
 )
-from burstcast_workflow.jobs.data import system_of
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.horizons import horizon_search
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 BEFORE_WASHOUT_LT = 1.0

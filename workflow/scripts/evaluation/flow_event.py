@@ -9,8 +9,9 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, read_json, read_rows, write_netcdf
-from burstcast_workflow.jobs.data import observed_rows, system_of
+from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 

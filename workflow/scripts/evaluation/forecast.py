@@ -6,8 +6,8 @@ from burstcast.forecast.windows import forecast_summaries, window_boundaries
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, read_netcdf, write_netcdf
-from burstcast_workflow.jobs.data import system_of
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 from burstcast_workflow.jobs.windows import windows_of
 

@@ -4,9 +4,9 @@ from burstcast.forecast.horizon import prediction_horizons
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, read_json, read_netcdf, write_netcdf
-from burstcast_workflow.jobs.data import system_of
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.horizons import horizon_search
+from burstcast_workflow.jobs.systems import system_of
 
 
 def measure_horizons(

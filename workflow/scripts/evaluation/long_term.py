@@ -12,9 +12,11 @@ from burstcast.statistics.long_term import (
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable
-from burstcast_workflow.jobs.data import edges_of, observed_rows, system_of, training_states
+from burstcast_workflow.jobs.bins import edges_of
+from burstcast_workflow.jobs.data import observed_rows, training_states
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.statistics_files import write_statistics
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
 
 

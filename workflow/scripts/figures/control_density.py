@@ -8,7 +8,7 @@ from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.systems import system_of
 
 
 def draw(*, densities: str, settings: Settings) -> Figure:

@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 from burstcast.figures.control_tradeoff import control_tradeoff
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import system_of
 from burstcast_workflow.jobs.figures import of_case
+from burstcast_workflow.jobs.systems import system_of
 
 
 def draw(*, percentiles: str, settings: Settings) -> Figure:

@@ -5,9 +5,10 @@ from matplotlib.figure import Figure
 from burstcast.figures.energy_density import energy_density
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import system_of
-from burstcast_workflow.jobs.figures import best_of, of_case, published_beside
+from burstcast_workflow.jobs.best_network import best_of
+from burstcast_workflow.jobs.figures import of_case, published_beside
 from burstcast_workflow.jobs.statistics_files import read_statistics
+from burstcast_workflow.jobs.systems import system_of
 
 
 def draw(

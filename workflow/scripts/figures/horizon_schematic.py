@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from burstcast.figures.horizon_schematic import horizon_schematic
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.systems import system_of
 
 
 def draw(*, settings: Settings) -> Figure:

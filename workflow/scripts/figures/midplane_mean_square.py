@@ -8,9 +8,9 @@ from burstcast.flow_grid import make_flow_grid
 from burstcast.statistics import profiles
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import system_of
-from burstcast_workflow.jobs.figures import best_of
+from burstcast_workflow.jobs.best_network import best_of
 from burstcast_workflow.jobs.statistics_files import read_statistics
+from burstcast_workflow.jobs.systems import system_of
 
 
 def draw(*, data: str, training: str, long_term: list[str], settings: Settings) -> Figure:

@@ -6,7 +6,7 @@ from burstcast.figures.network_schematic import network_schematic
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.systems import system_of
 
 
 def draw(*, hyperparameters: str, settings: Settings) -> Figure:

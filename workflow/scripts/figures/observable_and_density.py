@@ -8,7 +8,8 @@ from burstcast.statistics.densities import histogram
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.jobs.data import edges_of, system_of
+from burstcast_workflow.jobs.bins import edges_of
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 

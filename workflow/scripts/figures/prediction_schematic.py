@@ -7,7 +7,7 @@ from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.systems import system_of
 
 
 def draw(*, examples: str, settings: Settings) -> Figure:

@@ -9,9 +9,9 @@ from burstcast.tuning.strategies.registry import make_strategy
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_rows
-from burstcast_workflow.jobs.data import system_of
-from burstcast_workflow.jobs.searches import validation_plan
+from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.validation_plans import validation_plan
 
 
 def draw(*, ensemble: str, time_unit: str | list[str], settings: Settings) -> Figure:

@@ -9,7 +9,7 @@ from burstcast.flow_grid import make_flow_grid
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.jobs.data import system_of
+from burstcast_workflow.jobs.systems import system_of
 
 BEFORE, AFTER = 2, 3
 """Of the event's four times: the peak, and when the laminar structure has broken down."""

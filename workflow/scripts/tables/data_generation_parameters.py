@@ -6,8 +6,8 @@ from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import write_table
-from burstcast_workflow.jobs.data import system_of
 from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.systems import system_of
 
 
 def data_generation_parameters(*, summaries: list[str], table: str, settings: Settings) -> None:

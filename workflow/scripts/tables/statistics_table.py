@@ -7,9 +7,9 @@ from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.data import system_of
 from burstcast_workflow.jobs.gather import files_of_cases, gathered
 from burstcast_workflow.jobs.statistics_files import read_statistics
+from burstcast_workflow.jobs.systems import system_of
 
 
 def statistics_table(
