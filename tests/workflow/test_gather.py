@@ -4,12 +4,11 @@ import json
 import random
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-
 from burstcast_workflow.gather import NETWORK, by_key, gathered
 from burstcast_workflow.job import job_identity, provenance
 from burstcast_workflow.storage import write_json, write_netcdf
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 NAMES = ["Re400", "Re1000", "alpha", "Zeta", "zeta", "nan", "inf", "1e5x"]
 
