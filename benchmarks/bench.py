@@ -7,7 +7,7 @@
 Each stage is timed at the size that ``config.yaml`` gives it for Re = 400, or at a part of it and
 extrapolated; with how much of the machine's peak it reaches (dgemm, measured in between); and
 against the same work in the textbook implementation (``textbook.py``) and with the numpy/scipy
-kernel, in the same run. Times are the processor's, the least of several repetitions: other programs
+backend, in the same run. Times are the processor's, the least of several repetitions: other programs
 on the machine disturb them little. ``--write`` puts the tables into docs/performance.md.
 """
 
@@ -207,7 +207,7 @@ class Data:
         self.training = TrainingSeries(self.observed[: len(training)], scales.range)
         recycle = self.case["recycle_validation"]
         self.plan = ValidationPlan(
-            washout=self.steps(self.config["network"]["washout_lt"]),
+            washout=self.steps(self.config["washout_lt"]),
             interval=self.steps(self.config["search"]["interval_lt"]),
             series=recycle["series"],
             intervals=recycle["intervals_per_series"],
@@ -250,7 +250,7 @@ class Stages:
 
     def __init__(self, data: Data, neurons: int, clock: Clock, *, quick: bool) -> None:
         self._data, self._neurons, self._clock, self._quick = data, neurons, clock, quick
-        network = data.config["network"]
+        network = data.config["forecasters"]["esn"]
         reservoir = make_reservoir(
             neurons,
             data.system.dimension,
@@ -280,7 +280,7 @@ class Stages:
             self._trial(),
             self._forecasts(),
             self._horizon(),
-            self._climate(),
+            self._long_term(),
         ]
 
     @cached_property
@@ -430,7 +430,7 @@ class Stages:
     def _forecaster(self) -> CountingForecaster:
         network = EchoStateNetwork(self._compiled, self._readout, self._data.training.input_range)
         return CountingForecaster(
-            NetworkForecaster(network, self._data.config["network"]["divergence_bound"])
+            NetworkForecaster(network, self._data.config["forecasters"]["esn"]["divergence_bound"])
         )
 
     def _of_forecaster(
@@ -504,7 +504,7 @@ class Stages:
             setting["events"] / len(events),
         )
 
-    def _climate(self) -> Row:
+    def _long_term(self) -> Row:
         data, setting = self._data, self._data.config["statistics"]
         points = long_term_starting_points(
             data.training.series,
@@ -533,7 +533,7 @@ class Stages:
     def connection_seconds(self) -> float:
         """Seconds per neuron-step of one more connection in the closed loop."""
         reservoir = self._compiled.reservoir
-        network = self._data.config["network"]
+        network = self._data.config["forecasters"]["esn"]
         sparse = make_reservoir(
             self._neurons,
             reservoir.dimension,
