@@ -8,6 +8,9 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+KEYS = ("case", "reynolds", "forecaster", "neurons", "validation", "seed")
+"""Columns of tables that say what a row is about; a key that does not apply is empty."""
+
 _PATTERN = re.compile(
     r"(?P<kind>[a-z][a-z0-9_]*)(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
 )

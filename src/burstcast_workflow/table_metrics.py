@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 
-NETWORK_KEYS = ("case", "reynolds", "forecaster", "neurons", "validation")
-"""What tells the networks of a table apart, the seed left out."""
+from burstcast_workflow.identifiers import KEYS
+
+NETWORK_KEYS = KEYS[:-1]
+"""What tells the ensembles of a table apart: all keys but the seed."""
 
 
 @dataclass(frozen=True)

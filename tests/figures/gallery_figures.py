@@ -19,8 +19,8 @@ from burstcast.figures.horizon_schematic import horizon_schematic
 from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.midplane_planes import midplane_planes
 from burstcast.figures.network_schematic import network_schematic
-from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast.figures.observable_and_density import observable_and_density
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.profile_errors import profile_errors

@@ -26,10 +26,10 @@ from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import horizon_evaluations
 from burstcast.figures.observable_and_density import observable_and_density
-from burstcast.figures.percentile_curves import nearest_value, select
+from burstcast.figures.parts.percentile_curves import nearest_value, select
+from burstcast.figures.parts.style import ordered_validations, true_runs
 from burstcast.figures.prediction_examples import prediction_examples
 from burstcast.figures.search_landscape import search_landscape
-from burstcast.figures.style import ordered_validations, true_runs
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 
 
@@ -90,7 +90,14 @@ def test_reference_forecasters_are_drawn_in_grey() -> None:
     )
     figure = classification_scores(pd.concat([table, equations]), 500, 3)
     assert lines_with(figure.axes[0], [0.5, 0.5, 0.5]) == 1
-    assert "equations" in texts(figure)
+    assert "equations, true state" in texts(figure)
+    horizons = percentile_rows({"mean_horizon_lt": 4.5}, sizes=(500.0, 1000.0))
+    others = horizons.iloc[:1].assign(
+        forecaster="linear_inverse", neurons=np.nan, validation=np.nan, p50=1.25
+    )
+    figure = horizon_by_size(pd.concat([horizons, others]))
+    assert lines_with(figure.axes[0], [1.25, 1.25]) == 1
+    assert "linear inverse" in texts(figure)
 
 
 def test_published_values_are_shown_only_at_our_sizes() -> None:

@@ -1,9 +1,9 @@
 from types import SimpleNamespace
 
 import pytest
-
-from burstcast.figures.nothing_to_show import nothing_to_show
 from burstcast_workflow.figure_files import write_figure
+
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 
 
 def outputs(directory):

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from burstcast.figures.percentile_curves import (
+from burstcast.figures.parts.percentile_curves import (
     METRIC_LABELS,
     draw_percentiles,
     draw_published,
@@ -14,7 +14,7 @@ from burstcast.figures.percentile_curves import (
     say_where_empty,
     select,
 )
-from burstcast.figures.style import (
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     MarkerStyle,
     letter_panels,

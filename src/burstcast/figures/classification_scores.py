@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from burstcast.figures.percentile_curves import (
+from burstcast.figures.parts.percentile_curves import (
     METRIC_LABELS,
     NEURONS_LABEL,
     PREDICTION_TIME_LABEL,
@@ -20,9 +20,9 @@ from burstcast.figures.percentile_curves import (
     say_where_empty,
     select,
 )
-from burstcast.figures.style import (
+from burstcast.figures.parts.reference_forecasters import draw_references
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
-    GREY,
     letter_panels,
     new_figure,
     ordered_validations,
@@ -70,7 +70,6 @@ def classification_scores(
     """
     require_single_case(percentiles)
     networks = percentiles[percentiles["forecaster"] == "esn"]
-    references = percentiles[percentiles["forecaster"] != "esn"]
     neurons = nearest_value(networks, "neurons", fixed_neurons)
     prediction_time = nearest_value(networks, "prediction_time_lt", fixed_prediction_time_lt)
     validations = ordered_validations(networks["validation"].dropna())
@@ -88,12 +87,7 @@ def classification_scores(
     )
     for row, metric in enumerate(METRICS):
         by_time: Axes = panels[row, 0]
-        for name in references["forecaster"].unique():
-            rows = select(references, forecaster=name, metric=metric)
-            rows = rows.sort_values("prediction_time_lt")
-            by_time.plot(
-                rows["prediction_time_lt"], rows["p50"], color=GREY, linestyle=":", label=name
-            )
+        draw_references(by_time, percentiles, metric, "prediction_time_lt")
         for validation in validations:
             style = validation_style(validation)
             chosen: dict[str, object] = {"validation": validation, "metric": metric}
@@ -143,7 +137,10 @@ def _finish(
     handles = list(entries.values())
     if has_published:
         handles.append(published_handle())
-    if handles:
+    if len(handles) > 3:  # more would hide the curves
+        columns = len(handles) if panels.shape[1] > 1 else 2
+        panels[0, 0].get_figure().legend(handles=handles, loc="outside upper center", ncols=columns)
+    elif handles:
         panels[2, 0].legend(handles=handles, loc="best")
     say_where_empty(panels.flat)
     for column in range(panels.shape[1]):

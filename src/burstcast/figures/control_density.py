@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.style import (
+from burstcast.figures.parts.style import (
     BLUE,
     DOUBLE_COLUMN,
     PURPLE,

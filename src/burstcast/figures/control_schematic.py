@@ -4,9 +4,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.prediction_schematic import draw_span
-from burstcast.figures.style import (
+from burstcast.figures.parts.spans import draw_span
+from burstcast.figures.parts.style import (
     BLUE,
+    CONTROLLED,
     DOUBLE_COLUMN,
     GREEN,
     LIGHT_GREY,
@@ -14,16 +15,12 @@ from burstcast.figures.style import (
     TRUTH,
     VERMILLION,
     WINDOW,
-    LineStyle,
     draw_threshold,
     legend_above,
     new_figure,
     observable_label,
     styled,
 )
-
-CONTROLLED = LineStyle(color=GREEN, linestyle=(0, (6.0, 1.2, 1.2, 1.2)), linewidth=1.3)
-"""The line of a controlled flow, the same in every figure."""
 
 
 @styled

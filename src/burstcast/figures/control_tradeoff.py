@@ -7,14 +7,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from burstcast.figures.nothing_to_show import nothing_to_show
-from burstcast.figures.percentile_curves import (
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.percentile_curves import (
     PREDICTION_TIME_LABEL,
     draw_percentiles,
     require_single_case,
     select,
 )
-from burstcast.figures.style import (
+from burstcast.figures.parts.reference_forecasters import forecaster_label
+from burstcast.figures.parts.style import (
     BLACK,
     BLUE,
     DOUBLE_COLUMN,
@@ -75,7 +76,7 @@ def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
     left, right = figure.subplots(1, 2, sharey=True)
     present = list(percentiles["forecaster"].unique())
     for forecaster in sorted(present, key=[*_FORECASTERS, *present].index):
-        name, style = _FORECASTERS.get(forecaster, (str(forecaster), _OTHER))
+        name, style = _FORECASTERS.get(forecaster, (forecaster_label(str(forecaster)), _OTHER))
         reduction = select(percentiles, forecaster=forecaster, metric="reduction")
         fraction = select(percentiles, forecaster=forecaster, metric="control_fraction")
         draw_percentiles(left, reduction, "prediction_time_lt", style, label=name)

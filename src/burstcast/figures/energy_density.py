@@ -4,9 +4,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.percentile_curves import published_handle, require_single_case
-from burstcast.figures.profile_errors import draw_statistic_by_size
-from burstcast.figures.style import (
+from burstcast.figures.parts.percentile_curves import published_handle, require_single_case
+from burstcast.figures.parts.statistics_by_size import draw_statistic_by_size
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     NETWORK,
     THRESHOLD,

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from burstcast.figures.percentile_curves import (
+from burstcast.figures.parts.percentile_curves import (
     METRIC_LABELS,
     NEURONS_LABEL,
     draw_percentiles,
@@ -14,7 +14,8 @@ from burstcast.figures.percentile_curves import (
     say_where_empty,
     select,
 )
-from burstcast.figures.style import (
+from burstcast.figures.parts.reference_forecasters import draw_references
+from burstcast.figures.parts.style import (
     SINGLE_COLUMN,
     new_figure,
     ordered_validations,
@@ -52,6 +53,8 @@ def horizon_by_size(percentiles: pd.DataFrame, *, published: pd.DataFrame | None
         draw_percentiles(axes, select(networks, **chosen), "neurons", style, label=validation)
         if published is not None:
             draw_published(axes, select(published, **chosen), "neurons", style)
+    # a perfect forecaster reaches the longest lead time that is asked for, whatever that is
+    draw_references(axes, percentiles, "mean_horizon_lt", None, leave_out=["equations"])
     handles, _ = axes.get_legend_handles_labels()
     if published is not None and not published.empty:
         handles.append(published_handle())

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.style import (
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
     NETWORK,

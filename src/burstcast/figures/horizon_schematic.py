@@ -4,7 +4,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Polygon
 
-from burstcast.figures.style import BLUE, DOUBLE_COLUMN, GREEN, VERMILLION, new_figure, styled
+from burstcast.figures.parts.style import BLUE, DOUBLE_COLUMN, GREEN, VERMILLION, new_figure, styled
 
 
 @styled

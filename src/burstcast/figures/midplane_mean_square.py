@@ -5,8 +5,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.planes import draw_plane
-from burstcast.figures.style import DOUBLE_COLUMN, letter_panels, new_figure, styled
+from burstcast.figures.parts.planes import draw_plane
+from burstcast.figures.parts.style import DOUBLE_COLUMN, letter_panels, new_figure, styled
 
 
 @styled

@@ -3,14 +3,14 @@
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.planes import (
+from burstcast.figures.parts.planes import (
     add_row_bar,
     draw_plane,
     frame_evolution,
     label_planes,
     symmetric_norm,
 )
-from burstcast.figures.style import (
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     NETWORK,
     TRUTH,

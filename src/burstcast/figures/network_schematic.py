@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 
-from burstcast.figures.style import (
+from burstcast.figures.parts.style import (
     BLUE,
     DOUBLE_COLUMN,
     GREEN,

@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.style import (
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
     THRESHOLD,

@@ -1,11 +1,11 @@
 """How a forecast is made and scored: washout, closed loop, prediction time, window."""
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.style import (
+from burstcast.figures.parts.spans import draw_span
+from burstcast.figures.parts.style import (
     BLUE,
     DOUBLE_COLUMN,
     GREY,
@@ -20,47 +20,6 @@ from burstcast.figures.style import (
     observable_label,
     styled,
 )
-
-
-def draw_span(
-    axes: Axes,
-    start: float,
-    end: float,
-    height: float,
-    label: str,
-    colour: str,
-    *,
-    to_the_left: bool = False,
-) -> None:
-    """Draw a double arrow between two times, with its label above it.
-
-    A label wider than its span may begin to the left of it.
-    """
-    axes.annotate(
-        "",
-        (end, height),
-        (start, height),
-        arrowprops={
-            "arrowstyle": "<|-|>",
-            "color": colour,
-            "linewidth": 0.9,
-            "shrinkA": 0,
-            "shrinkB": 0,
-            "mutation_scale": 6,
-        },
-    )
-    axes.annotate(
-        label,
-        (end if to_the_left else 0.5 * (start + end), height),
-        (-2 if to_the_left else 0, 2.5),
-        "data",
-        "offset points",
-        ha="right" if to_the_left else "center",
-        va="bottom",
-        color=colour,
-        # Lines of other parts may pass behind the label.
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
-    )
 
 
 @styled

@@ -1,31 +1,23 @@
 """Velocity profiles of the flow, and the errors in them against reservoir size."""
 
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.percentile_curves import (
-    METRIC_LABELS,
-    NEURONS_LABEL,
-    draw_percentiles,
-    draw_published,
+from burstcast.figures.parts.percentile_curves import (
     published_handle,
     require_single_case,
-    select,
 )
-from burstcast.figures.style import (
+from burstcast.figures.parts.statistics_by_size import draw_statistic_by_size
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
-    FLOOR,
     NETWORK,
     TRAINING,
     TRUTH,
     legend_above,
     letter_panels,
     new_figure,
-    ordered_validations,
     styled,
-    validation_style,
 )
 
 PROFILES = {
@@ -33,46 +25,6 @@ PROFILES = {
     "nrmse_uu": r"$\langle \overline{u^2} \rangle$",
     "nrmse_uv": r"$\langle \overline{uv} \rangle$",
 }
-
-
-def draw_statistic_by_size(
-    axes: Axes, percentiles: pd.DataFrame, metric: str, published: pd.DataFrame | None = None
-) -> None:
-    """Draw a statistic's error against reservoir size, with the training set and the floor.
-
-    Parameters
-    ----------
-    axes
-        Where to draw.
-    percentiles
-        Of one case; rows of forecaster ``training`` and ``floor`` are horizontal lines.
-    metric
-        What to draw.
-    published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table.
-    """
-    networks = percentiles[percentiles["forecaster"] == "esn"]
-    for validation in ordered_validations(networks["validation"].dropna()):
-        style = validation_style(validation)
-        rows = select(networks, metric=metric, validation=validation)
-        draw_percentiles(axes, rows, "neurons", style, label=f"ESN, {validation}")
-        if published is not None:
-            rows = select(published, metric=metric, validation=validation)
-            rows = rows[rows["neurons"].isin(networks["neurons"])]
-            draw_published(axes, rows, "neurons", style)
-    for forecaster, line, label in (
-        ("training", TRAINING, "Train"),
-        ("floor", FLOOR, "sampling floor"),
-    ):
-        for value in select(percentiles, metric=metric, forecaster=forecaster)["p50"]:
-            axes.axhline(float(value), label=label, **line)
-    axes.set_ylim(0, 1.08 * axes.dataLim.y1)
-    axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
-    if networks["neurons"].nunique() > 4:
-        for index, tick in enumerate(axes.get_xticklabels()):
-            tick.set_visible(index % 2 == 1)
-    axes.set_xlabel(NEURONS_LABEL)
-    axes.set_ylabel(METRIC_LABELS[metric])
 
 
 @styled

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
-from burstcast.figures.style import (
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     VERMILLION,
     letter_panels,

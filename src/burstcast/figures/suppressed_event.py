@@ -3,15 +3,15 @@
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.control_schematic import CONTROLLED
-from burstcast.figures.planes import (
+from burstcast.figures.parts.planes import (
     add_row_bar,
     draw_plane,
     frame_evolution,
     label_planes,
     symmetric_norm,
 )
-from burstcast.figures.style import (
+from burstcast.figures.parts.style import (
+    CONTROLLED,
     DOUBLE_COLUMN,
     GREEN,
     TRUTH,

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.style import (
+from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     GREY,
     LIGHT_GREY,

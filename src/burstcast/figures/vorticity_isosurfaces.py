@@ -16,8 +16,8 @@ from scipy.ndimage import map_coordinates
 from skimage.measure import marching_cubes
 
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.figures.planes import symmetric_norm
-from burstcast.figures.style import BLUE, DOUBLE_COLUMN, VERMILLION, new_figure, styled
+from burstcast.figures.parts.planes import symmetric_norm
+from burstcast.figures.parts.style import BLUE, DOUBLE_COLUMN, VERMILLION, new_figure, styled
 
 _COLOURS = {1: VERMILLION, -1: BLUE}
 _VELOCITY_COLOURS = "PRGn"

@@ -60,6 +60,7 @@ class BlockForecasters(Section):
     esn: NetworkAxes | None = setting("echo state networks", default=None)
     equations: Alone = setting("the equations, started from the true state", default=None)
     equations_noisy: Alone = setting("the equations, started from what is observed", default=None)
+    linear_inverse: Alone = setting("a linear inverse model, from what is observed", default=None)
 
 
 class NetworkChoice(Section):
@@ -79,6 +80,7 @@ class Choice(Section):
     esn: NetworkChoice | None = setting("echo state networks", default=None)
     equations: Alone = setting("the equations, started from the true state", default=None)
     equations_noisy: Alone = setting("the equations, started from what is observed", default=None)
+    linear_inverse: Alone = setting("a linear inverse model, from what is observed", default=None)
 
 
 class Block(Section):

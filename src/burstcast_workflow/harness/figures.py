@@ -5,7 +5,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from burstcast.figures.style import render
+from burstcast.figures.parts.style import render
 from burstcast_workflow.harness.job import arguments_for, run_job
 from burstcast_workflow.harness.storage import atomic
 

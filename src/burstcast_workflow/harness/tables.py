@@ -13,9 +13,7 @@ import numpy as np
 import pandas as pd
 
 from burstcast_workflow.harness.storage import write_text
-
-KEYS = ("case", "reynolds", "forecaster", "neurons", "validation", "seed")
-"""Columns that say what a row is about; a key that does not apply is empty."""
+from burstcast_workflow.identifiers import KEYS
 
 
 def keyed_table(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

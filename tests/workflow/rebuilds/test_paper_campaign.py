@@ -111,7 +111,7 @@ def test_another_colour(edited):
     jobs = plan(edited)
     assert jobs.keys() == {"figures"}
     (line,) = reasons(edited)
-    assert line == f"code of burstcast.figures.style changed: figures ({jobs['figures']})"
+    assert line == f"code of burstcast.figures.parts.style changed: figures ({jobs['figures']})"
 
 
 def test_a_line_of_the_classification(edited):

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.control_density import ControlledDensity, control_density
-from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import read_table

@@ -5,7 +5,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from burstcast.figures.control_schematic import control_schematic
-from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf

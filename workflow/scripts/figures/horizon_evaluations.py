@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
-from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf

@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from burstcast.figures.midplane_mean_square import midplane_mean_square
-from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.flow_grid import make_flow_grid
 from burstcast.statistics import profiles
 from burstcast_workflow.harness.figures import run_figure

@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from burstcast.figures.midplane_planes import midplane_planes
-from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.flow_grid import make_flow_grid
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings

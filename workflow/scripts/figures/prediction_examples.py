@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.forecast.examples import OUTCOMES
 from burstcast_workflow.harness.figures import run_figure

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.suppressed_event import suppressed_event
 from burstcast.flow_grid import make_flow_grid
 from burstcast_workflow.harness.figures import run_figure

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 from burstcast.flow_grid import make_flow_grid
 from burstcast_workflow.harness.figures import run_figure

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.style import BLUE, draw_threshold, observable_label
+from burstcast.figures.parts.style import BLUE, draw_threshold, observable_label
 
 
 def draw_plane(

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from burstcast.figures.style import GREY, SINGLE_COLUMN, new_figure, styled
+from burstcast.figures.parts.style import GREY, SINGLE_COLUMN, new_figure, styled
 
 
 @styled

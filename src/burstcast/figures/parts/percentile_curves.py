@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from burstcast.figures.style import GREY, MarkerStyle
+from burstcast.figures.parts.style import GREY, MarkerStyle
 
 METRIC_LABELS = {
     "precision": "Precision, $p$",

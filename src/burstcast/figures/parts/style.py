@@ -59,6 +59,8 @@ TRAINING = LineStyle(color=GREEN, linestyle=(0, (1.0, 1.0)), linewidth=1.3)
 FLOOR = LineStyle(color=GREY, linestyle=(0, (6.0, 1.5, 1.0, 1.5)), linewidth=0.9)
 THRESHOLD = LineStyle(color=GREY, linestyle="-", linewidth=0.7)
 WINDOW = LineStyle(color=BLUE, linestyle=(0, (5.0, 2.0)), linewidth=0.9)
+CONTROLLED = LineStyle(color=GREEN, linestyle=(0, (6.0, 1.2, 1.2, 1.2)), linewidth=1.3)
+"""The line of a controlled flow, the same in every figure."""
 
 _VALIDATION = {
     "SSV": MarkerStyle(color=ORANGE, linestyle=(0, (4.0, 1.5)), linewidth=1.2, marker="s"),

@@ -1,0 +1,58 @@
+"""Errors in long-term statistics against reservoir size, beside the training set and the floor."""
+
+import pandas as pd
+from matplotlib.axes import Axes
+
+from burstcast.figures.parts.percentile_curves import (
+    METRIC_LABELS,
+    NEURONS_LABEL,
+    draw_percentiles,
+    draw_published,
+    select,
+)
+from burstcast.figures.parts.style import (
+    FLOOR,
+    TRAINING,
+    ordered_validations,
+    validation_style,
+)
+
+
+def draw_statistic_by_size(
+    axes: Axes, percentiles: pd.DataFrame, metric: str, published: pd.DataFrame | None = None
+) -> None:
+    """Draw a statistic's error against reservoir size, with the training set and the floor.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    percentiles
+        Of one case; rows of forecaster ``training`` and ``floor`` are horizontal lines.
+    metric
+        What to draw.
+    published
+        Published percentiles in the same form, drawn as open markers at the sizes of the table.
+    """
+    networks = percentiles[percentiles["forecaster"] == "esn"]
+    for validation in ordered_validations(networks["validation"].dropna()):
+        style = validation_style(validation)
+        rows = select(networks, metric=metric, validation=validation)
+        draw_percentiles(axes, rows, "neurons", style, label=f"ESN, {validation}")
+        if published is not None:
+            rows = select(published, metric=metric, validation=validation)
+            rows = rows[rows["neurons"].isin(networks["neurons"])]
+            draw_published(axes, rows, "neurons", style)
+    for forecaster, line, label in (
+        ("training", TRAINING, "Train"),
+        ("floor", FLOOR, "sampling floor"),
+    ):
+        for value in select(percentiles, metric=metric, forecaster=forecaster)["p50"]:
+            axes.axhline(float(value), label=label, **line)
+    axes.set_ylim(0, 1.08 * axes.dataLim.y1)
+    axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
+    if networks["neurons"].nunique() > 4:
+        for index, tick in enumerate(axes.get_xticklabels()):
+            tick.set_visible(index % 2 == 1)
+    axes.set_xlabel(NEURONS_LABEL)
+    axes.set_ylabel(METRIC_LABELS[metric])

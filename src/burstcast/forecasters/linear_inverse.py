@@ -1,0 +1,62 @@
+"""A linear inverse model: the best linear map from one observed state to the next.
+
+The simplest forecaster that learns: what it misses is what nonlinearity adds. Source: Penland,
+"Random forcing and forecasting using principal oscillation pattern analysis", Monthly Weather
+Review 117 (1989); here with a constant, and fitted by least squares over single steps.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+
+
+@dataclass(frozen=True)
+class LinearInverseModel(Forecaster):
+    """Next state = propagator @ state + constant.
+
+    Attributes
+    ----------
+    propagator
+        ``(dimension, dimension)``.
+    constant
+        ``(dimension,)``.
+    """
+
+    propagator: FloatArray
+    constant: FloatArray
+
+    @classmethod
+    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+        """Fit the map by least squares over all steps of all series (see `Forecaster.fit`)."""
+        dimension = training.shape[2]
+        now = training[:, :-1].reshape(-1, dimension)
+        following = training[:, 1:].reshape(-1, dimension)
+        inputs = np.column_stack([now, np.ones(len(now))])
+        weights = np.linalg.lstsq(inputs, following)[0]
+        return cls(np.ascontiguousarray(weights[:-1].T), weights[-1])
+
+    def record(self) -> ForecasterRecord:
+        """Propagator and constant."""
+        return ForecasterRecord({"propagator": self.propagator, "constant": self.constant})
+
+    @classmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Put propagator and constant together again."""
+        return cls(record.arrays["propagator"], record.arrays["constant"])
+
+    def start(self, washout: FloatArray) -> FloatArray:
+        """Last observed state, ``(dimension, batch)``."""
+        return np.ascontiguousarray(washout[-1])
+
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Apply the map again and again (see `Forecaster.advance`)."""
+        outputs = np.empty((steps, *memory.shape))
+        state = memory
+        for step in range(steps):
+            state = self.propagator @ state + self.constant[:, np.newaxis]
+            outputs[step] = state
+        return outputs, state
