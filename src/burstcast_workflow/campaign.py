@@ -298,7 +298,7 @@ class Campaign:
         return None if value is None else float(value)
 
     def steps_per_lyapunov_time(self, case: str) -> int | None:
-        """Steps of a forecast in a Lyapunov time if the config knows it; None where it is computed."""
+        """Steps of a forecast in a Lyapunov time; None where the config does not know it."""
         record = self.cases[case]
         exponent = record["lyapunov"]["published_exponent"]
         if record["lyapunov"]["time_unit"] == "computed" or exponent is None:
