@@ -2,6 +2,7 @@
 
 import gc
 import inspect
+import os
 import sys
 import time
 from pathlib import Path
@@ -9,6 +10,8 @@ from pathlib import Path
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.costs import CostModel
+from burstcast_workflow.figure_registry import FIGURES as ALL_FIGURES
+from burstcast_workflow.figure_registry import figure_case, figure_names
 from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.failures import failure_summary
 
@@ -176,3 +179,54 @@ def scan_of_network(wildcards):
     """The scan that a network's search goes on from."""
     reservoir, strategies = campaign.scan_of(wildcards.forecaster)
     return f"{RESULTS}/{wildcards.case}/scan/{reservoir}-{strategies}.csv"
+
+
+# -- figures -----------------------------------------------------------------------------------------
+
+# The report reads captions from the config, where they are no setting of any job.
+config["captions"] = {name: figure.caption for name, figure in ALL_FIGURES.items()}
+PUBLISHED = os.path.relpath(PROJECT / "resources" / "published_percentiles.csv")
+
+
+def case_of_figure(wildcards):
+    """The case that a figure shows."""
+    return figure_case(campaign, wildcards.figure, wildcards.of_case)
+
+
+@of_job
+def files_of_figure(wildcards):
+    """What a figure is drawn from."""
+    figure = ALL_FIGURES[wildcards.figure]
+    files = figure.files(campaign, case_of_figure(wildcards))
+    found = {
+        name: (
+            f"{RESULTS}/{paths}"
+            if isinstance(paths, str)
+            else [f"{RESULTS}/{path}" for path in paths]
+        )
+        for name, paths in files.items()
+    }
+    overlay = figure.published and config["figures"]["published_overlay"]
+    return {**found, "published": PUBLISHED} if overlay else found
+
+
+@of_job
+def settings_of_figure(wildcards):
+    """What a figure's script reads."""
+    figure, case = ALL_FIGURES[wildcards.figure], case_of_figure(wildcards)
+    return campaign.settings(
+        figure.reads, {"case": case}, figure.values(campaign, case)
+    )
+
+
+@of_job
+def code_of_figure(wildcards):
+    """What a figure's script runs."""
+    modules = campaign.modules({"case": case_of_figure(wildcards)})
+    return sources.fingerprint(f"figures/{wildcards.figure}.py", modules)
+
+
+def labels_of_figure(wildcards):
+    """What the report calls a figure."""
+    name = wildcards.figure.replace("_", " ")
+    return {"figure": name, "case": case_of_figure(wildcards)}
