@@ -7,8 +7,8 @@
 Each stage is timed at the size that ``config.yaml`` gives it for Re = 400, or at a part of it and
 extrapolated; with how much of the machine's peak it reaches (dgemm, measured in between); and
 against the same work in the textbook implementation (``textbook.py``) and with the numpy/scipy
-kernel, in the same run. Times are the processor's, the least of several repetitions: other programs
-on the machine disturb them little. ``--write`` puts the tables into docs/performance.md.
+backend, in the same run. Times are the processor's, the least of several repetitions: other
+programs on the machine disturb them little. ``--write`` puts the tables into docs/performance.md.
 """
 
 import argparse
@@ -40,7 +40,7 @@ from burstcast.forecast.starting_points import (
 )
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
 from burstcast.forecasters.base import Forecaster
-from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.statistics.long_term import (
     LongTermSettings,
     long_term_starting_points,
@@ -167,26 +167,26 @@ HEAD = [
 ]
 
 
-@dataclass
-class CountingForecaster(Forecaster):
-    """A forecaster that counts the steps of all its trajectories."""
+@dataclass(frozen=True)
+class CountingForecaster(NetworkForecaster):
+    """A network that counts the steps of all its trajectories."""
 
-    forecaster: NetworkForecaster
-    steps: int = field(default=0)
+    counts: list[int] = field(default_factory=list)
+
+    @property
+    def steps(self) -> int:
+        """Counted so far."""
+        return sum(self.counts)
 
     def start(self, washout: np.ndarray) -> np.ndarray:
-        """Count and pass on."""
-        self.steps += washout.shape[0] * washout.shape[2]
-        return self.forecaster.start(washout)
+        """Count, and go on."""
+        self.counts.append(washout.shape[0] * washout.shape[2])
+        return super().start(washout)
 
     def advance(self, memory: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
-        """Count and pass on."""
-        self.steps += steps * memory.shape[-1]
-        return self.forecaster.advance(memory, steps)
-
-    def diverged(self, outputs: np.ndarray) -> np.ndarray:
-        """Pass on."""
-        return self.forecaster.diverged(outputs)
+        """Count, and go on."""
+        self.counts.append(steps * memory.shape[-1])
+        return super().advance(memory, steps)
 
 
 class Data:
@@ -207,7 +207,7 @@ class Data:
         self.training = TrainingSeries(self.observed[: len(training)], scales.range)
         recycle = self.case["recycle_validation"]
         self.plan = ValidationPlan(
-            washout=self.steps(self.config["network"]["washout_lt"]),
+            washout=self.steps(self.config["washout_lt"]),
             interval=self.steps(self.config["search"]["interval_lt"]),
             series=recycle["series"],
             intervals=recycle["intervals_per_series"],
@@ -250,7 +250,7 @@ class Stages:
 
     def __init__(self, data: Data, neurons: int, clock: Clock, *, quick: bool) -> None:
         self._data, self._neurons, self._clock, self._quick = data, neurons, clock, quick
-        network = data.config["network"]
+        network = data.config["forecasters"]["esn"]
         reservoir = make_reservoir(
             neurons,
             data.system.dimension,
@@ -280,7 +280,7 @@ class Stages:
             self._trial(),
             self._forecasts(),
             self._horizon(),
-            self._climate(),
+            self._long_term(),
         ]
 
     @cached_property
@@ -429,9 +429,9 @@ class Stages:
 
     def _forecaster(self) -> CountingForecaster:
         network = EchoStateNetwork(self._compiled, self._readout, self._data.training.input_range)
-        return CountingForecaster(
-            NetworkForecaster(network, self._data.config["network"]["divergence_bound"])
-        )
+        options = self._data.config["forecasters"]["esn"]
+        seed = ReservoirSeed(0, self._neurons, 0, options["connectivity"], options["input_bias"])
+        return CountingForecaster(network, seed, options["divergence_bound"])
 
     def _of_forecaster(
         self, stage: str, work: str, run: Callable[[Forecaster], object], factor: float
@@ -504,7 +504,7 @@ class Stages:
             setting["events"] / len(events),
         )
 
-    def _climate(self) -> Row:
+    def _long_term(self) -> Row:
         data, setting = self._data, self._data.config["statistics"]
         points = long_term_starting_points(
             data.training.series,
@@ -533,7 +533,7 @@ class Stages:
     def connection_seconds(self) -> float:
         """Seconds per neuron-step of one more connection in the closed loop."""
         reservoir = self._compiled.reservoir
-        network = self._data.config["network"]
+        network = self._data.config["forecasters"]["esn"]
         sparse = make_reservoir(
             self._neurons,
             reservoir.dimension,

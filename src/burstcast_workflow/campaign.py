@@ -298,7 +298,7 @@ class Campaign:
         return None if value is None else float(value)
 
     def steps_per_lyapunov_time(self, case: str) -> int | None:
-        """Network steps in a Lyapunov time if the config knows it; None where it is computed."""
+        """Steps of a forecast in a Lyapunov time; None where the config does not know it."""
         record = self.cases[case]
         exponent = record["lyapunov"]["published_exponent"]
         if record["lyapunov"]["time_unit"] == "computed" or exponent is None:
@@ -306,7 +306,7 @@ class Campaign:
         return durations.steps_per_lyapunov_time(exponent, self.sampling_interval(case))
 
     def sampling_interval(self, case: str) -> float:
-        """Time between two steps of the network, in time units."""
+        """Time between two steps of a forecast, in time units."""
         ensemble = self.cases[case]["ensemble"]
         return float(ensemble["time_step"] * ensemble["sampling_stride"])
 

@@ -471,7 +471,7 @@ def _of_all(stage: str, campaign: Campaign, wildcards: Wildcards) -> _Account:
         example = campaign.example
         sizes = _Sizes(campaign, example.case, example.name)
         observable = sizes.series * sizes.samples * _MIB_PER_NUMBER
-        name = wildcards["figure"]
+        name = wildcards.get("figure", "")  # a record of what a figure took does not say it
         whole = 2 * observable if name == "observable_and_density" else 20.0
         return _DRAWING_FIELDS if name in _FIGURES_OF_FIELDS else _DRAWING, {}, whole
     return _PLAIN, {"file": float(len(campaign.forecasters))}, 10.0

@@ -35,9 +35,9 @@ class Timing:
     washout
         Inputs of the washout; the last one is the step at which the forecast is made.
     steps_per_lyapunov_time
-        Steps of the network in a Lyapunov time.
+        Steps of a forecast in a Lyapunov time.
     sampling_stride
-        Integration steps in a step of the network.
+        Integration steps in a step of a forecast.
     time_step
         Time step of the integration, in time units.
     """

@@ -36,7 +36,7 @@ class HorizonSearch:
     washout
         Inputs of the washout; the last one is the starting point itself.
     steps_per_lyapunov_time
-        Steps of the network in a Lyapunov time.
+        Steps of a forecast in a Lyapunov time.
     """
 
     longest_lead_time_lt: float

@@ -86,7 +86,7 @@ def crossing_points(observable: FloatArray, threshold: float) -> SeriesPoints:
 def horizon_events(
     crossings: SeriesPoints, first_series: int, earliest_step: int, count: int
 ) -> SeriesPoints:
-    """First events of the series that no network was trained on, with room before them.
+    """First events of the series that nobody was trained on, with room before them.
 
     Parameters
     ----------

@@ -51,7 +51,7 @@ def window_boundaries(
     windows
         Number of windows.
     steps_per_lyapunov_time
-        Steps of the network in a Lyapunov time.
+        Steps of a forecast in a Lyapunov time.
     """
     return tuple(
         durations.steps((index + 1) * resolution_lt, steps_per_lyapunov_time)

@@ -1,4 +1,4 @@
-"""LongTermRun runs: long closed loops of one forecaster, reduced to statistics while they run.
+"""Long-term runs: long closed loops of one forecaster, reduced to statistics while they run.
 
 All trajectories run side by side, a chunk of steps at a time. None is stored: each is reduced to a
 histogram and moments of its own, and those of the trajectories that turn out to count are merged.

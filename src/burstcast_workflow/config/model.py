@@ -41,11 +41,16 @@ class NoAxes(Section):
     """There is one forecaster of this kind: {}."""
 
 
+Alone = Annotated[NoAxes | None, Words("{}, or null for none")]
+
+
 class NetworkAxes(Section):
     """Echo state networks of a block: neurons x validation strategies x seeds."""
 
     neurons: Some[Size] = setting("sizes of the reservoir")
-    validation: Some[Strategy] = setting("strategies: RV is Recycle, SSV Single Shot, ...")
+    validation: Some[Strategy] = setting(
+        "validation strategies: Single Shot (SSV), Recycle (RV), Walk Forward (WFV)"
+    )
     seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1")
 
 
@@ -53,25 +58,29 @@ class BlockForecasters(Section):
     """Forecasters of a block, by kind; null for none of a kind."""
 
     esn: NetworkAxes | None = setting("echo state networks", default=None)
-    equations: NoAxes | None = setting("the equations, from the true state", default=None)
-    equations_noisy: NoAxes | None = setting("the equations, as observed", default=None)
-    linear_inverse: NoAxes | None = setting("a linear inverse model", default=None)
+    equations: Alone = setting("the equations, started from the true state", default=None)
+    equations_noisy: Alone = setting("the equations, started from what is observed", default=None)
+    linear_inverse: Alone = setting("a linear inverse model, from what is observed", default=None)
 
 
 class NetworkChoice(Section):
     """Which of the campaign's networks; what is left out is not restricted."""
 
-    neurons: Distinct[Size] = setting("sizes of the reservoir", one_of=SIZES, default=[])
-    validation: Distinct[Strategy] = setting("strategies", one_of=STRATEGIES, default=[])
+    neurons: Distinct[Size] = setting(
+        "sizes of the reservoir; all if left out or empty", one_of=SIZES, default=[]
+    )
+    validation: Distinct[Strategy] = setting(
+        "validation strategies; all if left out or empty", one_of=STRATEGIES, default=[]
+    )
 
 
 class Choice(Section):
     """Which of the campaign's forecasters, by kind; null for none of a kind."""
 
     esn: NetworkChoice | None = setting("echo state networks", default=None)
-    equations: NoAxes | None = setting("the equations, from the true state", default=None)
-    equations_noisy: NoAxes | None = setting("the equations, as observed", default=None)
-    linear_inverse: NoAxes | None = setting("a linear inverse model", default=None)
+    equations: Alone = setting("the equations, started from the true state", default=None)
+    equations_noisy: Alone = setting("the equations, started from what is observed", default=None)
+    linear_inverse: Alone = setting("a linear inverse model, from what is observed", default=None)
 
 
 class Block(Section):
@@ -97,7 +106,7 @@ class Ensemble(Section):
         "units of the component",
     )
     time_step: Positive = setting("time step of the Runge-Kutta scheme", TIME)
-    sampling_stride: Count = setting("integration steps in one step of the networks")
+    sampling_stride: Count = setting("integration steps in one step of a forecast")
     transient: Positive = setting(
         "beginning of each series that is dropped", TIME, multiple_of="ensemble.time_step"
     )
@@ -137,7 +146,7 @@ class Lyapunov(Section):
 class Training(Section):
     """Training data."""
 
-    series: Count = setting("number of series that networks are trained on")
+    series: Count = setting("number of series that forecasters are trained on")
     noise: float = setting(
         "standard deviation of the observation noise", "standard deviations of each component", ge=0
     )
@@ -171,7 +180,7 @@ class Actuation(Section):
 
 
 class RecycleValidation(Section):
-    """Intervals of Recycle Validation."""
+    """Validation intervals, of Recycle and Walk Forward Validation."""
 
     series: Count = setting("training series with validation intervals", at_most="training.series")
     intervals_per_series: Count = setting(
@@ -265,13 +274,13 @@ class Horizon(Section):
 
 
 class Statistics(Section):
-    """Long-term statistics of the networks' own flow."""
+    """Long-term statistics of the flow that forecasters make by themselves."""
 
     forecasters: Choice = setting("forecasters that are run freely")
-    starting_points: Count = setting("closed loops of each network, started in the training series")
+    starting_points: Count = setting("long runs of each forecaster, started in the training series")
     start_spacing_lt: Positive = setting("time between two starting points")
-    duration: Positive = setting("length of each closed loop", TIME)
-    stuck_interval_lt: Positive = setting("end of a closed loop, which shows whether it settled")
+    duration: Positive = setting("length of each long run", TIME)
+    stuck_interval_lt: Positive = setting("end of a long run, which shows whether it settled")
     profile_points: Whole = setting("heights of the velocity profiles, from wall to wall", ge=3)
     floor_splits: Count = setting("random halves of the data that are compared with one another")
 
@@ -290,9 +299,11 @@ class Control(Section):
     forecasters: Choice = setting("forecasters that control")
     prediction_times_lt: Distinct[Positive] = setting("prediction times")
     window_lt: Positive = setting("length of the window that a forecast is judged in")
-    flows: Count = setting("series that each network controls, taken after the training series")
+    flows: Count = setting("series that each forecaster controls, taken after the training series")
     span_lt: Positive = setting("how long each flow counts")
-    random_alarms: bool = setting("whether alarms at random, as often as theirs, are compared")
+    random_alarms: bool = setting(
+        "whether alarms at random, as often as each network's own, are compared with it"
+    )
     sweep: Sweep
 
 
@@ -351,12 +362,14 @@ class Configuration(Section):
     results: Directory = setting("directory of everything that the workflow writes")
     # the files of the networks hold it, as an unsigned number of 64 bits
     random_seed: Whole = setting("the one root of all random numbers", ge=0, lt=2**64)
-    campaign: list[Block] = setting("networks to make: the union of these blocks", min_length=1)
+    campaign: list[Block] = setting(
+        "who forecasts what, cases x forecasters: the union of these blocks", min_length=1
+    )
     case_defaults: Case
     # an entry is a part of a case: `burstcast_workflow.config.messages` lets it leave settings out
     cases: dict[CaseName, Case] = setting("what differs from case_defaults, by case")
     washout_lt: Positive = setting(
-        "observations that a forecaster is given before it starts, and training leaves out"
+        "observed stretch that a forecaster is given before it starts; training leaves it out"
     )
     forecasters: Forecasters
     search: Search

@@ -19,6 +19,9 @@ _HEAD = """\
 
 Every setting of a configuration, with its default from [config.yaml](../config.yaml). `campaign` is
 a list of blocks. An entry of `cases` may have any settings of `case_defaults`, which it overrides.
+Kinds of forecasters are modules of `burstcast.forecasters`; where they are chosen (`campaign`,
+`statistics`, `control`), a kind that is left out or null has none. An overlay lays mappings over
+those of config.yaml and replaces all else, lists too: null takes away a kind that config.yaml has.
 
 This page is made by `python -m burstcast_workflow.config.reference > docs/settings.md`.
 """
@@ -50,6 +53,8 @@ def _default(config: Any, name: str) -> str:
     if name.startswith(("campaign", "cases")):
         return "see config.yaml"
     for part in name.split("."):
+        if part not in config:
+            return "left out"
         config = config[part]
     return f"`{json.dumps(config)}`"
 

@@ -1,7 +1,7 @@
 """Whether what is asked of a time series fits into it.
 
 Checked with the config where the Lyapunov time is known from it, and otherwise in the first job
-that knows it. Samples are those of one series, at the networks' sampling interval. What does not
+that knows it. Samples are those of one series, at the sampling interval of forecasts. What does not
 fit is a ValueError, and so is a duration that is shorter than one step of the network.
 """
 

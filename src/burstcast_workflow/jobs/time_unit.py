@@ -8,7 +8,7 @@ from burstcast_workflow.harness.storage import read_json
 
 
 def sampling_interval(settings: Mapping[str, Any]) -> float:
-    """Time between two steps of the network, in time units."""
+    """Time between two steps of a forecast, in time units."""
     ensemble = "case.ensemble"
     return float(settings[f"{ensemble}.time_step"] * settings[f"{ensemble}.sampling_stride"])
 

@@ -1,4 +1,4 @@
-"""Lay out the starting points of the test set: their washouts, and what truly follows."""
+"""Lay out the starting points of the evaluation set: their washouts, and what truly follows."""
 
 import numpy as np
 

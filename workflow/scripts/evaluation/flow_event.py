@@ -1,4 +1,4 @@
-"""Find an event of the test set whose flow is worth seeing, and forecast it with one network."""
+"""Find an event of the test series whose flow is worth seeing, and forecast it."""
 
 import numpy as np
 
