@@ -183,9 +183,9 @@ def test_one_more_prediction_time(paper):
 
 
 def test_another_colour(edited):
-    edited.edit("src/burstcast/figures/style.py", 'BLUE = "#0072B2"', 'BLUE = "#0072B3"')
+    edited.edit("src/burstcast/figures/parts/style.py", 'BLUE = "#0072B2"', 'BLUE = "#0072B3"')
     assert plan(edited) == {"figure": JOBS["figure"]}
-    assert "figure" in reason(edited, "code of burstcast.figures.style changed: ")
+    assert "figure" in reason(edited, "code of burstcast.figures.parts.style changed: ")
 
 
 def test_a_line_of_the_classification(edited):
