@@ -31,9 +31,9 @@ def job_server(tmp_path_factory) -> Iterator[JobServer]:
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory, job_server) -> FinishedRun:
-    """All networks and tables of the tiny preset."""
+    """All forecasters and tables of the tiny preset."""
     project = Project.create(tmp_path_factory.mktemp("finished") / "project", job_server)
-    outcome = project.snakemake("networks", "tables")
+    outcome = project.snakemake("forecasters", "tables")
     assert outcome.status == 0, outcome.text[-3000:]
     return FinishedRun(project, outcome)
 

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from burstcast_workflow import cache
-from burstcast_workflow.cache import CACHED_RULES, CachedJob, cached_job, through_cache
 from burstcast_workflow.fingerprint import fingerprint
+from burstcast_workflow.harness import cache
+from burstcast_workflow.harness.cache import CACHED_RULES, CachedJob, cached_job, through_cache
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "workflow" / "scripts" / "train.py"

@@ -314,7 +314,7 @@ def test_packages_import_nothing_by_themselves():
 
 def test_closure_in_the_project_is_selective(tmp_path):
     script = tmp_path / "script.py"
-    script.write_text("from burstcast_workflow.job import run_job\n")
+    script.write_text("from burstcast_workflow.harness.job import run_job\n")
     entries = {entry.split("@")[0] for entry in fingerprint(script, ROOT / "src")}
     assert "burstcast_workflow.canonical" in entries  # through job
     assert not any(name.startswith("burstcast.") for name in entries)

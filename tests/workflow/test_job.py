@@ -12,8 +12,8 @@ HEADER = """
 import os, sys, time
 import numpy as np
 from types import SimpleNamespace
-from burstcast_workflow.job import run_job
-from burstcast_workflow.storage import atomic, write_json
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.storage import atomic, write_json
 
 class Files(list):
     def __init__(self, **names):
@@ -157,7 +157,7 @@ def test_a_killed_job_leaves_nothing_that_looks_finished(tmp_path):
 
 def test_importing_it_is_cheap():
     code = (
-        "import sys, burstcast_workflow.job\n"
+        "import sys, burstcast_workflow.harness.job\n"
         "print([n for n in ('scipy', 'pandas', 'pydantic', 'yaml', 'numba') if n in sys.modules])"
     )
     result = subprocess.run(

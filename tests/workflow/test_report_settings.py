@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from burstcast_workflow.table_layouts import CAPTIONS, SUMMARIES, head
 from snakemake.utils import update_config
 
 from burstcast.systems.registry import make_system, parameters_of
@@ -13,7 +14,6 @@ from burstcast.tables import described_parameters
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.table_layouts import CAPTIONS, SUMMARIES, head
 
 ROOT = Path(__file__).parents[2]
 WORKFLOW = ROOT / "workflow"
