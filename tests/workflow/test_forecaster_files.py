@@ -10,7 +10,6 @@ from burstcast.esn.training import train
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.forecasters.registry import available_kinds, forecaster_class
 from burstcast_workflow.harness.storage import Variable, read_attributes, write_netcdf
-from burstcast_workflow.jobs.data import training_series
 from burstcast_workflow.jobs.forecasters import (
     forecasting_case,
     read_forecaster,
@@ -18,6 +17,7 @@ from burstcast_workflow.jobs.forecasters import (
     write_forecaster,
 )
 from burstcast_workflow.jobs.searches import reservoir_seed
+from burstcast_workflow.jobs.training import training_series
 
 IDENTIFIER = "esn-N40-RV-seed2"
 SETTINGS = {

@@ -13,8 +13,8 @@ from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.harness.storage import Variable, write_netcdf
-from burstcast_workflow.jobs.data import training_series
 from burstcast_workflow.jobs.searches import point_validator, search_space, trace_rows
+from burstcast_workflow.jobs.training import training_series
 
 STEPS = 25  # in a Lyapunov time
 IDENTIFIER = "esn-N40-seed0"  # the reservoir of a scan

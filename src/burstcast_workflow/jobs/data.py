@@ -5,7 +5,6 @@ from typing import Any
 
 from burstcast.arrays import FloatArray
 from burstcast.dataset import component_scales, observed_series
-from burstcast.esn.training import TrainingSeries
 from burstcast.statistics.densities import bin_edges
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
@@ -67,16 +66,3 @@ def training_states(settings: Settings, ensemble: str) -> FloatArray:
     series = settings["case.training.series"]
     check_kept_series(kept_series(ensemble), {"training.series": series})
     return read_rows(ensemble, "state", 0, series)
-
-
-def training_series(settings: Settings, ensemble: str) -> TrainingSeries:
-    """Training series of a case as forecasters see them.
-
-    Raises
-    ------
-    ValueError
-        If the ensemble has too few series, or a component of them is constant.
-    """
-    states = training_states(settings, ensemble)
-    observed = observed_rows(settings, ensemble, 0, states)
-    return TrainingSeries(observed=observed, input_range=component_scales(states).range)

@@ -10,12 +10,13 @@ from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.validation import PointValidator, Validation
 from burstcast_workflow.identifiers import parsed
-from burstcast_workflow.jobs.data import system_of, training_series
+from burstcast_workflow.jobs.data import system_of
 from burstcast_workflow.jobs.length_checks import (
     check_recycle_validation,
     check_single_shot_validation,
 )
 from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.training import training_series
 
 Settings = Mapping[str, Any]
 

@@ -10,10 +10,10 @@ from burstcast.forecasters.esn import NetworkForecaster
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.jobs.data import training_series
 from burstcast_workflow.jobs.forecasters import write_forecaster
 from burstcast_workflow.jobs.searches import reservoir_seed
 from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.training import training_series
 
 
 def train(
