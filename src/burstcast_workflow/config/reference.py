@@ -50,6 +50,8 @@ def _default(config: Any, name: str) -> str:
     if name.startswith(("campaign", "cases")):
         return "see config.yaml"
     for part in name.split("."):
+        if not isinstance(config, Mapping) or part not in config:
+            return "left out"
         config = config[part]
     return f"`{json.dumps(config)}`"
 
