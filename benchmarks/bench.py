@@ -7,8 +7,8 @@
 Each stage is timed at the size that ``config.yaml`` gives it for Re = 400, or at a part of it and
 extrapolated; with how much of the machine's peak it reaches (dgemm, measured in between); and
 against the same work in the textbook implementation (``textbook.py``) and with the numpy/scipy
-kernel, in the same run. Times are the processor's, the least of several repetitions: other programs
-on the machine disturb them little. ``--write`` puts the tables into docs/performance.md.
+backend, in the same run. Times are the processor's, the least of several repetitions: other
+programs on the machine disturb them little. ``--write`` puts the tables into docs/performance.md.
 """
 
 import argparse
@@ -39,8 +39,8 @@ from burstcast.forecast.starting_points import (
     starting_points,
 )
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
-from burstcast.forecasters.base import Forecaster
-from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.statistics.long_term import (
     LongTermSettings,
     long_term_starting_points,
@@ -174,6 +174,20 @@ class CountingForecaster(Forecaster):
     forecaster: NetworkForecaster
     steps: int = field(default=0)
 
+    @classmethod
+    def fit(cls, training: np.ndarray, case: ForecastingCase) -> "CountingForecaster":
+        """Refuse: the network is there already."""
+        raise NotImplementedError
+
+    def record(self) -> ForecasterRecord:
+        """Pass on."""
+        return self.forecaster.record()
+
+    @classmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> "CountingForecaster":
+        """Count for a restored network."""
+        return cls(NetworkForecaster.restore(record, case))
+
     def start(self, washout: np.ndarray) -> np.ndarray:
         """Count and pass on."""
         self.steps += washout.shape[0] * washout.shape[2]
@@ -207,7 +221,7 @@ class Data:
         self.training = TrainingSeries(self.observed[: len(training)], scales.range)
         recycle = self.case["recycle_validation"]
         self.plan = ValidationPlan(
-            washout=self.steps(self.config["network"]["washout_lt"]),
+            washout=self.steps(self.config["washout_lt"]),
             interval=self.steps(self.config["search"]["interval_lt"]),
             series=recycle["series"],
             intervals=recycle["intervals_per_series"],
@@ -250,7 +264,7 @@ class Stages:
 
     def __init__(self, data: Data, neurons: int, clock: Clock, *, quick: bool) -> None:
         self._data, self._neurons, self._clock, self._quick = data, neurons, clock, quick
-        network = data.config["network"]
+        network = data.config["forecasters"]["esn"]
         reservoir = make_reservoir(
             neurons,
             data.system.dimension,
@@ -258,16 +272,16 @@ class Stages:
             network["input_bias"],
             np.random.default_rng(neurons),
         )
-        self._compiled = Dynamics(reservoir, SPECTRAL_RADIUS, INPUT_SCALING, "numba")
-        self._scipy = replace(self._compiled, backend="scipy")
-        self._textbook = textbook.TextbookNetwork(self._compiled)
+        self._numba = Dynamics(reservoir, SPECTRAL_RADIUS, INPUT_SCALING, "numba")
+        self._scipy = replace(self._numba, backend="scipy")
+        self._textbook = textbook.TextbookNetwork(self._numba)
         # per neuron and step: products with the matrix, the input, the hyperbolic tangent
         self._open_operations = 2 * reservoir.recurrent.nnz / neurons + 2 + TANH_OPERATIONS
         self._closed_operations = self._open_operations + 2 * data.system.dimension
         self._batch = 64
         observed = data.training.observed / data.training.input_range
         self._inputs = np.ascontiguousarray(observed[:, :-1].transpose(1, 2, 0))
-        self._collected = collect(self._compiled, data.training, washout=data.plan.washout)
+        self._collected = collect(self._numba, data.training, washout=data.plan.washout)
         self._readout = solve_ridge(self._collected.moments, TIKHONOV)
 
     def rows(self) -> list[Row]:
@@ -280,17 +294,17 @@ class Stages:
             self._trial(),
             self._forecasts(),
             self._horizon(),
-            self._climate(),
+            self._long_term(),
         ]
 
     @cached_property
     def _closed_states(self) -> np.ndarray:
-        states = self._compiled.open_loop(self._inputs[:100])
+        states = self._numba.open_loop(self._inputs[:100])
         return np.tile(states, (1, self._batch))[:, : self._batch]
 
     @cached_property
     def _closed_rates(self) -> dict[str, float]:
-        """Seconds per step of one trajectory: compiled, scipy, textbook."""
+        """Seconds per step of one trajectory: numba, scipy, textbook."""
         arguments = self._readout.weights, self._data.training.input_range
         steps = 20 if self._quick else 100
         rates = {
@@ -300,7 +314,7 @@ class Stages:
                 )
             )
             / (steps * self._batch)
-            for name, dynamics in (("compiled", self._compiled), ("scipy", self._scipy))
+            for name, dynamics in (("numba", self._numba), ("scipy", self._scipy))
         }
         state = self._closed_states[:, 0]
         rates["textbook"] = (
@@ -311,13 +325,13 @@ class Stages:
 
     @cached_property
     def _open_rates(self) -> dict[str, float]:
-        """Seconds per step of one of ten trajectories: compiled, scipy, textbook."""
+        """Seconds per step of one of ten trajectories: numba, scipy, textbook."""
         inputs = self._inputs[: 100 if self._quick else 400]
         steps, _, batch = inputs.shape
         rates = {
             name: self._clock.seconds(lambda dynamics=dynamics: dynamics.open_loop(inputs))
             / (steps * batch)
-            for name, dynamics in (("compiled", self._compiled), ("scipy", self._scipy))
+            for name, dynamics in (("numba", self._numba), ("scipy", self._scipy))
         }
         zero = np.zeros(self._neurons)
         rates["textbook"] = (
@@ -335,7 +349,7 @@ class Stages:
         return self._row(
             stage,
             work,
-            steps * rates["compiled"],
+            steps * rates["numba"],
             textbook=steps * rates["textbook"],
             scipy=steps * rates["scipy"],
             neuron_steps=steps * self._neurons,
@@ -352,7 +366,7 @@ class Stages:
     @cached_property
     def _gram_seconds(self) -> tuple[float, float]:
         """Our and the textbook's time for the moments of all training rows."""
-        panel = next(self._compiled.state_panels(self._inputs[200:])).columns
+        panel = next(self._numba.state_panels(self._inputs[200:])).columns
         targets = self._data.training.observed[:, 201 : 201 + panel.shape[1] // 10]
         targets = targets.transpose(2, 1, 0).reshape(targets.shape[2], -1)
         panels = 2 if self._quick else 4
@@ -422,16 +436,17 @@ class Stages:
         return self._row(
             "hyperparameter trial",
             f"SSV and RV, {len(betas)} betas",
-            self._clock.seconds(lambda: trial(self._compiled), 2),
+            self._clock.seconds(lambda: trial(self._numba), 2),
             textbook=plain,
             scipy=self._clock.seconds(lambda: trial(self._scipy), 1),
         )
 
     def _forecaster(self) -> CountingForecaster:
-        network = EchoStateNetwork(self._compiled, self._readout, self._data.training.input_range)
-        return CountingForecaster(
-            NetworkForecaster(network, self._data.config["network"]["divergence_bound"])
-        )
+        network = EchoStateNetwork(self._numba, self._readout, self._data.training.input_range)
+        settings = self._data.config["forecasters"]["esn"]
+        # what its reservoir would be made from, were it read from a file
+        seed = ReservoirSeed(0, self._neurons, 0, settings["connectivity"], settings["input_bias"])
+        return CountingForecaster(NetworkForecaster(network, seed, settings["divergence_bound"]))
 
     def _of_forecaster(
         self, stage: str, work: str, run: Callable[[Forecaster], object], factor: float
@@ -504,7 +519,7 @@ class Stages:
             setting["events"] / len(events),
         )
 
-    def _climate(self) -> Row:
+    def _long_term(self) -> Row:
         data, setting = self._data, self._data.config["statistics"]
         points = long_term_starting_points(
             data.training.series,
@@ -532,8 +547,8 @@ class Stages:
 
     def connection_seconds(self) -> float:
         """Seconds per neuron-step of one more connection in the closed loop."""
-        reservoir = self._compiled.reservoir
-        network = self._data.config["network"]
+        reservoir = self._numba.reservoir
+        network = self._data.config["forecasters"]["esn"]
         sparse = make_reservoir(
             self._neurons,
             reservoir.dimension,
@@ -547,15 +562,14 @@ class Stages:
             lambda: dynamics.closed_loop(*arguments, self._closed_states, 100)
         ) / (100 * self._batch)
         connections = reservoir.recurrent.nnz - sparse.recurrent.nnz
-        return (self._closed_rates["compiled"] - seconds) / connections
+        return (self._closed_rates["numba"] - seconds) / connections
 
     def rates(self) -> dict[str, float]:
         """Measured constants of the cost model."""
         connection = self.connection_seconds()
-        connectivity = self._compiled.reservoir.recurrent.nnz / self._neurons
+        connectivity = self._numba.reservoir.recurrent.nnz / self._neurons
         return {
-            "neuron step": self._closed_rates["compiled"] / self._neurons
-            - connectivity * connection,
+            "neuron step": self._closed_rates["numba"] / self._neurons - connectivity * connection,
             "connection step": connection,
             "gram product": self._gram_seconds[0] / (self._rows * float(self._neurons) ** 2),
             "solve product": self._ridge_seconds[0] / float(self._neurons) ** 3,

@@ -29,16 +29,18 @@ def campaign(reynolds_numbers: int, sizes: int, seeds: int) -> dict[str, object]
     return {
         "results": "results/planning",
         "campaign": [
-            {"reynolds": reynolds, "neurons": neurons, "validation": ["SSV"], "seeds": seeds}
+            {
+                "reynolds": reynolds,
+                "forecasters": {"esn": {"neurons": neurons, "validation": ["SSV"], "seeds": seeds}},
+            }
         ],
         # without published exponents the Lyapunov time would be computed, which is also planned
         "case_defaults": {"lyapunov": {"published_exponent": 0.0135}},
-        "statistics": {"validation": []},
-        "control": {"neurons": []},
+        "statistics": {"forecasters": {"esn": None}},
+        "control": {"forecasters": {"esn": None, "equations": None}},
         "figures": {
             "example_case": f"Re{reynolds[0]}",
-            "example_neurons": neurons[0],
-            "example_validation": "SSV",
+            "example_forecaster": f"esn-N{neurons[0]}-SSV-seed0",
             "fixed_neurons": neurons[0],
         },
     }
