@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from burstcast.published import published_percentiles
-from burstcast_workflow.table_files import read_table
+from burstcast_workflow.harness.tables import read_table
 
 RESOURCE = Path(__file__).parents[1] / "resources" / "published_percentiles.csv"
 

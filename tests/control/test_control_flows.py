@@ -12,7 +12,7 @@ from burstcast.control.actuation import Actuation, actuated_system
 from burstcast.control.flows import ControlledFlows, run_controlled_flows
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.timing import Timing
-from burstcast.forecasters.equations import EquationsForecaster
+from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -40,7 +40,7 @@ def test_out_of_reach_the_controlled_flow_is_the_uncontrolled_one(
     timing = replace(SHORT, prediction_time_lt=prediction_time_lt)
     washouts = turbulent_washouts(3, timing)
     monitor = ForecastMonitor(
-        EquationsForecaster(FLOW, timing.time_step, timing.sampling_stride),
+        EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride),
         FLOW.observable,
         timing,
         threshold=np.inf,
@@ -186,7 +186,7 @@ def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> 
     washouts = turbulent_washouts(7, timing)
     noise = np.random.default_rng(2).normal(scale=1e-3, size=(7, timing.length, 9))
     monitor = ForecastMonitor(
-        EquationsForecaster(FLOW, timing.time_step, timing.sampling_stride),
+        EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride),
         FLOW.observable,
         timing,
         threshold=0.07,
@@ -214,7 +214,7 @@ def test_a_perfect_forecaster_raises_no_false_alarm() -> None:
     timing = replace(PAPER, span_lt=4.0, washout=1)
     washouts = turbulent_washouts(40, timing)
     monitor = ForecastMonitor(
-        EquationsForecaster(FLOW, timing.time_step, timing.sampling_stride),
+        EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride),
         FLOW.observable,
         timing,
         threshold=0.1,

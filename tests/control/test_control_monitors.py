@@ -8,7 +8,7 @@ from burstcast.arrays import FloatArray
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.monitors.random import RandomMonitor
 from burstcast.control.timing import Timing
-from burstcast.forecasters.base import Forecaster
+from helpers_forecasters import MadeUpForecaster
 
 TIMING = Timing(
     prediction_time_lt=1.0,
@@ -22,7 +22,7 @@ TIMING = Timing(
 
 
 @dataclass(frozen=True)
-class ScriptedForecaster(Forecaster):
+class ScriptedForecaster(MadeUpForecaster):
     """Forecasts a script, whatever it has seen."""
 
     script: FloatArray  # (steps, batch)

@@ -14,7 +14,7 @@ from burstcast.control.monitors.random import RandomMonitor
 from burstcast.control.outcome import Outcome, count_outcome, largest_suppressed_event
 from burstcast.control.timing import Timing
 from burstcast.events import upward_crossings
-from burstcast.forecasters.equations import EquationsForecaster
+from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -355,7 +355,7 @@ def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
     timing = Timing(1.0, 1.0, 10.0, 1, 61, 4, 0.25)
     washouts = turbulent_washouts(200)
     edges = np.linspace(0.012, 0.48, 101)
-    forecaster = EquationsForecaster(FLOW, timing.time_step, timing.sampling_stride)
+    forecaster = EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride)
     perfect = count_outcome(
         run_controlled_flows(
             FLOW,

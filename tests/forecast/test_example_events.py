@@ -9,7 +9,7 @@ from burstcast.forecast.example_events import (
     isolated_events,
     predicted_event,
 )
-from burstcast.forecasters.base import Forecaster
+from helpers_forecasters import MadeUpForecaster
 
 CRITERION = EventCriterion(threshold=1.0, calm=0.5, quiet=10, longest=60, wanted_peak=2.0)
 
@@ -100,7 +100,7 @@ def test_calm_must_lie_below_the_threshold():
         EventCriterion(threshold=1.0, calm=1.0, quiet=1, longest=5, wanted_peak=2.0)
 
 
-class Wrong(Forecaster):
+class Wrong(MadeUpForecaster):
     """Knows the truth of every series, and fails in each by a given error from a given step on.
 
     The second component of the state is the row of the series, the third the step.

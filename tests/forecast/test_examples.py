@@ -11,11 +11,11 @@ from burstcast.forecast.examples import (
     stretch,
 )
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecasters.base import Forecaster
+from helpers_forecasters import MadeUpForecaster
 
 
 @dataclass(frozen=True)
-class Drift(Forecaster):
+class Drift(MadeUpForecaster):
     """Counts on from the last value and drifts off by a constant in each step."""
 
     drift: float

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from burstcast.forecast import horizon
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps, prediction_horizons
-from burstcast.forecasters.base import Forecaster
-from burstcast.forecasters.equations import EquationsForecaster
+from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from helpers_forecasters import MadeUpForecaster
 
 SEARCH = HorizonSearch(
     longest_lead_time_lt=4.0,
@@ -32,7 +32,7 @@ SLOPE = 3.0
 """Of the true signal, which is a straight line: beside a step of it every tolerance is small."""
 
 
-class Drifting(Forecaster):
+class Drifting(MadeUpForecaster):
     """Follows the line from the last observation on, and drifts off at a speed that it tells.
 
     It also hides in its memory how far it is, as a reservoir's state does.
@@ -158,7 +158,7 @@ def flow_horizons(flow, noise):
     generator = np.random.default_rng(1)
     observed = window + noise * generator.normal(size=window.shape)
     truth = system.observable(window.transpose(2, 0, 1))
-    forecaster = EquationsForecaster(system, 0.25, 4)
+    forecaster = EquationsFromTruth(system, 0.25, 4)
     return search, forecaster, observed, truth, system
 
 

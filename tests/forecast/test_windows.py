@@ -14,7 +14,7 @@ from burstcast.forecast.windows import (
     summarise,
     window_boundaries,
 )
-from burstcast.forecasters.base import Forecaster
+from helpers_forecasters import MadeUpForecaster
 
 THRESHOLD = 0.1
 
@@ -115,7 +115,7 @@ def test_windows_beyond_the_forecast_are_refused(first, length):
         crosses(summaries, first, length, THRESHOLD)
 
 
-class Counting(Forecaster):
+class Counting(MadeUpForecaster):
     """Goes on from the last observed value in steps of one; lost where that value is negative."""
 
     def __init__(self):

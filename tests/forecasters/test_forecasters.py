@@ -1,12 +1,16 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
-from burstcast.esn.reservoir import make_reservoir
-from burstcast.forecasters.equations import EquationsForecaster
-from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.forecasters.equations import EquationsFromTruth
+from burstcast.forecasters.equations_noisy import EquationsFromObservation
+from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
+from burstcast.forecasters.registry import available_kinds, forecaster_class
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -21,8 +25,12 @@ def flow():
     return integrate(SYSTEM, perturbed, 0.25, 4 * 260, stride=4)[200:]
 
 
-def test_the_equations_continue_the_true_flow(flow):
-    forecaster = EquationsForecaster(SYSTEM, time_step=0.25, sampling_stride=4)
+EQUATIONS = [EquationsFromTruth, EquationsFromObservation]
+
+
+@pytest.mark.parametrize("kind", EQUATIONS)
+def test_the_equations_continue_the_true_flow(kind, flow):
+    forecaster = kind(SYSTEM, time_step=0.25, sampling_stride=4)
     memory = forecaster.start(flow[:20])
     outputs, _ = forecaster.advance(memory, 30)
     assert outputs.shape == (30, 9, 5)
@@ -30,24 +38,29 @@ def test_the_equations_continue_the_true_flow(flow):
     assert not forecaster.diverged(outputs).any()
 
 
-def test_the_equations_see_the_last_observation_alone(flow):
-    forecaster = EquationsForecaster(SYSTEM, 0.25, 4)
+@pytest.mark.parametrize("kind", EQUATIONS)
+def test_the_equations_see_the_last_observation_alone(kind, flow):
+    forecaster = kind(SYSTEM, 0.25, 4)
     noisy = flow[:20] + 0.01
     noisy[-1] = flow[19]
     outputs, _ = forecaster.advance(forecaster.start(noisy), 3)
     np.testing.assert_array_equal(outputs, flow[20:23])
 
 
+SEED = ReservoirSeed(random_seed=2022, neurons=30, seed=5, connectivity=6, input_bias=0.1)
+
+
 def make_network(generator):
-    reservoir = make_reservoir(30, 9, 6, 0.1, generator)
+    reservoir = SEED.reservoir(9)
     weights = 0.1 * generator.normal(size=(31, 9))
     readout = Readout(weights, 1e-6, "cholesky", 1e-9)
     return EchoStateNetwork(Dynamics(reservoir, 0.9, 1.0, "scipy"), readout, np.linspace(0.2, 1, 9))
 
 
 FORECASTERS = {
-    "equations": EquationsForecaster(SYSTEM, 0.25, 4),
-    "network": NetworkForecaster(make_network(np.random.default_rng(5)), 10.0),
+    "equations": EquationsFromTruth(SYSTEM, 0.25, 4),
+    "equations_noisy": EquationsFromObservation(SYSTEM, 0.25, 4),
+    "esn": NetworkForecaster(make_network(np.random.default_rng(5)), SEED, 10.0),
 }
 
 
@@ -73,7 +86,7 @@ def test_forecasts_can_be_picked_out_at_any_step(name, flow):
 
 
 def test_the_network_is_driven_by_the_washout_and_then_by_itself(flow):
-    network = FORECASTERS["network"].network
+    network = FORECASTERS["esn"].network
     reservoir, scale = network.dynamics.reservoir, network.input_range
     recurrent = 0.9 * reservoir.recurrent.toarray()
     dense = np.zeros((30, 10))
@@ -84,21 +97,105 @@ def test_the_network_is_driven_by_the_washout_and_then_by_itself(flow):
     for _ in range(6):
         expected.append(np.append(state, 1) @ network.readout.weights)
         state = np.tanh(dense @ np.append(expected[-1] / scale, 0.1) + recurrent @ state)
-    forecaster = FORECASTERS["network"]
+    forecaster = FORECASTERS["esn"]
     outputs, _ = forecaster.advance(forecaster.start(flow[:20]), 6)
     np.testing.assert_allclose(outputs[:, :, 2], expected, rtol=1e-10)
 
 
 def test_what_counts_as_diverged():
     outputs = np.zeros((4, 9, 6))
-    scale = FORECASTERS["network"].network.input_range
+    scale = FORECASTERS["esn"].network.input_range
     outputs[2, 3, 1] = np.nan
     outputs[2, 3, 2] = -np.inf
     outputs[1, 8, 3] = -10.01 * scale[8]
     outputs[1, 8, 4] = 9.99 * scale[8]
     outputs[3, 0, 5] = 10.01 * scale[0]
     expected = [False, True, True, True, False, True]
-    assert FORECASTERS["network"].diverged(outputs).tolist() == expected
+    assert FORECASTERS["esn"].diverged(outputs).tolist() == expected
     # the equations have no bound but the numbers'
     expected = [False, True, True, False, False, False]
     assert FORECASTERS["equations"].diverged(outputs).tolist() == expected
+
+
+# -- kinds, and what forecasters are restored from -------------------------------------------------
+
+CASE = ForecastingCase(
+    system=SYSTEM,
+    time_step=0.25,
+    sampling_stride=4,
+    steps_per_lyapunov_time=61,
+    options={"backend": "scipy", "divergence_bound": 10.0},
+)
+
+
+def test_every_kind_is_tested_here():
+    assert sorted(FORECASTERS) == available_kinds()
+    for kind, forecaster in FORECASTERS.items():
+        assert forecaster_class(kind) is type(forecaster)
+
+
+def test_a_kind_that_is_not_there_is_named_with_those_that_are():
+    with pytest.raises(
+        ValueError, match=r"'ens' \(did you mean 'esn'\?\); .* equations, equations_noisy, esn"
+    ):
+        forecaster_class("ens")
+
+
+def test_only_the_bound_sees_the_truth():
+    seeing = [kind for kind in available_kinds() if forecaster_class(kind).sees_truth]
+    assert seeing == ["equations"]
+    assert not Forecaster.sees_truth
+
+
+@pytest.mark.parametrize("name", FORECASTERS)
+def test_a_restored_forecaster_forecasts_the_same_bits(name, flow):
+    forecaster = FORECASTERS[name]
+    restored = forecaster_class(name).restore(forecaster.record(), CASE)
+    assert type(restored) is type(forecaster)
+    forecasts = [one.advance(one.start(flow[:20]), 12)[0] for one in (forecaster, restored)]
+    np.testing.assert_array_equal(*forecasts)
+    outputs = np.full((1, 9, 1), 11.0)
+    assert restored.diverged(outputs).tolist() == forecaster.diverged(outputs).tolist()
+
+
+@pytest.mark.parametrize("kind", EQUATIONS)
+def test_the_equations_learn_nothing(kind, flow):
+    training = flow.transpose(2, 0, 1)
+    fitted = kind.fit(training, CASE)
+    assert fitted == kind.fit(0 * training, CASE) == kind(SYSTEM, 0.25, 4)
+    assert fitted.record() == ForecasterRecord()
+
+
+def test_networks_are_not_fitted_without_a_search(flow):
+    with pytest.raises(NotImplementedError, match="search"):
+        NetworkForecaster.fit(flow.transpose(2, 0, 1), CASE)
+
+
+def test_the_bound_of_a_restored_network_is_that_of_the_case():
+    record = FORECASTERS["esn"].record()
+    outputs = 3.0 * np.ones((1, 9, 1))
+    for bound, lost in ((1.0, True), (100.0, False)):
+        case = replace(CASE, options={"backend": "scipy", "divergence_bound": bound})
+        assert NetworkForecaster.restore(record, case).diverged(outputs).tolist() == [lost]
+
+
+def same(one, other):
+    return (
+        np.array_equal(one.input_weight, other.input_weight)
+        and np.array_equal(one.input_column, other.input_column)
+        and np.array_equal(one.recurrent.toarray(), other.recurrent.toarray())
+    )
+
+
+def test_a_reservoir_is_its_size_and_seed():
+    one = SEED.reservoir(9)
+    assert same(one, SEED.reservoir(9))
+    for change in ({"seed": 6}, {"random_seed": 1}):
+        assert not same(one, replace(SEED, **change).reservoir(9))
+    assert replace(SEED, neurons=31).reservoir(9).neurons == 31
+
+
+def test_unknown_backends_are_refused():
+    case = replace(CASE, options={"backend": "fortran", "divergence_bound": 10.0})
+    with pytest.raises(ValueError, match="backend"):
+        NetworkForecaster.restore(FORECASTERS["esn"].record(), case)

@@ -11,9 +11,8 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import make_reservoir
-from burstcast.forecasters.base import Forecaster
-from burstcast.forecasters.equations import EquationsForecaster
-from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.equations import EquationsFromTruth
+from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.statistics import long_term
 from burstcast.statistics.long_term import (
     Fate,
@@ -24,6 +23,7 @@ from burstcast.statistics.long_term import (
 )
 from burstcast.statistics.reductions import reduce_series
 from burstcast.systems.lorenz63 import Lorenz63
+from helpers_forecasters import MadeUpForecaster
 
 EDGES = np.linspace(0.0, 1.0, 11)
 FIXED_POINT = FixedPointCriterion(variation=0.01, above=0.05, interval=40)
@@ -34,7 +34,7 @@ def first_component(state):
 
 
 @dataclass
-class Scripted(Forecaster):
+class Scripted(MadeUpForecaster):
     """Plays given series ``(steps, dimension, trajectories)``; the washout tells which one.
 
     Counts how many trajectory steps it was asked for.
@@ -250,6 +250,7 @@ def test_a_network_on_a_fixed_point_is_found_out_early():
     reservoir = make_reservoir(60, 2, 10, 0.1, generator)
     weights = 0.01 * generator.standard_normal((61, 2))
     weights[-1] = [0.3, 0.1]
+    seed = ReservoirSeed(0, 60, 0, 10, 0.1)
     network = EchoStateNetwork(
         Dynamics(reservoir, 0.7, 0.5, "scipy"), Readout(weights, 1e-6, "cholesky", 1.0), np.ones(2)
     )
@@ -262,7 +263,7 @@ def test_a_network_on_a_fixed_point_is_found_out_early():
 
     washouts = generator.uniform(0, 1, (4, 20, 2))
     found = run_long_term(
-        Counting(network, 10.0),
+        Counting(network, seed, 10.0),
         first_component,
         washouts,
         LongTermSettings(3000, EDGES, 0.48, FIXED_POINT),
@@ -273,7 +274,7 @@ def test_a_network_on_a_fixed_point_is_found_out_early():
 
 def test_equations_have_the_statistics_of_their_own_trajectories():
     system = Lorenz63()
-    forecaster = EquationsForecaster(system, 0.01, 2)
+    forecaster = EquationsFromTruth(system, 0.01, 2)
     washouts = np.random.default_rng(2).normal(0, 5, (5, 4, 3)) + np.array([0, 0, 20])
     edges = np.linspace(-30, 30, 31)
     found = run_long_term(

@@ -10,53 +10,59 @@ import pandas as pd
 import pytest
 from helpers_rebuilds import Project
 
-from burstcast_workflow.storage import read_netcdf
+from burstcast_workflow.harness.storage import read_netcdf
 
 pytestmark = pytest.mark.long
 
 QUICK = "workflow/presets/quick.yaml"
-NETWORK = ["neurons", "validation", "seed"]
+FORECASTER = ["neurons", "validation", "seed"]
 SMALL = {
-    "campaign": [{"reynolds": [400], "neurons": [300], "validation": ["RV", "SSV"], "seeds": 2}],
-    "statistics": {"validation": []},
-    "control": {"neurons": []},
-    "figures": {"example_neurons": 300, "fixed_neurons": 300},
+    "campaign": [
+        {
+            "reynolds": [400],
+            "forecasters": {"esn": {"neurons": [300], "validation": ["RV", "SSV"], "seeds": 2}},
+        }
+    ],
+    "statistics": {"forecasters": {"esn": None}},
+    "control": {"forecasters": {"esn": None, "equations": None}},
+    "figures": {"example_forecaster": "esn-N300-RV-seed0", "fixed_neurons": 300},
 }
 
 
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory):
     """Tables of the same campaign with each backend, and the horizons of its networks."""
-    project = Project.create(tmp_path_factory.mktemp("kernels") / "project", preset=QUICK)
+    project = Project.create(tmp_path_factory.mktemp("backends") / "project", preset=QUICK)
     made = {}
-    for kernel in ("compiled", "scipy"):
-        directory = f"results/{kernel}"
-        overlay = {**SMALL, "results": directory, "network": {"kernel": kernel}}
+    for backend in ("numba", "scipy"):
+        directory = f"results/{backend}"
+        forecasters = {"esn": {"backend": backend}}
+        overlay = {**SMALL, "results": directory, "forecasters": forecasters}
         wanted = [
             f"{directory}/tables/{name}.csv" for name in ("classification_intervals", "horizon")
         ]
         outcome = project.snakemake(*wanted, overlay=overlay)
         assert outcome.status == 0, outcome.text[-3000:]
-        made[kernel] = {
+        made[backend] = {
             "scores": pd.read_csv(project.directory / directory / "tables/classification.csv"),
             "intervals": pd.read_csv(project.directory / wanted[0]),
             "horizons": pd.concat(
                 pd.DataFrame(read_netcdf(path))
                 .rename_axis("event")
                 .reset_index()
-                .assign(network=str(path.parent.relative_to(path.parents[3])))
-                for path in sorted((project.directory / directory).glob("Re400/N*/*/*/horizon.nc"))
+                .assign(network=path.parent.name)
+                for path in sorted((project.directory / directory).glob("Re400/*/horizon.nc"))
             ),
         }
     return made
 
 
 def test_scores_agree_within_their_intervals(tables):
-    keys = [*NETWORK, "prediction_time_lt"]
+    keys = [*FORECASTER, "prediction_time_lt"]
     scores = tables["scipy"]["scores"].melt(
         id_vars=keys, value_vars=["precision", "recall", "f_score"], var_name="metric"
     )
-    intervals = tables["compiled"]["intervals"].dropna(subset=["low", "high"])
+    intervals = tables["numba"]["intervals"].dropna(subset=["low", "high"])
     both = intervals.merge(scores, on=[*keys, "metric"], suffixes=("", "_scipy"))
     assert len(both) == len(intervals) > 0
     inside = both["value"].between(both["low"], both["high"])
@@ -65,9 +71,9 @@ def test_scores_agree_within_their_intervals(tables):
 
 
 def test_horizons_agree_within_their_intervals(tables):
-    compiled, scipy = (tables[kernel]["horizons"] for kernel in ("compiled", "scipy"))
-    both = compiled.merge(scipy, on=["network", "event"], suffixes=("", "_scipy"))
-    assert len(both) == len(compiled) > 0
+    numba, scipy = (tables[backend]["horizons"] for backend in ("numba", "scipy"))
+    both = numba.merge(scipy, on=["network", "event"], suffixes=("", "_scipy"))
+    assert len(both) == len(numba) > 0
     generator = np.random.default_rng(1)
     for network, events in both.groupby("network"):
         horizons = events["prediction_horizon_lt"].to_numpy()

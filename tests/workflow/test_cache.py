@@ -7,12 +7,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from burstcast_workflow import cache
-from burstcast_workflow.cache import CACHED_RULES, CachedJob, cached_job, through_cache
 from burstcast_workflow.fingerprint import fingerprint
+from burstcast_workflow.harness import cache
+from burstcast_workflow.harness.cache import CachedJob, cached_job, through_cache
 
 ROOT = Path(__file__).parents[2]
-SCRIPT = ROOT / "workflow" / "scripts" / "train.py"
+SCRIPT = ROOT / "workflow" / "scripts" / "forecasters" / "train.py"
 CODE = fingerprint(SCRIPT, ROOT / "src")
 
 
@@ -120,7 +120,8 @@ def test_library_versions_count(place, monkeypatch):
 
 
 def test_rules_that_take_seconds_are_not_cached(place):
-    assert not run(place, job(place, rule="classify"))
+    assert not run(place, job(place, cached=False))
+    assert not run(place, job(place, cached=False))
     assert not (place / "cache").exists()
 
 
@@ -248,19 +249,17 @@ def test_runs_at_once_do_each_other_no_harm(place):
         assert path.read_text().startswith("result ")
 
 
-def test_every_cached_rule_is_one():
-    rules = "".join(path.read_text() for path in (ROOT / "workflow" / "rules").glob("*.smk"))
-    for name in CACHED_RULES:
-        assert f"rule {name}:" in rules
-
-
-def test_job_from_the_object_of_snakemake(tmp_path):
+@pytest.mark.parametrize(
+    ("resources", "cached"), [({"cached": 1}, True), ({"cached": 0}, False), ({}, False)]
+)
+def test_job_from_the_object_of_snakemake(resources, cached):
     snakemake = SimpleNamespace(
         rule="train",
         params=SimpleNamespace(code=["burstcast@1", "train.py@2"]),
         scriptdir="/somewhere",
         input=Files(ensemble="a.nc", lyapunov=["b.json", "c.json"], none=[]),
         output=Files(network="n.nc"),
+        resources=resources,
     )
     made = cached_job(snakemake, {"seed": 1}, {"rule": "train", "seed": 1})
     assert made.script == Path("/somewhere/train.py")
@@ -271,6 +270,7 @@ def test_job_from_the_object_of_snakemake(tmp_path):
     }
     assert made.outputs == {"network": Path("n.nc")}
     assert made.identity == {"rule": "train", "seed": 1}
+    assert made.cached is cached
 
 
 # -- command line ----------------------------------------------------------------------------------

@@ -10,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from snakemake.utils import update_config
 
-from burstcast_workflow.campaign import Campaign, Network
-from burstcast_workflow.canonical import canonical, natural_order
-from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.campaign import Campaign, CaseForecaster
+from burstcast_workflow.canonical import canonical, canonical_json, natural_order
 from burstcast_workflow.config.loading import load
+from burstcast_workflow.figure_registry import FIGURES, figure_names
+from burstcast_workflow.identifiers import ForecasterName, parsed
 
 ROOT = Path(__file__).parents[2]
 
@@ -24,55 +25,127 @@ def campaign(*overlays, blocks=None):
         update_config(config, copy.deepcopy(overlay))
     if blocks:
         config["campaign"] = blocks
-    config = load(config)
-    return Campaign(config, case_records(config))
+    return Campaign(load(config))
+
+
+def networks(neurons, validation=("RV",), seeds=1):
+    return {"esn": {"neurons": [*neurons], "validation": [*validation], "seeds": seeds}}
 
 
 PAPER = campaign()
-NETWORK = {"case": "Re600", "neurons": "2000", "validation": "SSV", "seed": "7"}
 
 
-def test_the_papers_networks():
-    networks = PAPER.networks
-    assert len(networks) == len(set(networks)) == (6 + 3) * 2 * 10
-    at_400 = PAPER.select(case="Re400")
-    assert {network.neurons for network in at_400} == {500, 1000, 1500, 2000, 2500, 3000}
+def of(case, identifier):
+    return CaseForecaster(case, parsed(identifier))
+
+
+def test_the_papers_forecasters():
+    assert len(PAPER.networks) == len(set(PAPER.networks)) == (6 + 3) * 2 * 10
+    at_400 = PAPER.select(case="Re400", kind="esn")
+    assert {one.name.neurons for one in at_400} == {500, 1000, 1500, 2000, 2500, 3000}
     assert len(PAPER.select(case="Re1000", validation="RV")) == 10
-    assert {network.seed for network in networks} == set(range(10))
+    assert {one.name.seed for one in PAPER.networks} == set(range(10))
     assert PAPER.case_names == ("Re400", "Re600", "Re800", "Re1000")
     assert [PAPER.reynolds(case) for case in PAPER.case_names] == [400, 600, 800, 1000]
-    assert networks[0].directory == "Re400/N500/RV/seed0"
+    assert PAPER.networks[0].directory == "Re400/esn-N500-RV-seed0"
+    others = [one for one in PAPER.forecasters if one not in PAPER.networks]
+    assert [one.directory for one in others] == [
+        f"{case}/{kind}" for case in PAPER.case_names for kind in ("equations", "equations_noisy")
+    ]
 
 
-def test_blocks_that_overlap_share_their_networks():
-    figures = {"example_neurons": 100, "fixed_neurons": 100}
+def test_blocks_that_overlap_share_their_forecasters():
+    figures = {"example_forecaster": "esn-N100-RV-seed0", "fixed_neurons": 100}
+    equations = {"equations": {}, "equations_noisy": None}
     found = campaign(
-        {"figures": figures, "control": {"validation": []}},
+        {"figures": figures, "control": {"forecasters": {"esn": None}}},
         blocks=[
-            {"reynolds": [400], "neurons": [100, 200], "validation": ["RV"], "seeds": 2},
-            {"reynolds": [400, 600], "neurons": [100], "validation": ["RV", "SSV"], "seeds": 1},
+            {"reynolds": [400], "forecasters": {**networks([100, 200], seeds=2), **equations}},
+            {
+                "reynolds": [400, 600],
+                "forecasters": {**networks([100], ["RV", "SSV"]), "equations": {}},
+            },
         ],
     )
-    assert found.networks == (
-        Network("Re400", 100, "RV", 0),
-        Network("Re400", 100, "RV", 1),
-        Network("Re400", 100, "SSV", 0),
-        Network("Re400", 200, "RV", 0),
-        Network("Re400", 200, "RV", 1),
-        Network("Re600", 100, "RV", 0),
-        Network("Re600", 100, "SSV", 0),
+    assert found.forecasters == (
+        of("Re400", "equations"),
+        of("Re400", "esn-N100-RV-seed0"),
+        of("Re400", "esn-N100-RV-seed1"),
+        of("Re400", "esn-N100-SSV-seed0"),
+        of("Re400", "esn-N200-RV-seed0"),
+        of("Re400", "esn-N200-RV-seed1"),
+        of("Re600", "equations"),
+        of("Re600", "esn-N100-RV-seed0"),
+        of("Re600", "esn-N100-SSV-seed0"),
     )
+
+
+def test_choices_name_kinds_and_may_restrict_their_axes():
+    def run_freely(choice):
+        chosen = campaign(blocks=PAPER.config["campaign"])
+        return {one.name for one in chosen._chosen(choice)}
+
+    every = {one.name for one in PAPER.networks}
+    assert run_freely({}) == run_freely({"esn": None}) == set()
+    assert run_freely({"equations": {}}) == {ForecasterName("equations")}
+    assert run_freely({"esn": {}}) == every
+    assert run_freely({"esn": {"neurons": [500], "validation": ["SSV"]}}) == {
+        ForecasterName("esn", 500, "SSV", seed) for seed in range(10)
+    }
+    assert {one.name.validation for one in PAPER.long_term_forecasters} == {"RV"}
+    assert {one.name.kind for one in PAPER.long_term_forecasters} == {"esn"}
+
+
+def test_who_controls_in_the_paper():
+    runs = PAPER.control_runs
+    assert len(runs) == len(set(runs))
+    by_networks = [run for run in runs if run.forecaster.name.kind == "esn" and not run.random]
+    assert {run.forecaster.name for run in by_networks} == {
+        ForecasterName("esn", 2000, "RV", seed) for seed in range(10)
+    }
+    assert {run.prediction_time_lt for run in runs} == {1, 2}
+    # one run of random alarms for each run of a network, and none for the equations
+    assert {(run.forecaster, run.prediction_time_lt) for run in runs if run.random} == {
+        (run.forecaster, run.prediction_time_lt) for run in by_networks
+    }
+    equations = [run for run in runs if run.forecaster.name.kind == "equations"]
+    assert len(equations) == 4 * 2
+    stems = {run.stem for run in runs}
+    assert "Re400/esn-N2000-RV-seed3/control_PT1" in stems
+    assert "Re400/esn-N2000-RV-seed3/control_random_PT1" in stems
+    assert "Re1000/equations/control_PT2" in stems
+
+
+def test_random_alarms_can_be_switched_off():
+    found = campaign({"control": {"random_alarms": False}})
+    assert found.control_runs == tuple(run for run in PAPER.control_runs if not run.random)
+
+
+def test_the_sweep_adds_prediction_times_for_the_first_seeds():
+    found = campaign({"control": {"sweep": {"cases": ["Re400"], "seeds": 1}}})
+    more = set(found.control_runs) - set(PAPER.control_runs)
+    assert {run.prediction_time_lt for run in more} == {3, 4, 5}
+    assert {run.forecaster.directory for run in more} == {
+        "Re400/esn-N2000-RV-seed0",
+        "Re400/equations",
+    }
+    assert set(PAPER.control_runs) < set(found.control_runs)
+
+
+def test_a_case_without_actuation_is_not_controlled():
+    found = campaign({"cases": {"Re600": {"actuation": None}}})
+    assert {run.forecaster.case for run in found.control_runs} == {"Re400", "Re800", "Re1000"}
 
 
 @pytest.mark.parametrize(
     ("reynolds", "name"), [(412.5, "Re412.5"), (600.0, "Re600"), (1234567, "Re1234567")]
 )
 def test_names_of_cases_are_the_reynolds_numbers_in_full(reynolds, name):
-    block = {"reynolds": [400, reynolds], "neurons": [2000], "validation": ["RV"], "seeds": 1}
-    found = campaign({"figures": {"example_seed": 0}}, blocks=[block])
+    found = campaign(blocks=[{"reynolds": [400, reynolds], "forecasters": networks([2000])}])
     assert found.case_names == ("Re400", name)
     assert found.reynolds(name) == reynolds
-    assert found.settings("simulate", {"case": name})["parameters"]["reynolds"] == reynolds
+    settings = found.settings(["case.parameters"], {"case": name}, {})
+    assert settings["case.parameters"]["reynolds"] == reynolds
     # the workflow's rules accept it
     rules = (ROOT / "workflow" / "rules" / "common.smk").read_text()
     (pattern,) = re.findall(r'^    case=r"(.*)"', rules, re.M)
@@ -90,79 +163,125 @@ def test_time_units():
     assert unknown.steps_per_lyapunov_time("Re400") == 61
 
 
-RULES = ["simulate", "lyapunov", "test_set", "events", "scan", "tune", "train", "forecast"]
-RULES += ["horizon", "classify", "dataset_table", "hyperparameters_table", "horizon_table"]
+NETWORK = {"case": "Re600", "forecaster": "esn-N2000-SSV-seed7"}
+PATHS = (
+    "random_seed",
+    "case.training",
+    "case.training.noise",
+    "forecasters.esn.connectivity",
+    "forecaster.options",
+    "washout_lt",
+    "search",
+)
 
 
-@pytest.mark.parametrize("rule", RULES)
-def test_settings_are_canonical(rule):
-    settings = PAPER.settings(rule, NETWORK)
-    assert settings == canonical(settings)
-    assert repr(settings) == repr(canonical(settings))
-
-
-def changed(overlay):
-    """Rules whose settings an overlay changes."""
-    other = campaign(overlay)
-    return {
-        rule for rule in RULES if PAPER.settings(rule, NETWORK) != other.settings(rule, NETWORK)
+def test_settings_are_found_by_their_path():
+    found = PAPER.settings(PATHS, NETWORK, {"neurons": 3.0})
+    assert found == {
+        "random_seed": 2022,
+        "case.training": {"series": 10, "noise": 0.01},
+        "case.training.noise": 0.01,
+        "forecasters.esn.connectivity": 20,
+        "forecaster.options": PAPER.config["forecasters"]["esn"],
+        "washout_lt": 0.5,
+        "search": PAPER.config["search"],
+        "neurons": 3,
     }
 
 
-OBSERVED = {"test_set", "events", "scan", "tune", "train"}
+def test_settings_are_canonical():
+    settings = PAPER.settings(PATHS, NETWORK, {"pair": (1.0, 2.5)})
+    assert settings == canonical(settings)
+    assert repr(settings) == repr(canonical(settings))
+    assert repr(settings["pair"]) == "[1, 2.5]"
+
+
+def test_a_kind_without_settings_has_no_options():
+    wildcards = {"case": "Re600", "forecaster": "equations"}
+    assert PAPER.settings(["forecaster.options"], wildcards, {}) == {"forecaster.options": {}}
+
+
+@pytest.mark.parametrize("path", ["horizon.evnts", "no_such_section", "case.trainig"])
+def test_settings_that_the_config_does_not_have_are_an_error(path):
+    with pytest.raises(KeyError):
+        PAPER.settings([path], NETWORK, {})
 
 
 @pytest.mark.parametrize(
-    ("overlay", "rules"),
+    ("overlay", "paths"),
     [
-        ({"case_defaults": {"event_threshold": 0.11}}, {"events", "horizon", "classify"}),
-        ({"classification": {"prediction_times_lt": [1, 2, 3]}}, {"classify"}),
-        ({"classification": {"longest_prediction_time_lt": 6}}, {"test_set", "forecast"}),
-        ({"classification": {"start_spacing_lt": 2}}, {"test_set"}),
-        ({"case_defaults": {"test_series": 100}}, {"test_set"}),
-        ({"case_defaults": {"training": {"noise": 0.02}}}, OBSERVED),
-        ({"case_defaults": {"recycle_validation": {"series": 2}}}, {"scan", "tune"}),
-        ({"search": {"bayesian_points": 3}}, {"tune"}),
-        ({"search": {"grid": 3}}, {"scan"}),
-        ({"search": {"tikhonov": [1e-6]}}, {"scan", "tune"}),
-        ({"horizon": {"events": 100}}, {"events"}),
-        ({"horizon": {"tolerance": 0.1}}, {"horizon"}),
-        ({"bootstrap": {"resamples": 10}}, {"classify"}),
-        ({"case_defaults": {"ensemble": {"series": 1000}}}, {"simulate"}),
+        (
+            {"case_defaults": {"training": {"noise": 0.02}}},
+            {"case.training", "case.training.noise"},
+        ),
+        ({"forecasters": {"esn": {"connectivity": 10}}}, set(PATHS[3:5])),
+        ({"forecasters": {"esn": {"backend": "scipy"}}}, {"forecaster.options"}),
+        ({"search": {"grid": 3}}, {"search"}),
         # another case's settings, and how the figures look, are nobody's business
-        ({"cases": {"Re400": {"recycle_validation": {"series": 1}}}}, set()),
-        ({"figures": {"example_seed": 3}}, set()),
+        ({"cases": {"Re400": {"training": {"noise": 0.02}}}}, set()),
+        ({"figures": {"example_forecaster": "esn-N2000-RV-seed3"}}, set()),
         ({"results": "results/elsewhere"}, set()),
     ],
 )
-def test_rules_read_what_they_need_and_nothing_else(overlay, rules):
-    assert changed(overlay) == rules
+def test_a_change_of_the_config_changes_the_settings_at_its_path_only(overlay, paths):
+    before, after = (one.settings(PATHS, NETWORK, {}) for one in (PAPER, campaign(overlay)))
+    assert {path for path in PATHS if before[path] != after[path]} == paths
 
 
-def test_the_search_does_not_depend_on_who_else_is_searched():
+def test_what_a_job_is_found_by_does_not_depend_on_who_else_is_in_the_campaign():
     one = campaign(
-        {"control": {"validation": []}},
-        blocks=[{"reynolds": [400, 600], "neurons": [2000], "validation": ["RV"], "seeds": 1}],
+        {"control": {"forecasters": {"esn": None}}, "figures": {"example_case": "Re600"}},
+        blocks=[{"reynolds": [600], "forecasters": networks([2000])}],
     )
-    wildcards = {"case": "Re600", "neurons": "2000", "validation": "RV", "seed": "0"}
-    for rule in ("simulate", "scan", "tune", "train", "forecast", "horizon"):
-        assert one.settings(rule, wildcards) == PAPER.settings(rule, wildcards)
+    wildcards = {"case": "Re600", "forecaster": "esn-N2000-RV-seed0"}
+    assert one.settings(PATHS, wildcards, {}) == PAPER.settings(PATHS, wildcards, {})
+    assert one.modules(wildcards) == PAPER.modules(wildcards)
+    assert one.scan_of(wildcards["forecaster"]) == PAPER.scan_of(wildcards["forecaster"])
 
 
-def test_windows_reach_as_far_as_the_last_prediction():
-    # 5 + 1 Lyapunov times in halves; no window begins at the starting point
-    assert PAPER.settings("forecast", NETWORK)["windows"] == {"count": 11, "resolution_lt": 0.5}
+@pytest.mark.parametrize(
+    ("wildcards", "kinds", "strategies"),
+    [
+        (NETWORK, ["esn"], ["single_shot"]),
+        ({"case": "Re600", "forecaster": "esn-N2000-RV-seed1"}, ["esn"], ["recycle"]),
+        ({"case": "Re600", "forecaster": "equations"}, ["equations"], []),
+        (
+            {"case": "Re600", "reservoir": "esn-N2000-seed1", "strategies": "RV+SSV"},
+            ["equations", "equations_noisy", "esn"],
+            ["recycle", "single_shot"],
+        ),
+        ({"case": "Re600"}, ["equations", "equations_noisy", "esn"], ["recycle", "single_shot"]),
+        ({}, ["equations", "equations_noisy", "esn"], ["recycle", "single_shot"]),
+    ],
+)
+def test_modules_that_a_job_is_about(wildcards, kinds, strategies):
+    assert PAPER.modules(wildcards) == {
+        "burstcast.systems": ["mfe"],
+        "burstcast.forecasters": kinds,
+        "burstcast.tuning.strategies": strategies,
+    }
 
 
-def test_rules_without_settings_are_an_error():
-    with pytest.raises(AttributeError):
-        PAPER.settings("no_such_rule", {})
+@pytest.mark.parametrize(
+    ("identifier", "scan"),
+    [
+        ("esn-N500-RV-seed3", ("esn-N500-seed3", "RV+SSV")),
+        ("esn-N500-SSV-seed3", ("esn-N500-seed3", "RV+SSV")),
+        ("esn-N500-WFV-seed3", ("esn-N500-seed3", "WFV")),
+    ],
+)
+def test_strategies_that_share_their_sums_share_a_scan(identifier, scan):
+    assert PAPER.scan_of(identifier) == scan
 
 
 def test_keys_of_the_tables():
-    keys = PAPER.settings("horizon_table", {})["networks"]
-    assert len(keys) == 180
-    assert keys[0] == {
+    records = PAPER.keys(PAPER.forecasters)
+    assert len(records) == 188
+    by_name = {
+        (record["identity"]["case"], record["identity"]["forecaster"]): record["keys"]
+        for record in records
+    }
+    assert by_name["Re400", "esn-N500-RV-seed0"] == {
         "case": "Re400",
         "forecaster": "esn",
         "neurons": 500,
@@ -170,25 +289,51 @@ def test_keys_of_the_tables():
         "seed": 0,
         "validation": "RV",
     }
+    assert by_name["Re600", "equations"] == {
+        "case": "Re600",
+        "reynolds": 600,
+        "forecaster": "equations",
+        **dict.fromkeys(("neurons", "validation", "seed")),
+    }
 
 
-GATHERED = (
-    *("dataset_table", "hyperparameters_table", "classify", "horizon_table", "statistics_table"),
-    *("control_table", "data_generation_parameters", "network_hyperparameters"),
-)
+def test_keys_of_control_tell_random_alarms_apart():
+    found = {
+        (record["identity"]["rule"], record["keys"]["forecaster"])
+        for record in PAPER.control_keys()
+    }
+    assert found == {("control", "esn"), ("control", "equations"), ("control_random", "random")}
+    identities = [canonical_json(record["identity"]) for record in PAPER.control_keys()]
+    assert len(set(identities)) == len(PAPER.control_runs)
+    for record in PAPER.control_keys():
+        assert record["keys"]["prediction_time_lt"] == record["identity"]["prediction_time_lt"]
+
+
+def test_settings_of_each_case():
+    records = PAPER.of_each_case("case.event_threshold", "case.test_series")
+    assert [record["identity"] for record in records] == [
+        {"case": case} for case in PAPER.case_names
+    ]
+    assert records[0]["keys"] == {"case": "Re400", "reynolds": 400}
+    assert [record["settings"]["case.test_series"] for record in records] == [150, 300, 300, 300]
 
 
 @settings(deadline=None, max_examples=15)
 @given(st.randoms())
 def test_settings_do_not_depend_on_the_order_of_the_config(generator):
     def shuffled(values):
-        return generator.sample(values, len(values))
+        if isinstance(values, dict):
+            return {name: shuffled(values[name]) for name in shuffled(list(values))}
+        return generator.sample(values, len(values)) if isinstance(values, list) else values
 
     names = ["alpha", "Zeta", "zeta", "b10", "b9"]
     cases = {name: {"parameters": {"reynolds": 400 + len(name)}} for name in names}
     blocks = [
-        {"cases": names, "neurons": [2000], "validation": ["SSV", "RV"], "seeds": 2},
-        {"reynolds": [400, 1000], "neurons": [500, 2000], "validation": ["SSV", "RV"], "seeds": 1},
+        {"cases": names, "forecasters": {**networks([2000], ["SSV", "RV"], 2), "equations": {}}},
+        {
+            "reynolds": [400, 1000],
+            "forecasters": {"equations": {}, **networks([500, 2000], ["SSV", "RV"])},
+        },
     ]
     times = {"prediction_times_lt": shuffled([0.5, 1, 1.5, 2, 2.5, 3])}
     other = campaign(
@@ -197,22 +342,22 @@ def test_settings_do_not_depend_on_the_order_of_the_config(generator):
             "classification": times,
             "search": {"tikhonov": shuffled([1e-6, 1e-9, 1e-12])},
         },
-        blocks=shuffled(
-            [
-                {
-                    name: shuffled(value) if isinstance(value, list) else value
-                    for name, value in block.items()
-                }
-                for block in blocks
-            ]
-        ),
+        blocks=shuffled([shuffled(block) for block in blocks]),
     )
     sorted_times = {"classification": {"prediction_times_lt": sorted(times["prediction_times_lt"])}}
     plain = campaign({"cases": cases}, sorted_times, blocks=blocks)
-    assert other.networks == plain.networks
-    assert other.figures == plain.figures
-    for rule in GATHERED:
-        assert other.settings(rule, {}) == plain.settings(rule, {})
+    assert other.forecasters == plain.forecasters
+    assert other.control_runs == plain.control_runs
+    assert other.table_names == plain.table_names
+    assert figure_names(other) == figure_names(plain)
+    for name, figure in FIGURES.items():
+        for case in figure.cases(plain):
+            assert figure.files(other, case) == figure.files(plain, case), name
+            assert figure.values(other, case) == figure.values(plain, case), name
+    sections = ("classification", "control", "search", "bootstrap")
+    assert other.settings(sections, {}, {}) == plain.settings(sections, {}, {})
+    assert other.of_each_case("case.parameters") == plain.of_each_case("case.parameters")
+    assert other.control_keys() == plain.control_keys()
 
 
 def test_natural_order():

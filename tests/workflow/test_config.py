@@ -1,20 +1,22 @@
 import copy
 import os
+import re
 from pathlib import Path
 
 import pytest
 import yaml
 from snakemake.utils import update_config
 
-from burstcast_workflow import series_fit
 from burstcast_workflow.canonical import canonical_json
 from burstcast_workflow.config import reference
 from burstcast_workflow.config.cases import block_cases, case_name, case_record, case_records
 from burstcast_workflow.config.loading import ConfigError, duplicated_keys, load
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.places import Place
+from burstcast_workflow.jobs import length_checks
 
 ROOT = Path(__file__).parents[2]
+CHOICE = re.compile(r"(statistics|control)\.forecasters\.")
 PRESETS = sorted((ROOT / "workflow" / "presets").glob("*.yaml"))
 
 
@@ -29,12 +31,17 @@ def config():
 
 
 def put(config, name, value):
-    """Change one setting, ``campaign.0.seeds``."""
+    """Change one setting, ``campaign.0.reynolds``."""
     *parents, last = [int(part) if part.isdigit() else part for part in name.split(".")]
     place = config
     for parent in parents:
         place = place[parent]
     place[last] = value
+
+
+def networks(neurons):
+    """Forecasters of a block: one network."""
+    return {"esn": {"neurons": [neurons], "validation": ["RV"], "seeds": 1}}
 
 
 def problems(config):
@@ -71,7 +78,7 @@ def test_bounds_that_are_other_settings_exist():
 def test_every_setting_that_has_a_fixed_place_is_required(config):
     """A setting that the model names but config.yaml may leave out would have no value."""
     for place in Place(Configuration).settings():
-        if "[" in place.name:  # in a block of the campaign
+        if "[" in place.name or CHOICE.match(place.name):  # in a block of the campaign
             continue
         changed = copy.deepcopy(config)
         *parents, last = place.name.split(".")
@@ -81,6 +88,23 @@ def test_every_setting_that_has_a_fixed_place_is_required(config):
         assert last in parent, f"config.yaml lacks {place.name}"
         del parent[last]
         assert f"{place.name} is missing" in only_problem(changed)
+
+
+def test_choices_of_forecasters_may_leave_kinds_and_axes_out(config):
+    for section in ("statistics", "control"):
+        put(config, f"{section}.forecasters", {})
+    load(config)
+    for section in ("statistics", "control"):
+        put(config, f"{section}.forecasters", {"esn": {}})
+    load(config)
+
+
+def test_the_reference_tells_what_config_yaml_leaves_out(config):
+    lines = reference.text(config).splitlines()
+    (line,) = (line for line in lines if line.startswith("| `statistics.forecasters.esn.neurons`"))
+    assert "| left out |" in line
+    (line,) = (line for line in lines if line.startswith("| `statistics.forecasters.esn.validat"))
+    assert '| `["RV"]` |' in line
 
 
 def test_the_reference_of_all_settings_is_up_to_date():
@@ -189,9 +213,7 @@ def lorenz() -> dict:
 
 def test_another_system_is_one_more_case(config):
     config["cases"]["lorenz"] = lorenz()
-    config["campaign"].append(
-        {"cases": ["lorenz"], "neurons": [100], "validation": ["RV"], "seeds": 1}
-    )
+    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks(100)})
     record = case_records(load(config))["lorenz"]
     assert record["parameters"] == {"rho": 28}  # nothing of the shear flow's
     assert record["laminarisation_threshold"] is None
@@ -201,9 +223,7 @@ def test_a_case_without_published_exponent_is_checked_later(config):
     config["cases"]["lorenz"] = lorenz()
     put(config, "cases.lorenz.lyapunov.published_exponent", None)
     put(config, "cases.lorenz.recycle_validation.intervals_per_series", 10**6)
-    config["campaign"].append(
-        {"cases": ["lorenz"], "neurons": [100], "validation": ["RV"], "seeds": 1}
-    )
+    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks(100)})
     load(config)
 
 
@@ -221,8 +241,13 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
     ("name", "value", "parts"),
     [
         ("horizon.evnts", 3, ["unknown setting horizon.evnts", "did you mean events?"]),
-        ("seeds", 1, ["unknown setting seeds", "campaign[].seeds or control.sweep.seeds?"]),
-        ("washout_lt", 1, ["unknown setting washout_lt", "did you mean network.washout_lt?"]),
+        (
+            "seeds",
+            1,
+            ["unknown setting seeds", "campaign[].forecasters.esn.seeds or control.sweep.seeds?"],
+        ),
+        ("search.washout_lt", 1, ["unknown setting search.washout_lt", "did you mean washout_lt?"]),
+        ("network", {}, ["unknown setting network"]),
         ("cases.Re400.lyapunov.xyz", 1, ["cases.Re400.lyapunov.xyz", "known are time_unit"]),
         ("horizon.events", 0, ["horizon.events is 0", "whole number not below 1", "(number of"]),
         ("horizon.events", 1.5, ["horizon.events is 1.5", "a whole number"]),
@@ -232,16 +257,27 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
         ("search.tikhonov", ["1e-6"], ["search.tikhonov[0]", "write 1.0e-6"]),
         ("horizon.tolerance", "2.5e3", ["horizon.tolerance", "write 2.5e+3"]),
         ("horizon.tolerance", "none", ["horizon.tolerance is the text 'none'", "above 0"]),
-        ("network.kernel", "fortran", ["network.kernel", "compiled or scipy"]),
-        ("network.washout_lt", -1, ["network.washout_lt is -1", "[Lyapunov times]"]),
+        ("forecasters.esn.backend", "fortran", ["forecasters.esn.backend", "numba or scipy"]),
+        ("washout_lt", -1, ["washout_lt is -1", "[Lyapunov times]"]),
         ("search.input_scaling", [1], ["search.input_scaling is [1]", "[low, high]"]),
-        ("campaign.0.neurons", [500, 500], ["campaign[0].neurons has 500 twice"]),
-        ("campaign.0.neurons", [], ["campaign[0].neurons is []", "at least 1"]),
-        ("campaign.0.validation", ["XV"], ["campaign[0].validation[0]", "SSV or RV"]),
-        ("campaign.0.seeds", 0, ["campaign[0].seeds is 0"]),
+        ("campaign.0.forecasters.esn.neurons", [500, 500], ["esn.neurons has 500 twice"]),
+        (
+            "campaign.0.forecasters.esn.neurons",
+            [],
+            ["[0].forecasters.esn.neurons is []", "least 1"],
+        ),
+        ("campaign.0.forecasters.esn.validation", ["XV"], ["esn.validation[0]", "RV", "SSV"]),
+        ("campaign.0.forecasters.esn.seeds", 0, ["campaign[0].forecasters.esn.seeds is 0"]),
+        ("campaign.0.forecasters.ens", {}, ["campaign[0].forecasters.ens", "did you mean esn?"]),
+        ("campaign.0.forecasters.equations", {"seeds": 2}, ["forecasters.equations.seeds"]),
+        ("control.forecasters.network", {}, ["unknown setting control.forecasters.network"]),
+        ("statistics.forecasters", None, ["statistics.forecasters is empty", "a mapping"]),
+        ("control.random_alarms", 1, ["control.random_alarms is 1", "true or false"]),
+        ("figures.example_forecaster", "RV-seed0", ["example_forecaster", "esn-N2000-RV-seed0"]),
+        ("figures.example_forecaster", "equations", ["example_forecaster", "name of a network"]),
         ("case_defaults.parameters", {"reynolds": "x"}, ["case_defaults.parameters.reynolds"]),
         ("case_defaults.ensemble", [], ["case_defaults.ensemble is []", "a mapping"]),
-        ("network", None, ["network is empty", "a mapping of settings"]),
+        ("forecasters.esn", None, ["forecasters.esn is empty", "a mapping of settings"]),
         ("results", "", ["results is the text ''", "path of a directory"]),
         ("results", "a{b}", ["results is the text 'a{b}'", "without braces"]),
         ("cases.tables", {}, ["cases.tables: the name must be"]),
@@ -301,16 +337,30 @@ def test_all_mistakes_are_told_at_once(config):
         ("horizon.start_step_lt", 11, ["horizon.start_step_lt is 11", "at most"]),
         ("horizon.longest_start_lt", 66, ["case Re400:", "4026 steps", "ensemble.duration"]),
         ("search.interval_lt", 0.001, ["case Re400:", "search.interval_lt is 0.001"]),
-        ("figures.example_neurons", 100, ["figures.example_case", "not part of the campaign"]),
+        (
+            "figures.example_forecaster",
+            "esn-N100-RV-seed0",
+            ["(Re400, esn-N100-RV-seed0)", "not part"],
+        ),
         ("figures.example_case", "Re401", ["figures.example_case", "not part of the campaign"]),
-        ("figures.example_seed", 10, ["seed 10", "not part of the campaign"]),
+        (
+            "figures.example_forecaster",
+            "esn-N2000-RV-seed10",
+            ["RV-seed10", "not part of the campaign"],
+        ),
         ("figures.fixed_neurons", 700, ["figures.fixed_neurons is 700", "500, 1000, 1500"]),
         ("figures.fixed_prediction_time_lt", 7, ["figures.fixed_prediction_time_lt is 7", "0.5"]),
         ("figures.reynolds_prediction_times_lt", [2, 7], ["reynolds_prediction_times_lt has 7"]),
         ("figures.flow_event.peak", 0.05, ["figures.flow_event.peak is 0.05", "of Re400, 0.1"]),
         ("figures.control_prediction_time_lt", 3, ["control_prediction_time_lt is 3", "control.p"]),
         ("campaign.1.cases", ["Re40O"], ["campaign[1].cases", "did you mean Re400?"]),
-        ("network.connectivity", 600, ["network.connectivity is 600", "at most 499"]),
+        (
+            "forecasters.esn.connectivity",
+            600,
+            ["forecasters.esn.connectivity is 600", "at most 499"],
+        ),
+        ("campaign.1.forecasters", {}, ["campaign[1].forecasters names no kind"]),
+        ("campaign.1.forecasters", {"esn": None}, ["campaign[1].forecasters names no kind"]),
         ("case_defaults.system", "mfee", ["unknown system 'mfee'", "did you mean 'mfe'"]),
         ("case_defaults.parameters.length", 1, ["no parameter 'length'", "length_x"]),
         ("case_defaults.ensemble.initial_state", [1, 2], ["initial_state has 2", "needs 9"]),
@@ -327,9 +377,14 @@ def test_all_mistakes_are_told_at_once(config):
         ("case_defaults.actuation.parameters", {"rho": 1}, ["actuation.parameters", "'rho'"]),
         ("case_defaults.actuation.start_lt", -1.5, ["control.prediction_times_lt has 1", "alarm"]),
         (
-            "control.neurons",
+            "control.forecasters.esn.neurons",
             [2000, 7],
-            ["control.neurons has 7", "500, 1000", "unless control"],
+            ["control.forecasters.esn.neurons has 7", "500, 1000", "must be one of"],
+        ),
+        (
+            "statistics.forecasters.esn.validation",
+            ["WFV"],
+            ["statistics.forecasters.esn.validation has WFV", "RV, SSV"],
         ),
         ("control.sweep.cases", ["Re40"], ["control.sweep.cases", "did you mean Re400"]),
         ("cases.Re400.parameters", {"reynolds": 300}, ["Re400", "contradicts the name"]),
@@ -349,8 +404,7 @@ def test_block_without_case(config):
 
 
 def test_bounds_of_control_do_not_matter_without_it(config):
-    put(config, "control.neurons", [7])
-    put(config, "control.validation", [])
+    put(config, "control.forecasters", {"esn": None, "equations": {}})
     put(config, "figures.control_prediction_time_lt", 7)
     load(config)
 
@@ -408,10 +462,10 @@ def test_an_actuation_that_the_case_has_to_complete(config):
     ("check", "arguments", "least"),
     [
         # a Lyapunov time of 10 steps, a washout of 5
-        (series_fit.check_single_shot_validation, (0.5, 2), 26),
-        (series_fit.check_recycle_validation, (0.5, 2, 3), 65),
-        (series_fit.check_classification, (0.5, 1, 0.5, 6), 65),
-        (series_fit.check_horizon, (0.5, 4, 0.5), 45),
+        (length_checks.check_single_shot_validation, (0.5, 2), 26),
+        (length_checks.check_recycle_validation, (0.5, 2, 3), 65),
+        (length_checks.check_classification, (0.5, 1, 0.5, 6), 65),
+        (length_checks.check_horizon, (0.5, 4, 0.5), 45),
     ],
 )
 def test_least_length_of_a_series(check, arguments, least):
@@ -423,11 +477,11 @@ def test_least_length_of_a_series(check, arguments, least):
 @pytest.mark.parametrize(
     ("check", "arguments", "name"),
     [
-        (series_fit.check_single_shot_validation, (0.05, 2), "network.washout_lt"),
-        (series_fit.check_single_shot_validation, (0.5, 0.05), "search.interval_lt"),
-        (series_fit.check_classification, (0.5, 0.05, 0.5, 6), "start_spacing_lt"),
-        (series_fit.check_classification, (0.5, 1, 0.05, 6), "resolution_lt"),
-        (series_fit.check_horizon, (0.5, 4, 0.05), "start_step_lt"),
+        (length_checks.check_single_shot_validation, (0.05, 2), "washout_lt"),
+        (length_checks.check_single_shot_validation, (0.5, 0.05), "search.interval_lt"),
+        (length_checks.check_classification, (0.5, 0.05, 0.5, 6), "start_spacing_lt"),
+        (length_checks.check_classification, (0.5, 1, 0.05, 6), "resolution_lt"),
+        (length_checks.check_horizon, (0.5, 4, 0.05), "start_step_lt"),
     ],
 )
 def test_durations_below_one_step(check, arguments, name):
@@ -436,9 +490,9 @@ def test_durations_below_one_step(check, arguments, name):
 
 
 def test_series_are_counted_together():
-    series_fit.check_kept_series(10, {"training.series": 4, "test_series": 6})
+    length_checks.check_kept_series(10, {"training.series": 4, "test_series": 6})
     with pytest.raises(ValueError, match=r"training.series is 4 and test_series is 7, but only 10"):
-        series_fit.check_kept_series(10, {"training.series": 4, "test_series": 7})
+        length_checks.check_kept_series(10, {"training.series": 4, "test_series": 7})
 
 
 def test_a_series_has_a_sample_at_each_end(config):
@@ -451,8 +505,8 @@ def test_a_series_has_a_sample_at_each_end(config):
 
 def test_the_flow_of_a_system_that_is_none_is_not_looked_at(config):
     config["cases"]["lorenz"] = lorenz()
-    block = {"cases": ["lorenz"], "neurons": [2000], "validation": ["RV"], "seeds": 1}
+    block = {"cases": ["lorenz"], "forecasters": networks(2000)}
     config["campaign"] = [block]
     put(config, "figures.example_case", "lorenz")
-    put(config, "control.validation", [])
+    put(config, "control.forecasters", {})
     load(config)  # its event threshold, 40, is above figures.flow_event.peak

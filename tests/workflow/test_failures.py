@@ -1,7 +1,7 @@
 import os
 import time
 
-from burstcast_workflow.failures import failure_summary
+from burstcast_workflow.harness.failures import failure_summary
 
 
 def write(path, text, age=0.0):

@@ -4,10 +4,15 @@ from pathlib import Path
 import pytest
 
 from burstcast_workflow import fingerprint as module
-from burstcast_workflow.fingerprint import fingerprint, forbidden_imports, forbidden_reads
+from burstcast_workflow.fingerprint import (
+    Sources,
+    fingerprint,
+    forbidden_imports,
+    forbidden_reads,
+)
 
 ROOT = Path(__file__).parents[2]
-SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
+SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
 SOURCES = sorted((ROOT / "src").rglob("*.py"))
 
 
@@ -278,6 +283,7 @@ def test_ordinary_code_is_not_forbidden(tmp_path):
         "s = snakemake",
         "s: object = snakemake",
         "f(snakemake)",
+        "run_jobs(snakemake, main)",
         "getattr(snakemake, 'config')",
     ],
 )
@@ -289,8 +295,132 @@ def test_reads_that_nothing_tracks_are_found(tmp_path, statement):
 
 def test_ordinary_script_reads_nothing_forbidden(tmp_path):
     path = tmp_path / "script.py"
-    path.write_text("if __name__ == '__main__':\n    run_job(snakemake, main)\n")
-    assert forbidden_reads(path) == []
+    for function in ("run_job", "run_figure"):
+        path.write_text(f"if __name__ == '__main__':\n    {function}(snakemake, main)\n")
+        assert forbidden_reads(path) == []
+
+
+# -- errors, the log, the harness and registries ---------------------------------------------------
+
+SPEAKING = """
+import logging
+logger = logging.getLogger(__name__)
+
+def check(value):
+    logger.info("value %s", value)
+    if value < 0:
+        raise ValueError(f"{value} is negative")
+    try:
+        return 1 / value
+    except ZeroDivisionError as error:
+        logger.warning("no inverse")
+        raise KeyError("zero") from error
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('f"{value} is negative"', '"value must not be negative"'),
+        ('f"{value} is negative"', ""),
+        ('KeyError("zero")', 'KeyError("there is no inverse", value)'),
+        ('logger.info("value %s", value)', 'logger.info("checking")'),
+        ('    logger.info("value %s", value)\n', ""),
+        ('logger.warning("no inverse")', 'logger.error("no inverse of %s", value)'),
+    ],
+)
+def test_what_errors_and_the_log_say_changes_nothing(tmp_path, old, new):
+    assert old in SPEAKING
+    assert hash_of(SPEAKING.replace(old, new), tmp_path) == hash_of(SPEAKING, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('raise ValueError(f"', 'raise TypeError(f"'),
+        ('raise KeyError("zero") from error', "raise"),
+        ('raise KeyError("zero") from error', 'return KeyError("zero")'),
+        ('raise ValueError(f"{value} is negative")', "pass"),
+        ("except ZeroDivisionError", "except ValueError"),
+        ("if value < 0", "if value < 1"),
+        ('logger.info("value %s", value)', 'print("value %s", value)'),
+        ('logger.info("value %s", value)', 'value = logger.info("value %s", value)'),
+        ('logger.info("value %s", value)', 'other.info("value %s", value)'),
+    ],
+)
+def test_the_kind_of_an_error_and_other_calls_change_the_hash(tmp_path, old, new):
+    assert old in SPEAKING
+    assert hash_of(SPEAKING.replace(old, new), tmp_path) != hash_of(SPEAKING, tmp_path)
+
+
+@pytest.fixture
+def harnessed(project):
+    """The project, with a harness that the script runs in, and two registries."""
+    for name, text in {
+        "src/burstcast_workflow/__init__.py": "",
+        "src/burstcast_workflow/harness/__init__.py": "",
+        "src/burstcast_workflow/harness/version.py": "VERSION = 1\n",
+        "src/burstcast_workflow/harness/job.py": "import pack.deep\nfrom . import cache\n",
+        "src/burstcast_workflow/harness/cache.py": "import pack.sub.leaf\n",
+        "src/pack/systems/registry.py": "",
+        "src/pack/systems/lorenz.py": "X = 1\n",
+        "src/pack/kinds/__init__.py": "",
+        "src/pack/kinds/registry.py": "",
+        "src/pack/kinds/linear.py": "",
+        "workflow/scripts/train.py": "from burstcast_workflow.harness.job import run_job\n",
+    }.items():
+        project(name, text)
+    return project
+
+
+def test_of_the_harness_only_the_version_counts(tmp_path, harnessed):
+    def entries():
+        return dict(entry.split("@") for entry in Sources(tmp_path).fingerprint("train.py", {}))
+
+    before = entries()
+    # nor does what only the harness imports
+    assert set(before) == {
+        "train.py",
+        "burstcast_workflow",
+        "burstcast_workflow.harness",
+        "burstcast_workflow.harness.version",
+    }
+    harnessed("src/burstcast_workflow/harness/job.py", "import pack.middle\nX = 1\n")
+    harnessed("src/burstcast_workflow/harness/cache.py", "X = 2\n")
+    assert entries() == before
+    harnessed("src/burstcast_workflow/harness/version.py", "VERSION = 2\n")
+    after = entries()
+    changed = [name for name in before if before[name] != after[name]]
+    assert changed == ["burstcast_workflow.harness.version"]
+
+
+FOUND = {"pack.systems": ["mfe"], "pack.kinds": ["linear"]}
+
+
+@pytest.mark.parametrize(
+    ("statement", "found"),
+    [
+        ("import pack.deep", set()),
+        ("import pack.systems.registry", {"pack.systems.mfe", "pack.sub", "pack.sub.leaf"}),
+        ("import pack.kinds.registry", {"pack.kinds.linear"}),
+    ],
+)
+def test_registries_add_the_modules_that_a_job_is_about(tmp_path, harnessed, statement, found):
+    harnessed("workflow/scripts/train.py", statement + "\n")
+    sources = Sources(tmp_path)
+    plain, named = (
+        {entry.split("@")[0] for entry in sources.fingerprint("train.py", modules)}
+        for modules in ({}, FOUND)
+    )
+    assert named - plain == found
+    assert plain <= named
+    assert "pack.systems.lorenz" not in named
+
+
+def test_a_module_that_a_registry_does_not_have_is_an_error(tmp_path, harnessed):
+    harnessed("workflow/scripts/train.py", "import pack.systems.registry\n")
+    with pytest.raises(FileNotFoundError, match=r"pack\.systems\.rossler"):
+        Sources(tmp_path).fingerprint("train.py", {"pack.systems": ["rossler"]})
 
 
 # -- the project itself -------------------------------------------------------------------------
@@ -314,18 +444,43 @@ def test_packages_import_nothing_by_themselves():
 
 def test_closure_in_the_project_is_selective(tmp_path):
     script = tmp_path / "script.py"
-    script.write_text("from burstcast_workflow.job import run_job\n")
+    script.write_text("from burstcast_workflow.jobs.gather import gathered\n")
     entries = {entry.split("@")[0] for entry in fingerprint(script, ROOT / "src")}
-    assert "burstcast_workflow.canonical" in entries  # through job
+    assert "burstcast_workflow.canonical" in entries  # through gather
+    assert "burstcast_workflow.harness.version" in entries
     assert not any(name.startswith("burstcast.") for name in entries)
 
 
-@pytest.mark.parametrize(
-    "rule", ["control", "control_random", "control_equations", "suppressed_event"]
-)
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_every_script_carries_the_version_of_the_harness_and_nothing_else_of_it(path):
+    names = {entry.split("@")[0] for entry in fingerprint(path, ROOT / "src")}
+    of_harness = {name for name in names if name.startswith("burstcast_workflow.harness.")}
+    assert of_harness == {"burstcast_workflow.harness.version"}
+
+
+@pytest.mark.parametrize("rule", ["control", "control_random", "suppressed_event"])
 def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
-    script = ROOT / "workflow" / "scripts" / f"{rule}.py"
+    script = ROOT / "workflow" / "scripts" / "control" / f"{rule}.py"
     modules = {entry.split("@")[0] for entry in fingerprint(script, ROOT / "src")}
     assert "burstcast.control.flows" in modules
     for name in ("statistics.measures", "statistics.profiles", "systems.mfe_modes"):
         assert f"burstcast.{name}" not in modules
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "forecasters/fit.py",
+        "evaluation/forecast.py",
+        "evaluation/long_term.py",
+        "control/control.py",
+    ],
+)
+def test_the_equations_do_not_depend_on_the_networks(script):
+    sources = Sources(ROOT)
+    for kind, expected in (("equations", False), ("esn", True)):
+        modules = {"burstcast.forecasters": [kind], "burstcast.systems": ["mfe"]}
+        names = {entry.split("@")[0] for entry in sources.fingerprint(script, modules)}
+        assert f"burstcast.forecasters.{kind}" in names
+        assert "burstcast.systems.lorenz63" not in names
+        assert any(name.startswith("burstcast.esn.") for name in names) == expected

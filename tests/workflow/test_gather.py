@@ -4,11 +4,12 @@ import json
 import random
 
 import pytest
-from burstcast_workflow.gather import NETWORK, by_key, gathered
-from burstcast_workflow.job import job_identity, provenance
-from burstcast_workflow.storage import write_json, write_netcdf
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from burstcast_workflow.harness.job import job_identity, provenance
+from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.jobs.gather import files_of_cases, gathered
 
 NAMES = ["Re400", "Re1000", "alpha", "Zeta", "zeta", "nan", "inf", "1e5x"]
 
@@ -24,77 +25,90 @@ def written(directory, wildcards, suffix=".json", rule="horizon"):
     return path
 
 
-def network(case="Re400", neurons=30, validation="RV", seed=0):
-    return {"case": case, "neurons": neurons, "validation": validation, "seed": seed}
+def forecaster(case="Re400", name="esn-N30-RV-seed0"):
+    return {"case": case, "forecaster": name}
 
 
-def wildcards(record):
-    return {name: str(value) for name, value in record.items()}
+def asked(*identities):
+    """What is asked for: identities, with keys of tables that nothing is found by."""
+    return [{"identity": identity, "keys": {"row": row}} for row, identity in enumerate(identities)]
 
 
-@settings(deadline=None)  # it writes files
+def wildcards(identity):
+    return {name: str(value) for name, value in identity.items()}
+
+
+@settings(deadline=None)
 @given(st.lists(st.sampled_from(NAMES), min_size=1, unique=True), st.randoms())
 def test_files_in_any_order_find_their_records(tmp_path_factory, cases, generator):
     directory = tmp_path_factory.mktemp("files")
-    records = [network(case, seed=seed) for case in cases for seed in range(2)]
-    paths = {
-        (record["case"], record["seed"]): written(directory, wildcards(record))
-        for record in records
-    }
-    shuffled = generator.sample([*paths.values()], len(paths))
-    for record, path in gathered(records, shuffled, NETWORK):
-        assert path == str(paths[record["case"], record["seed"]])
+    kinds = ("esn-N30-RV-seed0", "equations")
+    identities = [forecaster(case, name) for case in cases for name in kinds]
+    paths = [written(directory, wildcards(identity)) for identity in identities]
+    records = asked(*identities)
+    shuffled = generator.sample(paths, len(paths))
+    expected = [(record, str(path)) for record, path in zip(records, paths, strict=True)]
+    assert gathered(records, shuffled) == expected
 
 
 def test_files_by_their_case(tmp_path):
-    records = [{"case": name, "event_threshold": 0.1} for name in NAMES]
+    records = asked(*({"case": name} for name in NAMES))
     paths = {name: written(tmp_path, {"case": name}, ".nc") for name in NAMES}
-    found = by_key(records, random.Random(1).sample([*paths.values()], len(paths)), ("case",))
+    found = files_of_cases(records, random.Random(1).sample([*paths.values()], len(paths)))
     assert found == {name: str(path) for name, path in paths.items()}
 
 
 def test_a_file_too_few_and_one_too_many_are_both_named(tmp_path):
-    records = [network(), network(seed=1)]
-    paths = [written(tmp_path, wildcards(record)) for record in (network(), network(seed=2))]
+    one, lacking, strange = (forecaster(name=f"esn-N30-RV-seed{seed}") for seed in range(3))
+    paths = [written(tmp_path, wildcards(identity)) for identity in (one, strange)]
     with pytest.raises(ValueError, match="differ") as error:
-        gathered(records, paths, NETWORK)
-    assert "asked for and not found: case Re400, neurons 30, validation RV, seed 1;" in str(
+        gathered(asked(one, lacking), paths)
+    assert ('asked for and not found: {"case": "Re400", "forecaster": "esn-N30-RV-seed1"};') in str(
         error.value
     )
     assert (
-        f"found and not asked for: case Re400, neurons 30, validation RV, seed 2 ({paths[1]})"
-        in str(error.value)
-    )
+        'found and not asked for: {"case": "Re400", "forecaster": "esn-N30-RV-seed2"} '
+        f"({paths[1]})"
+    ) in str(error.value)
 
 
-def test_two_files_of_one_network(tmp_path):
-    paths = [written(tmp_path, wildcards(network()), suffix) for suffix in (".json", ".nc")]
+def test_two_files_of_one_forecaster(tmp_path):
+    paths = [written(tmp_path, wildcards(forecaster()), suffix) for suffix in (".json", ".nc")]
     with pytest.raises(ValueError, match="is found twice"):
-        gathered([network()], paths, NETWORK)
+        gathered(asked(forecaster()), paths)
+
+
+def test_one_forecaster_asked_for_twice(tmp_path):
+    path = written(tmp_path, wildcards(forecaster()))
+    with pytest.raises(ValueError, match="is asked for twice"):
+        gathered(asked(forecaster(), forecaster()), [path])
 
 
 def test_who_controls_is_told_apart_by_the_rule(tmp_path):
-    keys = ("rule", *NETWORK, "prediction_time_lt")
-    of_network = {**network(), "prediction_time_lt": 1.5}
-    of_case = {"case": "Re400", "prediction_time_lt": 1.5}
-    records = [
-        {"rule": "control", **of_network},
-        {"rule": "control_random", **of_network},
-        {"rule": "control_equations", **dict.fromkeys(NETWORK), **of_case},
-    ]
-    paths = [
-        written(tmp_path, wildcards(found), rule=rule)
-        for rule, found in (
-            ("control_equations", of_case),
-            ("control", of_network),
-            ("control_random", of_network),
+    identities = [
+        {"rule": rule, **forecaster(name=name), "prediction_time_lt": 1.5}
+        for rule, name in (
+            ("control", "esn-N30-RV-seed0"),
+            ("control_random", "esn-N30-RV-seed0"),
+            ("control", "equations"),
         )
     ]
-    pairs = gathered(records, paths, keys)
-    assert [path for _, path in pairs] == [str(paths[1]), str(paths[2]), str(paths[0])]
+    paths = []
+    for identity in identities:
+        names = {name: value for name, value in identity.items() if name != "rule"}
+        paths.append(written(tmp_path, wildcards(names), rule=identity["rule"]))
+    pairs = gathered(asked(*identities), [paths[2], paths[0], paths[1]])
+    assert [path for _, path in pairs] == [str(path) for path in paths]
 
 
 def test_a_file_that_does_not_say_what_it_is(tmp_path):
     write_json(tmp_path / "x.json", {"seed": 1})
     with pytest.raises(ValueError, match=r"x\.json does not say which job wrote it"):
-        gathered([network()], [tmp_path / "x.json"], NETWORK)
+        gathered(asked(forecaster()), [tmp_path / "x.json"])
+
+
+def test_nothing_is_asked_for(tmp_path):
+    assert gathered([], []) == []
+    path = written(tmp_path, {"case": "Re400"})
+    with pytest.raises(ValueError, match="found and not asked for"):
+        gathered([], [path])

@@ -12,18 +12,17 @@ HEADER = """
 import os, sys, time
 import numpy as np
 from types import SimpleNamespace
-from burstcast_workflow.job import run_job
-from burstcast_workflow.storage import atomic, write_json
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.storage import atomic, write_json
 
-class Files(list):
-    def __init__(self, **names):
-        super().__init__(names.values())
-        self.__dict__.update(names)
+class Files(dict):
+    def __iter__(self):
+        return iter(self.values())
 
 snakemake = SimpleNamespace(
     rule="train", log=["logs/train.log"], wildcards={"case": "Re400", "seed": "3"},
     input=Files(data="data.nc"), output=Files(network="deep/er/network.json"),
-    params=SimpleNamespace(settings={"seed": 3.0, "name": "Re400"}, code=["x@1"]),
+    params=SimpleNamespace(settings={"number": 3.0, "name": "Re400"}, code=["x@1"]),
 )
 """
 
@@ -42,19 +41,19 @@ def test_success(tmp_path):
     result, log = run(
         tmp_path,
         """
-        def main(inputs, outputs, settings, provenance):
+        def main(*, data, network, settings, provenance):
             print("from print")
             os.system("echo from a child")
             os.write(2, b"from compiled code")
             np.log(np.zeros(1))
-            assert inputs.data == "data.nc"
-            write_json(outputs.network, {"settings": settings, "provenance": provenance})
+            assert data == "data.nc"
+            write_json(network, {"settings": dict(settings), "provenance": provenance})
         """,
     )
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
     record = json.loads((tmp_path / "deep" / "er" / "network.json").read_text())
-    assert record["settings"] == {"name": "Re400", "seed": 3}
-    assert 'train (case=Re400, seed=3) starts with settings {"name": "Re400", "seed": 3}' in log
+    assert record["settings"] == {"name": "Re400", "number": 3}
+    assert 'train (case=Re400, seed=3) starts with settings {"name": "Re400", "number": 3}' in log
     for text in ("from print", "from a child", "from compiled code", "RuntimeWarning: divide"):
         assert text in log
     assert "is done: 0." in log
@@ -68,8 +67,8 @@ def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
         run(
             tmp_path / name,
             """
-            def main(inputs, outputs, settings, provenance):
-                write_json(outputs.network, provenance)
+            def main(*, data, network, settings, provenance):
+                write_json(network, provenance)
             """,
         )
         records.append((tmp_path / name / "deep" / "er" / "network.json").read_bytes())
@@ -79,7 +78,7 @@ def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
     assert set(record) == {"source", "rule", "identity", "settings", "python"} | libraries
     assert record["source"].startswith("burstcast ")
     assert record["identity"] == '{"case": "Re400", "rule": "train", "seed": 3}'
-    assert record["settings"] == '{"name": "Re400", "seed": 3}'
+    assert record["settings"] == '{"name": "Re400", "number": 3}'
     assert all(isinstance(value, str) for value in record.values())
 
 
@@ -87,7 +86,7 @@ def test_failure_is_one_line_and_a_traceback_in_the_log(tmp_path):
     result, log = run(
         tmp_path,
         """
-        def main(inputs, outputs, settings, provenance):
+        def main(*, data, network, settings, provenance):
             raise ValueError("series are\\n  too short")
         """,
     )
@@ -106,7 +105,7 @@ def test_settings_that_snakemake_does_not_track_are_refused(tmp_path):
         tmp_path,
         """
         snakemake.params.settings["neurons"] = np.int64(3)
-        def main(inputs, outputs, settings, provenance):
+        def main(*, data, network, settings, provenance):
             raise AssertionError("must not run")
         """,
     )
@@ -114,17 +113,94 @@ def test_settings_that_snakemake_does_not_track_are_refused(tmp_path):
     assert "TypeError: params.settings.neurons is" in result.stderr
 
 
+def test_a_setting_that_the_rule_does_not_declare_is_an_error(tmp_path):
+    result, _ = run(
+        tmp_path,
+        """
+        def main(*, data, network, settings):
+            settings["neurons"]
+        """,
+    )
+    assert result.returncode == 1
+    assert (
+        "UndeclaredSettingError: train reads the setting neurons, which its rule does not "
+        "declare; it declares: name, number (log:"
+    ) in result.stderr
+
+
+def test_settings_that_nobody_reads_are_in_the_log(tmp_path):
+    for body, said in (
+        ("settings['name']", True),
+        ("settings['name'], settings['number']", False),
+        ("settings['name'], dict(settings)", False),
+    ):
+        _, log = run(
+            tmp_path,
+            f"""
+            def main(*, data, network, settings):
+                {body}
+            """,
+        )
+        assert ("settings not read: number" in log) == said
+        assert "is done" in log
+
+
+def test_outputs_from_the_cache_say_nothing_about_settings(tmp_path):
+    body = """
+        os.environ["BURSTCAST_CACHE"] = "cache"
+        from burstcast_workflow.fingerprint import fingerprint
+        from burstcast_workflow.harness import cache
+        from pathlib import Path
+        Path("script.py").write_text("")
+        Path("data.nc").write_text("data")
+        snakemake.params.code = fingerprint(Path("script.py").resolve(), cache._SOURCES)
+        snakemake.scriptdir, snakemake.resources = os.getcwd(), {"cached": 1}
+
+        def main(*, data, network, settings):
+            settings["name"]
+            write_json(network, {})
+        """
+    _, first = run(tmp_path, body)
+    _, second = run(tmp_path, body)
+    assert "outputs put into the cache" in first
+    assert "settings not read: number" in first
+    assert "outputs taken from the cache" in second
+    assert "not read" not in second
+
+
+@pytest.mark.parametrize(
+    ("parameters", "complaint"),
+    [
+        ("*, network, settings", "main takes no argument data"),
+        ("*, data, settings, provenance", "main takes no argument network"),
+        ("*, data, network, other", "missing 1 required keyword-only argument: 'other'"),
+    ],
+)
+def test_a_function_takes_all_files_of_its_rule_and_no_others(tmp_path, parameters, complaint):
+    result, _ = run(
+        tmp_path,
+        f"""
+        def main({parameters}):
+            open("ran", "w")
+        """,
+    )
+    assert result.returncode == 1
+    assert "TypeError: " in result.stderr
+    assert complaint in result.stderr
+    assert not (tmp_path / "ran").exists()
+
+
 def test_leftovers_of_killed_jobs_are_removed(tmp_path):
     leftover = tmp_path / "deep" / "er" / ".network.json.0123.partial"
     leftover.parent.mkdir(parents=True)
     leftover.write_text("half")
-    run(tmp_path, "def main(inputs, outputs, settings, provenance): pass")
+    run(tmp_path, "def main(*, data, network, settings, provenance): pass")
     assert not leftover.exists()
 
 
 WAIT = """
-def main(inputs, outputs, settings, provenance):
-    with atomic(outputs.network) as partial:
+def main(*, data, network, settings, provenance):
+    with atomic(network) as partial:
         partial.write_text("half")
         open("ready", "w").close()
         time.sleep(30)
@@ -157,7 +233,7 @@ def test_a_killed_job_leaves_nothing_that_looks_finished(tmp_path):
 
 def test_importing_it_is_cheap():
     code = (
-        "import sys, burstcast_workflow.job\n"
+        "import sys, burstcast_workflow.harness.job\n"
         "print([n for n in ('scipy', 'pandas', 'pydantic', 'yaml', 'numba') if n in sys.modules])"
     )
     result = subprocess.run(

@@ -1,7 +1,6 @@
-"""What the report consists of, and which settings its rules read."""
+"""What the report consists of, and which settings its figures read."""
 
 import copy
-import re
 from pathlib import Path
 
 import pytest
@@ -11,13 +10,14 @@ from snakemake.utils import update_config
 from burstcast.systems.registry import make_system, parameters_of
 from burstcast.tables import described_parameters
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.table_layouts import CAPTIONS, SUMMARIES, head
+from burstcast_workflow.figure_registry import FIGURES, figure_case, figure_names
+from burstcast_workflow.table_metrics import NETWORK_KEYS, SUMMARIES
+from burstcast_workflow.table_texts import CAPTIONS, head
 
 ROOT = Path(__file__).parents[2]
 WORKFLOW = ROOT / "workflow"
-FIGURES = [
+EVERYWHERE = [
     "observable_and_density",
     "validation_strategies",
     "network_schematic",
@@ -30,34 +30,31 @@ FIGURES = [
     "horizon_by_size",
     "by_reynolds",
 ]
-OVERLAY = {"classification_scores", "horizon_by_size", "by_reynolds"}
 
 
 def campaign(*overlays):
     config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
     for overlay in overlays:
         update_config(config, copy.deepcopy(overlay))
-    config = load(config)
-    return Campaign(config, case_records(config))
+    return Campaign(load(config))
 
 
-def settings(of, rules, **wildcards):
-    return {rule: of.settings(rule, wildcards) for rule in rules}
+PAPER = campaign()
 
 
-def changed(overlay, rules, **wildcards):
-    """Rules whose settings an overlay changes."""
-    before = settings(campaign(), rules, **wildcards)
-    after = settings(campaign(overlay), rules, **wildcards)
-    return {rule for rule in rules if before[rule] != after[rule]}
+def settings(of, name, case="Re400"):
+    """Settings of a figure's job."""
+    return of.settings(FIGURES[name].reads, {"case": case}, FIGURES[name].values(of, case))
 
 
-RULES = [f"figure_{name}" for name in FIGURES]
-NETWORK = {"case": "Re400", "neurons": "2000", "validation": "RV", "seed": "0"}
+def changed(overlay):
+    """Figures whose settings an overlay changes."""
+    other = campaign(overlay)
+    return {name for name in FIGURES if settings(PAPER, name) != settings(other, name)}
 
 
 def test_the_paper_has_all_figures_and_those_of_other_cases():
-    names = campaign().figures
+    names = figure_names(PAPER)
     assert set(FIGURES) <= set(names)
     for case in ("Re600", "Re800", "Re1000"):
         assert f"classification_scores_{case}" in names
@@ -71,77 +68,143 @@ def test_no_figure_over_one_reynolds_number():
     overlay = yaml.safe_load((WORKFLOW / "presets" / "tiny.yaml").read_text())
     block = {**overlay["campaign"][0], "reynolds": [400]}
     tiny = campaign({**overlay, "campaign": [block]})
-    assert "by_reynolds" not in tiny.figures
+    assert figure_names(tiny)
+    assert "by_reynolds" not in figure_names(tiny)
 
 
 def test_figure_over_reynolds_numbers_takes_each_once():
-    block = campaign().config["campaign"][1]
-    twin = {**block, "reynolds": [400], "cases": ["Twin"], "neurons": [2000]}
+    block = PAPER.config["campaign"][1]
+    twin = {**block, "reynolds": [400], "cases": ["Twin"]}
     twins = campaign(
         {
-            "campaign": [*campaign().config["campaign"], twin],
+            "campaign": [*PAPER.config["campaign"], twin],
             "cases": {"Twin": {"parameters": {"reynolds": 600}, "lyapunov": {}}},
         }
     )
-    assert twins.settings("figure_by_reynolds", {})["cases"] == [
-        "Re400",
-        "Re600",
-        "Re800",
-        "Re1000",
-    ]
+    assert "Twin" in twins.case_names
+    shown = settings(twins, "by_reynolds")["shown_cases"]
+    assert shown == ["Re400", "Re600", "Re800", "Re1000"]
+
+
+def test_every_figure_has_a_script_and_every_script_a_figure():
+    scripts = {path.stem for path in (WORKFLOW / "scripts" / "figures").glob("*.py")}
+    assert scripts == set(FIGURES)
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_each_figure_has_rule_script_and_caption(name):
-    assert (WORKFLOW / "scripts" / f"figure_{name}.py").is_file()
-    assert (WORKFLOW / "report" / f"{name}.rst").read_text().strip()
-    rules = (WORKFLOW / "rules" / "report.smk").read_text()
-    assert f"rule figure_{name}:" in rules
+def test_captions_are_sentences_that_the_report_shows(name):
+    caption = FIGURES[name].caption
+    assert caption == caption.strip()
+    assert caption.endswith(".")
+    assert "  " not in caption
+    assert "captions" in (WORKFLOW / "report" / "figure.rst").read_text()
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_scripts_read_every_setting_of_their_rule_and_no_other(name):
-    text = (WORKFLOW / "scripts" / f"figure_{name}.py").read_text()
-    given = set(campaign().settings(f"figure_{name}", {}))
-    if "**settings" in text:
-        return
-    read = set(re.findall(r'settings\["(\w+)"\]', text))
-    if "steps_per_lyapunov_time(settings" in text:
-        read |= {"sampling_interval", "steps_per_lyapunov_time"}
-    if "validation_plan(settings" in text:
-        read |= {"washout_lt", "interval_lt", "recycle_validation"}
-    assert read == given
+def test_no_caption_is_a_setting():
+    texts = [figure.caption for figure in FIGURES.values()]
+    assert len(set(texts)) == len(texts)
+    for name in FIGURES:
+        assert not set(texts) & {str(value) for value in settings(PAPER, name).values()}
 
 
-def test_the_overlay_of_published_values_touches_only_its_figures():
-    overlay = {"figures": {"published_overlay": True}}
-    assert changed(overlay, RULES) == {f"figure_{name}" for name in OVERLAY}
+@pytest.mark.parametrize(
+    ("overlay", "names"),
+    [
+        # the published values are an input of these figures, and no setting of any
+        ({"figures": {"published_overlay": True}}, set()),
+        # the example event is chosen where the forecasts are made
+        ({"figures": {"example_horizon_lt": 3}}, set()),
+        ({"figures": {"isosurface_level": 0.3}}, {"vorticity_isosurfaces"}),
+        ({"horizon": {"tolerance": 0.1}}, {"horizon_schematic"}),
+        ({"horizon": {"events": 100}}, set()),
+        ({"search": {"interval_lt": 1}}, {"validation_strategies"}),
+        (
+            {"forecasters": {"esn": {"connectivity": 10}}},
+            {"network_schematic"},
+        ),
+        (
+            {"figures": {"fixed_prediction_time_lt": 2}},
+            {"classification_scores"},
+        ),
+        (
+            {"figures": {"example_prediction_time_lt": 3}},
+            {"prediction_schematic", "prediction_examples"},
+        ),
+        (
+            {"washout_lt": 0.6},
+            {"validation_strategies", "prediction_schematic", "horizon_evaluations"},
+        ),
+        (
+            {"figures": {"flow_points": [9, 9, 9]}},
+            {
+                "midplane_mean_square",
+                "midplane_planes",
+                "vorticity_isosurfaces",
+                "suppressed_event",
+            },
+        ),
+    ],
+)
+def test_figures_read_what_they_need_and_nothing_else(overlay, names):
+    assert changed(overlay) == names
 
 
-def test_the_example_event_touches_only_the_examples():
-    overlay = {"figures": {"example_horizon_lt": 3}}
-    assert changed(overlay, [*RULES, "examples"], **NETWORK) == {"examples"}
-
-
-def test_examples_stay_within_what_the_test_set_holds():
-    farthest = {"figures": {"example_prediction_time_lt": 5}}
-    assert campaign().settings("examples", NETWORK)["reach_lt"] == 4
-    assert campaign(farthest).settings("examples", NETWORK)["reach_lt"] == 6
+def test_published_values_are_drawn_where_the_paper_has_some():
+    assert {name for name, figure in FIGURES.items() if figure.published} == {
+        "classification_scores",
+        "horizon_by_size",
+        "by_reynolds",
+        "energy_density",
+        "profile_errors",
+    }
 
 
 def test_figures_show_the_case_in_their_name():
-    found = campaign().settings("figure_classification_scores", {"of_case": "_Re800"})
-    assert (found["case"], found["reynolds"]) == ("Re800", 800)
-    assert campaign().settings("figure_classification_scores", {"of_case": ""})["case"] == "Re400"
+    assert figure_case(PAPER, "classification_scores", "_Re800") == "Re800"
+    assert figure_case(PAPER, "classification_scores", "") == "Re400"
+    assert settings(PAPER, "classification_scores", "Re800")["shown_case"] == "Re800"
+    other = campaign(
+        {"figures": {"example_case": "Re600"}, "control": {"sweep": {"cases": ["Re400"]}}}
+    )
+    assert figure_case(other, "classification_scores", "") == "Re600"
+
+
+def test_files_of_figures_are_those_of_the_example():
+    found = {name: FIGURES[name].files(PAPER, "Re400") for name in FIGURES}
+    assert found["network_schematic"] == {
+        "hyperparameters": "Re400/esn-N2000-RV-seed0/hyperparameters.json"
+    }
+    assert found["prediction_examples"] == {"examples": "Re400/esn-N2000-RV-seed0/examples.nc"}
+    assert found["search_landscape"] == {
+        "traces": [f"Re400/esn-N2000-{name}-seed0/search.csv" for name in ("RV", "SSV")]
+    }
+    assert found["observable_and_density"] == {"ensemble": "Re400/ensemble.nc", "time_unit": []}
+    computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
+    assert FIGURES["observable_and_density"].files(computed, "Re400") == {
+        "ensemble": "Re400/ensemble.nc",
+        "time_unit": "Re400/lyapunov.json",
+    }
+    assert found["suppressed_event"] == {
+        "event": "Re400/esn-N2000-RV-seed0/suppressed_event_PT2.nc"
+    }
+    assert found["horizon_schematic"] == {}
 
 
 def test_every_table_has_a_caption_and_every_summary_its_percentiles():
-    tables = campaign().report_tables
-    assert {name.removesuffix("_percentiles") for name in tables} <= set(CAPTIONS)
+    tables = PAPER.table_names
+    assert {name.removesuffix("_percentiles") for name in tables} == set(CAPTIONS)
     for name in SUMMARIES:
         assert f"{name}_percentiles" in tables
-        keys = campaign().settings("percentiles", {"table": name})["keys"]
-        assert "seed" not in keys
+        assert "seed" not in (*NETWORK_KEYS, *SUMMARIES[name].keys)
+
+
+def test_stages_that_are_switched_off_have_no_tables():
+    off = {"forecasters": {"esn": None, "equations": None}}
+    without = campaign({"control": off, "statistics": off})
+    assert set(PAPER.table_names) - set(without.table_names) == {
+        *("control", "control_percentiles"),
+        *("statistics", "statistics_percentiles"),
+    }
 
 
 def test_heads_are_latex():

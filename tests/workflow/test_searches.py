@@ -1,11 +1,10 @@
 """The validation of a point as the scan and the search make it."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from burstcast.esn.dynamics import Dynamics
+from burstcast.forecasters.esn import ReservoirSeed
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.tuning.hyperparameters import HyperparameterPoint
@@ -13,34 +12,38 @@ from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
-from burstcast_workflow.network_files import reservoir, training_series
-from burstcast_workflow.searches import point_validator, trace_rows
-from burstcast_workflow.storage import Variable, write_netcdf
+from burstcast_workflow.harness.storage import Variable, write_netcdf
+from burstcast_workflow.jobs.searches import point_validator, search_space, trace_rows
+from burstcast_workflow.jobs.training import training_series
 
 STEPS = 25  # in a Lyapunov time
+IDENTIFIER = "esn-N40-seed0"  # the reservoir of a scan
 SETTINGS = {
     "case": "lorenz",
-    "system": "lorenz63",
-    "parameters": {},
+    "case.system": "lorenz63",
+    "case.parameters": {},
+    "case.ensemble.time_step": 0.01,
+    "case.ensemble.sampling_stride": 4,
+    "case.lyapunov.time_unit": "published",
+    "case.lyapunov.published_exponent": 1.0,  # a Lyapunov time of STEPS
+    "case.training.series": 3,
+    "case.training.noise": 0.01,
+    "case.recycle_validation": {"series": 2, "intervals_per_series": 4},
     "random_seed": 2022,
-    "training": {"series": 3, "noise": 0.01},
-    "neurons": 40,
-    "seed": 0,
-    "connectivity": 6,
-    "input_bias": 0.1,
-    "kernel": "scipy",
+    "forecasters.esn.connectivity": 6,
+    "forecasters.esn.input_bias": 0.1,
+    "forecasters.esn.backend": "scipy",
     "washout_lt": 0.5,
-    "interval_lt": 2,
-    "steps_per_lyapunov_time": STEPS,
-    "sampling_interval": 0.04,
-    "recycle_validation": {"series": 2, "intervals_per_series": 4},
-    "tikhonov": [1e-6, 1e-9],
+    "search.interval_lt": 2,
+    "search.tikhonov": [1e-6, 1e-9],
+    "search.spectral_radius": [0.1, 1],
+    "search.input_scaling": [0.5, 5],
 }
 POINT = HyperparameterPoint(0.5, 2.0)
 
 
 @pytest.fixture(scope="module")
-def inputs(tmp_path_factory):
+def ensemble(tmp_path_factory):
     start = np.array([[1.0, 1.0, 20.0]] * 4).T + np.random.default_rng(2).random((3, 4))
     states = integrate(Lorenz63(), start, 0.01, 1600, stride=4)[101:].transpose(2, 0, 1)
     path = tmp_path_factory.mktemp("data") / "ensemble.nc"
@@ -49,15 +52,19 @@ def inputs(tmp_path_factory):
         "state": Variable(("series", "time", "component"), states, "1", "state"),
     }
     write_netcdf(path, variables, {})
-    return SimpleNamespace(ensemble=str(path), lyapunov=[])
+    return str(path)
 
 
-def test_durations_are_those_of_the_settings(inputs):
-    found = point_validator(SETTINGS, inputs)(POINT, [SingleShotValidation(), RecycleValidation()])
+def validator(settings, ensemble):
+    return point_validator(settings, IDENTIFIER, ensemble, [])
+
+
+def test_durations_are_those_of_the_settings(ensemble):
+    found = validator(SETTINGS, ensemble)(POINT, [SingleShotValidation(), RecycleValidation()])
     plan = ValidationPlan(washout=12, interval=50, series=2, intervals=4)
     expected = validate(
-        Dynamics(reservoir(SETTINGS, 3), 0.5, 2.0, "scipy"),
-        training_series(SETTINGS, inputs.ensemble),
+        Dynamics(ReservoirSeed(2022, 40, 0, 6, 0.1).reservoir(3), 0.5, 2.0, "scipy"),
+        training_series(SETTINGS, ensemble),
         Lorenz63().observable,
         plan,
         [1e-6, 1e-9],
@@ -71,26 +78,29 @@ def test_durations_are_those_of_the_settings(inputs):
     ("change", "message"),
     [
         (
-            {"recycle_validation": {"series": 2, "intervals_per_series": 6}},
+            {"case.recycle_validation": {"series": 2, "intervals_per_series": 6}},
             r"recycle_validation\.intervals_per_series is 6, but only 5 intervals",
         ),
-        ({"interval_lt": 11.6}, r"search\.interval_lt"),
-        ({"washout_lt": 0.01}, r"network\.washout_lt is 0\.01 Lyapunov times"),
-        ({"training": {"series": 5, "noise": 0}}, r"training\.series is 5, but only 4 series"),
+        ({"search.interval_lt": 11.6}, r"search\.interval_lt"),
+        ({"washout_lt": 0.01}, r"washout_lt is 0\.01 Lyapunov times"),
+        ({"case.training.series": 5}, r"training\.series is 5, but only 4 series"),
     ],
 )
-def test_what_does_not_fit_is_told_before_anything_is_computed(inputs, change, message):
+def test_what_does_not_fit_is_told_before_anything_is_computed(ensemble, change, message):
     with pytest.raises(ValueError, match=message):
-        point_validator({**SETTINGS, **change}, inputs)
+        validator({**SETTINGS, **change}, ensemble)
 
 
-def test_intervals_that_just_fit_are_accepted(inputs):
-    settings = {**SETTINGS, "recycle_validation": {"series": 3, "intervals_per_series": 5}}
-    assert len(point_validator(settings, inputs)(POINT, [RecycleValidation()])) == 2
+def test_intervals_that_just_fit_are_accepted(ensemble):
+    settings = {
+        **SETTINGS,
+        "case.recycle_validation": {"series": 3, "intervals_per_series": 5},
+    }
+    assert len(validator(settings, ensemble)(POINT, [RecycleValidation()])) == 2
 
 
-def test_rows_of_the_trace(inputs):
-    validations = point_validator(SETTINGS, inputs)(POINT, [RecycleValidation()])
+def test_rows_of_the_trace(ensemble):
+    validations = validator(SETTINGS, ensemble)(POINT, [RecycleValidation()])
     rows = trace_rows(7, "bayesian", POINT, validations)
     assert [row["tikhonov"] for row in rows] == [1e-6, 1e-9]
     for row, validation in zip(rows, validations, strict=True):
@@ -98,3 +108,10 @@ def test_rows_of_the_trace(inputs):
         assert (row["spectral_radius"], row["input_scaling"]) == (0.5, 2.0)
         assert row["objective"] == validation.objective
         assert row["solver"] == validation.solver
+
+
+def test_the_search_space_is_that_of_the_settings():
+    corners = {
+        (point.spectral_radius, point.input_scaling) for point in search_space(SETTINGS).grid(2)
+    }
+    assert corners == {(0.1, 0.5), (0.1, 5), (1, 0.5), (1, 5)}

@@ -13,8 +13,14 @@ from burstcast.statistics.measures import best_network
 from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.config.loading import load
+from burstcast_workflow.figure_registry import (
+    FIGURES,
+    control_example,
+    figure_names,
+    long_term_candidates,
+)
+from burstcast_workflow.table_metrics import SUMMARIES
 
 ROOT = Path(__file__).parents[2]
 FLOW = {"midplane_planes", "vorticity_isosurfaces"}
@@ -41,7 +47,8 @@ LORENZ = {
 
 
 def block(neurons, validation=("RV",), seeds=2, **cases):
-    return {**cases, "neurons": neurons, "validation": [*validation], "seeds": seeds}
+    networks = {"neurons": neurons, "validation": [*validation], "seeds": seeds}
+    return {**cases, "forecasters": {"esn": networks, "equations": {}, "equations_noisy": {}}}
 
 
 def campaign(blocks=None, **overlay):
@@ -49,16 +56,23 @@ def campaign(blocks=None, **overlay):
     update_config(config, copy.deepcopy(overlay))
     if blocks:
         config["campaign"] = blocks
-    config = load(config)
-    return Campaign(config, case_records(config))
+    return Campaign(load(config))
 
 
 def stage_figures(of):
-    figures = of.figures
+    figures = figure_names(of)
     assert len(set(figures)) == len(figures)
-    return {*of.statistics_figures, *of.control_figures} & set(figures)
+    stages = FLOW | STATISTICS | CONTROL
+    assert stages < set(FIGURES)
+    return {
+        figure
+        for figure in figures
+        if any(figure == name or figure.startswith(f"{name}_") for name in stages)
+    }
 
 
+OFF = {"forecasters": {"esn": None, "equations": None}}
+SSV = {"forecasters": {"esn": {"validation": ["SSV"]}}}
 ONE = [block([2000], reynolds=[400])]
 
 
@@ -73,17 +87,35 @@ def test_other_cases_have_their_own_statistics_and_share_the_densities_under_con
 
 
 def test_stages_that_are_switched_off_have_no_figures():
-    assert stage_figures(campaign(ONE, control={"validation": []})) == FLOW | STATISTICS
-    assert stage_figures(campaign(ONE, statistics={"validation": []})) == FLOW | CONTROL
+    assert stage_figures(campaign(ONE, control=OFF)) == FLOW | STATISTICS
+    assert stage_figures(campaign(ONE, statistics=OFF)) == FLOW | CONTROL
     uncontrolled = campaign(ONE, case_defaults={"actuation": None})
     assert stage_figures(uncontrolled) == FLOW | STATISTICS
 
 
 def test_a_strategy_that_no_network_has_leaves_no_figures():
-    found = campaign(ONE, statistics={"validation": ["SSV"]}, control={"validation": ["SSV"]})
+    blocks = [*ONE, block([2000], validation=("SSV",), reynolds=[600])]
+    wanted = {"cases": {"Re600": {"actuation": None}}, "statistics": SSV}
+    control = {"forecasters": {**SSV["forecasters"], "equations": None}}
+    found = campaign(blocks, **wanted, control=control)
+    assert {one.case for one in found.long_term_forecasters} == {"Re600"}
+    assert stage_figures(found) == FLOW | {
+        "energy_density",
+        "profile_errors",
+        "midplane_mean_square",
+    }
+    assert "control" not in found.table_names
+
+
+def test_forecasters_that_are_no_networks_have_tables_and_no_figures_of_their_own():
+    choice = {"forecasters": {"esn": None, "equations": {}, "equations_noisy": {}}}
+    found = campaign(ONE, statistics=choice, control=choice)
     assert stage_figures(found) == FLOW
-    assert "control" not in found.tables
-    assert "statistics" not in found.tables
+    assert {"control", "statistics"} <= set(found.table_names) & set(SUMMARIES)
+    assert {run.forecaster.name.kind for run in found.control_runs} == {
+        "equations",
+        "equations_noisy",
+    }
 
 
 def test_a_case_without_networks_of_the_fixed_size_has_no_statistics():
@@ -110,67 +142,65 @@ def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
         "control_density",
         "control_tradeoff",
     }
-    assert found.settings("figure_energy_density", {})["symbol"] == "z"
+    wildcards = {"case": "lorenz"}
+    settings = found.settings(FIGURES["energy_density"].reads, wildcards, {})
+    assert settings["case.system"] == "lorenz63"
 
 
 def test_densities_of_different_systems_are_not_in_one_figure():
     blocks = [block([2000], reynolds=[600, 400], cases=["lorenz"])]
     found = campaign(blocks, cases={"lorenz": LORENZ})
     assert {"control_density", "control_density_lorenz"} <= stage_figures(found)
-    assert {run.case for run in found.density_runs({})} == {"Re400", "Re600"}
-    assert {run.case for run in found.density_runs({"of_case": "_lorenz"})} == {"lorenz"}
+    for case, cases in (("Re400", ["Re400", "Re600"]), ("lorenz", ["lorenz"])):
+        panels = FIGURES["control_density"].values(found, case)["panels"]
+        assert [panel["case"] for panel in panels] == cases
 
 
 def test_densities_leave_the_sweep_and_other_sizes_out():
     found = campaign(
         [block([500, 2000], reynolds=[400], seeds=3)],
-        control={"neurons": [500, 2000], "sweep": {"cases": ["Re400"], "seeds": 2}},
+        control={
+            "forecasters": {"esn": {"neurons": [500, 2000]}},
+            "sweep": {"cases": ["Re400"], "seeds": 2},
+        },
     )
-    runs = found.density_runs({})
-    assert {run.prediction_time_lt for run in runs} == {1, 2}
-    assert {run.network.neurons for run in runs} == {2000}
-    assert len(runs) == 6
-    assert all(run.forecaster == "esn" for run in runs)
+    assert {run.prediction_time_lt for run in found.control_runs} == {1, 2, 3, 4, 5}
+    assert FIGURES["control_density"].values(found, "Re400") == {
+        "panels": [{"case": "Re400", "event_threshold": 0.1, "neurons": 2000, "validation": "RV"}],
+        "prediction_times_lt": [1, 2],
+    }
+
+
+def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
+    blocks = [block([2000], reynolds=[400]), block([500], reynolds=[600])]
+    found = campaign(blocks, control={"forecasters": {"esn": {"neurons": []}}})
+    shown = FIGURES["control_tradeoff"].values(found, "Re600")
+    assert shown == {"shown_case": "Re600", "neurons": 500, "validation": "RV"}
 
 
 def test_the_suppressed_event_is_the_example_networks_if_it_controls():
     seeds = [block([500, 2000], validation=("SSV", "RV"), reynolds=[600, 400], seeds=3)]
-    assert campaign(seeds, figures={"example_seed": 2}).control_example.network.seed == 2
-    other = campaign(seeds, figures={"example_neurons": 500, "example_seed": 2}).control_example
-    assert (other.network.neurons, other.network.validation) == (2000, "RV")
-    assert other.prediction_time_lt == 2
+    own = campaign(seeds, figures={"example_forecaster": "esn-N2000-RV-seed2"})
+    assert control_example(own).forecaster == own.example
+    other = campaign(seeds, figures={"example_forecaster": "esn-N500-RV-seed2"})
+    run = control_example(other)
+    assert run.forecaster.directory == "Re400/esn-N2000-RV-seed0"
+    assert (run.prediction_time_lt, run.random) == (2, False)
+    assert control_example(campaign(seeds, control={"forecasters": {"esn": None}})) is None
 
 
 def test_the_best_network_is_of_the_examples_strategy():
-    both = {"statistics": {"validation": ["SSV", "RV"]}}
+    both = {"statistics": {"forecasters": {"esn": {"validation": ["SSV", "RV"]}}}}
+    ssv = {"figures": {"example_forecaster": "esn-N2000-SSV-seed0"}}
     blocks = [block([500, 2000], validation=("SSV", "RV"), reynolds=[400])]
     for overlay, expected in (
         (both, "RV"),
-        ({**both, "figures": {"example_validation": "SSV"}}, "SSV"),
-        ({"statistics": {"validation": ["SSV"]}}, "SSV"),
+        ({**both, **ssv}, "SSV"),
+        ({"statistics": SSV}, "SSV"),
     ):
-        candidates = campaign(blocks, **overlay).statistics_candidates("Re400")
-        assert {(network.neurons, network.validation) for network in candidates} == {
-            (2000, expected)
-        }
+        candidates = long_term_candidates(campaign(blocks, **overlay), "Re400")
+        assert {(one.name.neurons, one.name.validation) for one in candidates} == {(2000, expected)}
         assert len(candidates) == 2
-
-
-def test_every_figure_has_a_rule_a_script_and_a_caption():
-    rules = "".join(path.read_text() for path in (ROOT / "workflow" / "rules").glob("*.smk"))
-    for figure in FLOW | STATISTICS | CONTROL:
-        assert f"rule figure_{figure}:" in rules
-        assert (ROOT / "workflow" / "scripts" / f"figure_{figure}.py").exists()
-        assert (ROOT / "workflow" / "report" / f"{figure}.rst").read_text().strip()
-        assert campaign(ONE).settings(f"figure_{figure}", {})
-
-
-def test_the_suppressed_event_is_made_with_the_settings_of_control():
-    wildcards = {"case": "Re400", "neurons": "2000", "validation": "RV", "seed": "0"}
-    found = campaign()
-    assert found.settings("suppressed_event", wildcards) == found.settings(
-        "control", {**wildcards, "prediction_time_lt": "2"}
-    )
 
 
 def statistics(counts):

@@ -12,15 +12,15 @@ from burstcast_workflow.fingerprint import fingerprint
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
-SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
+SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
 
 # Libraries that take long to load, and the scripts that cannot do without them.
 NEEDED_BY = {
     "numba": [],
-    "skopt": ["tune.py"],
+    "skopt": ["forecasters/search.py"],
     "sklearn": [],  # by scikit-optimize only
-    "skimage": ["figure_vorticity_isosurfaces.py"],
-    "matplotlib": ["figure_*.py"],
+    "skimage": ["figures/vorticity_isosurfaces.py"],
+    "matplotlib": ["figures/*.py"],
     "pydantic": [],
     "snakemake": [],
     "yaml": [],
@@ -28,19 +28,9 @@ NEEDED_BY = {
 # Modules of ours that load much, and those who have nothing to do with networks.
 NETWORK = "burstcast.esn.reservoir"
 WITHOUT_NETWORKS = [
-    "classify.py",
-    "dataset_table.py",
-    "horizon_table.py",
-    "hyperparameters_table.py",
-    "statistics_table.py",
-    "data_generation_parameters.py",
-    "events.py",
-    "latex.py",
-    "lyapunov.py",
-    "percentiles.py",
-    "reference_statistics.py",
-    "simulate.py",
-    "test_set.py",
+    "tables/*.py",
+    "data/*.py",
+    "control/control_random.py",
 ]
 
 
@@ -73,7 +63,7 @@ def loaded(script: Path) -> set[str]:
 
 
 def allowed(script: Path, patterns: list[str]) -> bool:
-    return any(fnmatch(script.name, pattern) for pattern in patterns)
+    return any(fnmatch(f"{script.parent.name}/{script.name}", pattern) for pattern in patterns)
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
@@ -103,7 +93,7 @@ def test_the_libraries_are_found_where_they_are_needed(library):
 
 
 def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_with():
-    script = ROOT / "workflow" / "scripts" / "forecast.py"
+    script = ROOT / "workflow" / "scripts" / "evaluation" / "forecast.py"
     imports = [
         ast.unparse(node)
         for node in ast.parse(script.read_text(encoding="utf-8")).body

@@ -8,8 +8,8 @@ import netCDF4
 import numpy as np
 import pytest
 
-from burstcast_workflow import storage
-from burstcast_workflow.storage import (
+from burstcast_workflow.harness import storage
+from burstcast_workflow.harness.storage import (
     Variable,
     read_attributes,
     read_json,
@@ -189,7 +189,7 @@ def test_json_refuses_what_it_cannot_say(tmp_path, value, error):
 
 def test_storage_does_not_load_pandas_or_matplotlib():
     code = (
-        "import sys, burstcast_workflow.storage\n"
+        "import sys, burstcast_workflow.harness.storage\n"
         "print([name for name in ('pandas', 'matplotlib', 'scipy') if name in sys.modules])"
     )
     result = subprocess.run(

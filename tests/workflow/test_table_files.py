@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast_workflow.table_files import read_table, write_table
+from burstcast_workflow.harness.tables import read_table, write_table
 
 
 def example() -> pd.DataFrame:

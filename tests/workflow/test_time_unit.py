@@ -1,30 +1,45 @@
 import pytest
 
-from burstcast_workflow.storage import write_json
-from burstcast_workflow.time_unit import read_steps_per_lyapunov_time
+from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
 
 
-def settings(known, interval=1.0):
-    return {"steps_per_lyapunov_time": known, "sampling_interval": interval}
+def settings(published, time_unit="published", time_step=0.25, stride=4):
+    return {
+        "case.ensemble.time_step": time_step,
+        "case.ensemble.sampling_stride": stride,
+        "case.lyapunov.time_unit": time_unit,
+        "case.lyapunov.published_exponent": published,
+    }
 
 
 def computed(tmp_path, exponent):
     path = tmp_path / "lyapunov.json"
     write_json(path, {"leading": {"mean": exponent, "low": 0.001, "high": 9}})
-    return path
+    return str(path)
+
+
+def test_the_interval_of_the_networks():
+    assert sampling_interval(settings(None, time_step=0.01, stride=2)) == 0.02
 
 
 def test_the_config_is_believed_without_a_file():
-    assert read_steps_per_lyapunov_time(settings(61), []) == 61
+    assert lyapunov_time(settings(0.0163), []) == 61
+    assert lyapunov_time(settings(0.9, time_step=0.01, stride=2), []) == 55
 
 
 @pytest.mark.parametrize(
-    ("exponent", "interval", "steps"), [(0.0155, 1, 64), (0.9, 0.02, 55), (0.1, 0.1, 100)]
+    ("exponent", "time_step", "stride", "steps"),
+    [(0.0155, 0.25, 4, 64), (0.9, 0.01, 2, 55), (0.1, 0.1, 1, 100)],
 )
-def test_the_computed_exponent(tmp_path, exponent, interval, steps):
+def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
     path = computed(tmp_path, exponent)
-    assert read_steps_per_lyapunov_time(settings(None, interval), path) == steps
-    assert read_steps_per_lyapunov_time(settings(7, interval), path) == 7
+    of_steps = {"time_step": time_step, "stride": stride}
+    assert lyapunov_time(settings(None, **of_steps), path) == steps
+    # where it sets the unit of time although there is a published one
+    assert lyapunov_time(settings(0.01, "computed", **of_steps), path) == steps
+    published = round(1 / (0.01 * time_step * stride))
+    assert lyapunov_time(settings(0.01, **of_steps), path) == published != steps
 
 
 @pytest.mark.parametrize(
@@ -32,4 +47,4 @@ def test_the_computed_exponent(tmp_path, exponent, interval, steps):
 )
 def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path, exponent, reason):
     with pytest.raises(ValueError, match=rf"{reason}.*lyapunov\.published_exponent"):
-        read_steps_per_lyapunov_time(settings(None), computed(tmp_path, exponent))
+        lyapunov_time(settings(None), computed(tmp_path, exponent))

@@ -492,7 +492,7 @@ def readable_size(size: float) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Show the size of the cache, verify or prune it."""
     parser = argparse.ArgumentParser(
-        prog="python -m burstcast_workflow.cache",
+        prog="python -m burstcast_workflow.harness.cache",
         description="Results shared between campaigns: their size, verification and pruning.",
     )
     parser.add_argument(

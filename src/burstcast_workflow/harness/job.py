@@ -95,11 +95,13 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
                 ),
             )
             directory = location()
+            cached = False
             if directory is None:
                 compute()
             else:
-                through_cache(directory, cached_job(snakemake, declared, identity), compute)
-            if unread := settings.unread():
+                job = cached_job(snakemake, declared, identity)
+                cached = through_cache(directory, job, compute)
+            if not cached and (unread := settings.unread()):
                 logger.info("settings not read: %s", ", ".join(unread))
             logger.info("%s is done: %s", label, _cost(start))
         except Exception as error:

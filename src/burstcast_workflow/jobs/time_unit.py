@@ -9,8 +9,8 @@ from burstcast_workflow.harness.storage import read_json
 
 def sampling_interval(settings: Mapping[str, Any]) -> float:
     """Time between two steps of a forecast, in time units."""
-    ensemble = "case.ensemble"
-    return float(settings[f"{ensemble}.time_step"] * settings[f"{ensemble}.sampling_stride"])
+    stride = settings["case.ensemble.sampling_stride"]
+    return float(settings["case.ensemble.time_step"] * stride)
 
 
 def lyapunov_time(settings: Mapping[str, Any], time_unit: str | Sequence[str]) -> int:

@@ -1,0 +1,183 @@
+"""Forecasters and their training series as jobs read and write them."""
+
+import numpy as np
+import pytest
+
+from burstcast import random_streams
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.network import EchoStateNetwork
+from burstcast.esn.training import train
+from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
+from burstcast.forecasters.registry import available_kinds, forecaster_class
+from burstcast_workflow.harness.storage import Variable, read_attributes, write_netcdf
+from burstcast_workflow.jobs.forecasters import (
+    forecasting_case,
+    read_forecaster,
+    seen,
+    write_forecaster,
+)
+from burstcast_workflow.jobs.searches import reservoir_seed
+from burstcast_workflow.jobs.training import training_series
+
+IDENTIFIER = "esn-N40-RV-seed2"
+SETTINGS = {
+    "case": "lorenz",
+    "forecaster": IDENTIFIER,
+    "case.system": "lorenz63",
+    "case.parameters": {"rho": 30},
+    "case.ensemble.time_step": 0.01,
+    "case.ensemble.sampling_stride": 4,
+    "case.lyapunov.time_unit": "published",
+    "case.lyapunov.published_exponent": 0.9,
+    "case.training.series": 3,
+    "case.training.noise": 0.01,
+    "random_seed": 2022,
+    "forecasters.esn.connectivity": 6,
+    "forecasters.esn.input_bias": 0.1,
+    "forecaster.options": {"backend": "scipy", "divergence_bound": 10},
+}
+
+
+@pytest.fixture
+def ensemble(tmp_path):
+    path = tmp_path / "ensemble.nc"
+    write(path, np.random.default_rng(1).normal(size=(7, 90, 3)).cumsum(axis=1))
+    return path
+
+
+def write(path, states):
+    variables = {
+        "series": Variable(("series",), np.arange(len(states)), "1", "number"),
+        "state": Variable(
+            ("series", "time", "component"), states, "1", "state", chunks=(1, *states.shape[1:])
+        ),
+    }
+    write_netcdf(path, variables, {})
+    return states
+
+
+def test_training_series_are_the_first_with_noise(tmp_path):
+    states = write(tmp_path / "e.nc", np.random.default_rng(1).normal(size=(7, 90, 3)))
+    training = training_series(SETTINGS, tmp_path / "e.nc")
+    flat = states[:3].reshape(-1, 3)
+    np.testing.assert_array_equal(training.input_range, np.ptp(flat, axis=0))
+    assert training.observed.shape == (3, 90, 3)
+    for series in range(3):
+        numbers = random_streams.stream(2022, "noise", "lorenz", series).standard_normal((90, 3))
+        expected = states[series] + 0.01 * flat.std(axis=0) * numbers
+        np.testing.assert_allclose(training.observed[series], expected, rtol=1e-14, atol=1e-14)
+
+
+def test_the_series_after_them_change_nothing(tmp_path):
+    states = write(tmp_path / "a.nc", np.random.default_rng(1).normal(size=(7, 90, 3)))
+    write(tmp_path / "b.nc", states[:4])
+    first, second = (training_series(SETTINGS, tmp_path / name) for name in ("a.nc", "b.nc"))
+    np.testing.assert_array_equal(first.observed, second.observed)
+
+
+def test_an_ensemble_that_is_too_small_names_the_setting(ensemble):
+    settings = {**SETTINGS, "case.training.series": 8}
+    with pytest.raises(ValueError, match=r"training\.series is 8, but only 7 series"):
+        training_series(settings, ensemble)
+
+
+def test_a_reservoir_is_its_size_and_seed_whatever_the_case_and_strategy():
+    expected = ReservoirSeed(2022, 40, 2, 6, 0.1)
+    assert reservoir_seed(SETTINGS, IDENTIFIER) == expected
+    assert reservoir_seed({**SETTINGS, "case": "Re600"}, "esn-N40-SSV-seed2") == expected
+    # that of the scan, which several strategies share
+    assert reservoir_seed(SETTINGS, "esn-N40-seed2") == expected
+    assert reservoir_seed(SETTINGS, "esn-N41-RV-seed3") == ReservoirSeed(2022, 41, 3, 6, 0.1)
+
+
+@pytest.fixture
+def network(ensemble):
+    """A trained network, as the job that trains makes it."""
+    training = training_series(SETTINGS, ensemble)
+    seed = reservoir_seed(SETTINGS, IDENTIFIER)
+    dynamics = Dynamics(seed.reservoir(3), 0.7, 1.3, "scipy")
+    readout = train(dynamics, training, washout=10, tikhonov=1e-6)
+    return NetworkForecaster(
+        EchoStateNetwork(dynamics, readout, training.input_range), seed, np.inf
+    )
+
+
+@pytest.mark.parametrize("kind", available_kinds())
+def test_a_forecaster_comes_back_bit_for_bit(kind, network, ensemble, tmp_path):
+    identifier = {"esn": IDENTIFIER}.get(kind, kind)
+    settings = {**SETTINGS, "forecaster": identifier}
+    if kind == "esn":
+        made = network
+    else:
+        training = training_series(settings, ensemble).observed
+        made = forecaster_class(kind).fit(training, forecasting_case(settings, []))
+    path = str(tmp_path / "forecaster.nc")
+    write_forecaster(path, made, {"source": "test"})
+    back = read_forecaster(path, settings, [])
+    assert type(back) is type(made) is forecaster_class(kind)
+    washout = np.random.default_rng(5).normal(size=(12, 3, 3))
+    outputs = [one.advance(one.start(washout), 20)[0] for one in (made, back)]
+    assert np.isfinite(outputs[0]).all()
+    assert outputs[0].tobytes() == outputs[1].tobytes()
+    # and it would be written as it was
+    one, other = made.record(), back.record()
+    assert one.attributes == other.attributes
+    assert {name: array.tobytes() for name, array in one.arrays.items()} == {
+        name: array.tobytes() for name, array in other.arrays.items()
+    }
+
+
+def test_a_network_keeps_what_training_told_of_it(network, tmp_path):
+    path = str(tmp_path / "forecaster.nc")
+    write_forecaster(path, network, {})
+    back = read_forecaster(path, SETTINGS, [])
+    assert back.seed == network.seed
+    assert back.network.dynamics.reservoir.input_bias == 0.1
+    for name in ("tikhonov", "solver", "reciprocal_condition"):
+        assert getattr(back.network.readout, name) == getattr(network.network.readout, name)
+
+
+def test_the_file_says_what_it_is_made_of_and_holds_no_big_matrix(network, tmp_path):
+    path = tmp_path / "forecaster.nc"
+    write_forecaster(str(path), network, {"source": "test"})
+    record = read_attributes(path)
+    assert record["source"] == "test"
+    assert (record["spectral_radius"], record["input_scaling"]) == (0.7, 1.3)
+    assert (record["neurons"], record["seed"], record["random_seed"]) == (40, 2, 2022)
+    assert record["solver"] in ("cholesky", "ldl")
+    assert path.stat().st_size < 40_000
+
+
+def test_a_forecaster_has_its_bound(network, tmp_path):
+    path = str(tmp_path / "forecaster.nc")
+    write_forecaster(path, network, {})
+    outputs = np.full((2, 3, 1), 3.0) * network.network.input_range[:, np.newaxis]
+    for bound, lost in ((2.0, True), (4.0, False)):
+        options = {"backend": "scipy", "divergence_bound": bound}
+        forecaster = read_forecaster(path, {**SETTINGS, "forecaster.options": options}, [])
+        assert forecaster.diverged(outputs).tolist() == [lost]
+    assert network.diverged(outputs).tolist() == [False]
+
+
+def test_unknown_backends_are_refused(network, tmp_path):
+    path = str(tmp_path / "forecaster.nc")
+    write_forecaster(path, network, {})
+    options = {"backend": "fortran", "divergence_bound": 10}
+    with pytest.raises(ValueError, match="backend"):
+        read_forecaster(path, {**SETTINGS, "forecaster.options": options}, [])
+
+
+def test_what_forecasters_may_know_of_their_case():
+    case = forecasting_case({**SETTINGS, "forecaster.options": {}}, [])
+    assert (case.system.rho, case.system.dimension) == (30, 3)
+    assert (case.time_step, case.sampling_stride, case.steps_per_lyapunov_time) == (0.01, 4, 27)
+    assert case.options == {}
+
+
+@pytest.mark.parametrize("kind", available_kinds())
+def test_only_the_bound_is_given_the_truth(kind, network):
+    made = network
+    if kind != "esn":
+        made = forecaster_class(kind).fit(np.zeros((1, 2, 3)), forecasting_case(SETTINGS, []))
+    observed, true = np.zeros(3), np.ones(3)
+    assert seen(made, observed, true) is (true if kind == "equations" else observed)

@@ -1,0 +1,66 @@
+import signal
+from types import SimpleNamespace
+
+import pytest
+
+from burstcast.figures.nothing_to_show import nothing_to_show
+from burstcast_workflow.harness.figures import run_figure
+
+
+class Files(dict):
+    """Named files of a job; iterating over them gives the files."""
+
+    def __iter__(self):
+        return iter(self.values())
+
+
+@pytest.fixture
+def job(tmp_path):
+    """Job of a figure with an input and a setting, as Snakemake hands it over."""
+    handler = signal.getsignal(signal.SIGTERM)
+    yield SimpleNamespace(
+        rule="figure",
+        log=[str(tmp_path / "logs" / "figure.log")],
+        wildcards={"figure": "by_reynolds"},
+        input=Files(table="table.csv", others=["a.nc", "b.nc"]),
+        output=Files(
+            pdf=str(tmp_path / "figures" / "figure.pdf"),
+            png=str(tmp_path / "figures" / "figure.png"),
+        ),
+        params=SimpleNamespace(settings={"case.density.bins": 3}, code=["figure.py@1"]),
+    )
+    signal.signal(signal.SIGTERM, handler)
+
+
+def test_figures_are_written_as_pdf_and_png(tmp_path, job):
+    given = {}
+
+    def draw(*, table, others, settings):
+        given.update(table=table, others=others, bins=settings["case.density.bins"])
+        return nothing_to_show("Nothing happened.")
+
+    run_figure(job, draw)
+    assert given == {"table": "table.csv", "others": ["a.nc", "b.nc"], "bins": 3}
+    figures = tmp_path / "figures"
+    assert (figures / "figure.pdf").read_bytes().startswith(b"%PDF")
+    assert (figures / "figure.png").read_bytes().startswith(b"\x89PNG")
+    assert sorted(path.name for path in figures.iterdir()) == ["figure.pdf", "figure.png"]
+
+
+def failure(tmp_path, job, draw):
+    with pytest.raises(SystemExit):
+        run_figure(job, draw)
+    assert list((tmp_path / "figures").iterdir()) == []
+    return (tmp_path / "logs" / "figure.log").read_text()
+
+
+def test_nothing_is_written_for_a_figure_that_cannot_be_drawn(tmp_path, job):
+    log = failure(tmp_path, job, lambda table, others: nothing_to_show(r"$\nosuchcommand$"))
+    assert "nosuchcommand" in log
+
+
+def test_a_figure_that_leaves_an_input_out_is_an_error(tmp_path, job):
+    def draw(*, table, settings):
+        return nothing_to_show("")
+
+    assert "TypeError: draw takes no argument others" in failure(tmp_path, job, draw)

@@ -1,0 +1,290 @@
+"""Stages as a whole: rules, their scripts and the registries agree with one another.
+
+Nothing runs here. Which settings a script reads is found in its syntax tree: every name or literal
+path that it, or a function of ours that it is handed on to, takes out of its settings.
+"""
+
+import ast
+import re
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from snakemake.api import SnakemakeApi
+from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
+
+from burstcast.forecasters.registry import available_kinds
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.config.model import BlockForecasters, Choice
+from burstcast_workflow.figure_registry import FIGURES
+
+ROOT = Path(__file__).parents[2]
+SCRIPTS = ROOT / "workflow" / "scripts"
+SOURCE = ROOT / "src"
+
+
+@cache
+def workflow():
+    """The rules as Snakemake reads them, and the campaign of the paper."""
+    with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
+        loaded = api.workflow(
+            resource_settings=ResourceSettings(cores=1),
+            config_settings=ConfigSettings(configfiles=(ROOT / "config.yaml",)),
+            snakefile=ROOT / "Snakefile",
+        )._workflow
+        rules = {rule.name: rule for rule in loaded.rules}
+        config = {name: value for name, value in loaded.config.items() if name != "captions"}
+    return SimpleNamespace(rules=rules, campaign=Campaign(load(config)))
+
+
+def rules_with_scripts():
+    """Names of the rules, read as text: pytest asks for them before any test."""
+    texts = [path.read_text() for path in sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
+    parts = [part for text in texts for part in re.split(r"^rule ", text, flags=re.M)[1:]]
+    return [part.split(":")[0] for part in parts if "script:" in part]
+
+
+STAGES = [name for name in rules_with_scripts() if name != "figure"]
+
+
+def script_of(rule):
+    return (ROOT / "workflow" / "rules" / workflow().rules[rule].script).resolve()
+
+
+def wildcards_of(rule):
+    found = {
+        "case": "Re400",
+        "forecaster": "esn-N2000-RV-seed0",
+        "reservoir": "esn-N2000-seed0",
+        "strategies": "RV+SSV",
+        "prediction_time_lt": "1",
+        "table": "horizon",
+    }
+    return {name: found[name] for name in workflow().rules[rule].wildcard_names}
+
+
+def declared(rule):
+    """Settings of a rule's job."""
+    made = workflow().rules[rule].params
+    (settings,) = (function for name, function in made.items() if name == "settings")
+    return set(settings(wildcards_of(rule)))
+
+
+def test_the_rules_are_those_of_the_text():
+    found = {name for name, rule in workflow().rules.items() if rule.script}
+    assert found == {*STAGES, "figure"}
+    assert len(STAGES) > 20
+
+
+# -- scripts ---------------------------------------------------------------------------------------
+
+
+@cache
+def tree(path):
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def functions(path):
+    return {node.name: node for node in tree(path).body if isinstance(node, ast.FunctionDef)}
+
+
+def main_of(path):
+    """Function that a script runs, and in what: run_job or run_figure."""
+    last = tree(path).body[-1]
+    assert ast.unparse(last.test) == "__name__ == '__main__'"
+    (statement,) = last.body
+    snakemake, function = statement.value.args
+    assert snakemake.id == "snakemake"
+    return functions(path)[function.id], statement.value.func.id
+
+
+def parameters(function):
+    """Names of keyword arguments, and those of them that have a default."""
+    arguments = function.args
+    others = [arguments.args, arguments.posonlyargs, arguments.vararg, arguments.kwarg]
+    assert not any(others)
+    names = [argument.arg for argument in arguments.kwonlyargs]
+    optional = {name for name, default in zip(names, arguments.kw_defaults, strict=True) if default}
+    return set(names), optional
+
+
+@pytest.mark.parametrize("rule", STAGES)
+def test_a_script_takes_the_files_of_its_rule(rule):
+    function, runner = main_of(script_of(rule))
+    assert runner == "run_job"
+    names, optional = parameters(function)
+    made = workflow().rules[rule]
+    files = {*made.input.keys(), *made.output.keys()}
+    assert len(files) == len(list(made.input.keys())) + len(list(made.output.keys()))
+    assert names - {"settings", "provenance"} == files
+    assert not optional
+
+
+@pytest.mark.parametrize("rule", STAGES)
+def test_the_code_of_a_rule_is_that_of_its_script(rule):
+    made = dict(workflow().rules[rule].params.items())
+    script = script_of(rule)
+    entries = made["code"](wildcards_of(rule))
+    assert script.name in [entry.partition("@")[0] for entry in entries]
+    # the path that reads() is given is the one that script: is
+    text = "".join(path.read_text() for path in (ROOT / "workflow" / "rules").glob("*.smk"))
+    assert text.count(f'"{script.relative_to(SCRIPTS)}",') == 1
+
+
+def test_every_script_belongs_to_a_rule():
+    of_rules = {script_of(rule) for rule in STAGES}
+    of_figures = {SCRIPTS / "figures" / f"{name}.py" for name in FIGURES}
+    assert of_rules | of_figures == set(SCRIPTS.glob("*/*.py"))
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_script_of_a_figure_takes_the_files_of_the_registry(name):
+    function, runner = main_of(SCRIPTS / "figures" / f"{name}.py")
+    assert runner == "run_figure"
+    names, optional = parameters(function)
+    figure = FIGURES[name]
+    files = set(figure.files(workflow().campaign, "Re400"))
+    published = {"published"} if figure.published else set()
+    assert names - {"settings"} == files | published
+    # which is an input only where it is drawn
+    assert optional == published
+
+
+# -- settings --------------------------------------------------------------------------------------
+
+# What names a job's settings in a function: a parameter, or an attribute of an object of control.
+HOLDERS = ("settings", "self.settings")
+
+
+def module_path(name):
+    path = SOURCE.joinpath(*name.split(".")).with_suffix(".py")
+    return path if path.is_file() else None
+
+
+@cache
+def imported(path):
+    """Files of ours that names of a file come from."""
+    return {
+        alias.asname or alias.name: module_path(node.module)
+        for node in tree(path).body
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("burstcast_workflow.jobs")
+        for alias in node.names
+    }
+
+
+def definition(path, name):
+    """Function or class of a name in a file, and the file that it is defined in."""
+    place = imported(path).get(name, path)
+    found = [
+        node
+        for node in tree(place).body
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name
+    ]
+    return (place, found[0]) if found else None
+
+
+def settings_read(path, node, seen=None):
+    """Literal paths that a function or class, and those that it hands its settings to, read."""
+    seen = set() if seen is None else seen
+    if (path, node.name) in seen:
+        return set()
+    seen.add((path, node.name))
+    found = set()
+    for part in ast.walk(node):
+        if isinstance(part, ast.Subscript) and ast.unparse(part.value) in HOLDERS:
+            assert isinstance(part.slice, ast.Constant), f"{path}: {ast.unparse(part)}"
+            found.add(part.slice.value)
+        elif isinstance(part, ast.Call) and isinstance(part.func, ast.Name | ast.Attribute):
+            handed = [*part.args, *(keyword.value for keyword in part.keywords)]
+            if not any(ast.unparse(argument) in HOLDERS for argument in handed):
+                continue
+            # of ControlSetting.read the whole class: its methods read settings, too
+            name = ast.unparse(part.func).partition(".")[0]
+            if name == "cls":
+                continue
+            place = definition(path, name)
+            assert place, f"{path}: {name} is handed the settings, and nothing is known about it"
+            found |= settings_read(*place, seen)
+    return found
+
+
+def reads_of(path):
+    return settings_read(path, main_of(path)[0])
+
+
+def covered(path, paths):
+    """Whether one of the paths is this one, or a section that it lies in."""
+    return any(path == other or path.startswith(f"{other}.") for other in paths)
+
+
+@pytest.mark.parametrize("rule", STAGES)
+def test_every_setting_that_a_script_reads_is_declared_by_its_rule(rule):
+    known = declared(rule) | set(wildcards_of(rule))
+    undeclared = {path for path in reads_of(script_of(rule)) if not covered(path, known)}
+    assert not undeclared
+
+
+@pytest.mark.parametrize("rule", STAGES)
+def test_every_setting_that_a_rule_declares_is_read_by_its_script(rule):
+    read = reads_of(script_of(rule))
+    unread = {
+        path
+        for path in declared(rule)
+        if not covered(path, read) and not any(covered(other, {path}) for other in read)
+    }
+    assert not unread
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_reads_what_it_declares_and_nothing_else(name):
+    figure, campaign = FIGURES[name], workflow().campaign
+    values = set(figure.values(campaign, "Re400"))
+    read = reads_of(SCRIPTS / "figures" / f"{name}.py")
+    assert not {path for path in read if not covered(path, {*figure.reads, *values})}
+    unread = {
+        path
+        for path in {*figure.reads, *values}
+        if not covered(path, read) and not any(covered(other, {path}) for other in read)
+    }
+    assert not unread
+    assert len(set(figure.reads)) == len(figure.reads)
+
+
+def test_what_is_read_is_found_through_helpers():
+    found = reads_of(SCRIPTS / "control" / "control.py")
+    # in the script's class of control, its methods, and helpers of theirs
+    assert {"control.span_lt", "case.training.noise", "case.system", "forecaster.options"} <= found
+
+
+# -- forecasters -----------------------------------------------------------------------------------
+
+
+def test_kinds_of_the_config_are_those_of_the_library():
+    assert sorted(BlockForecasters.model_fields) == available_kinds()
+    assert sorted(Choice.model_fields) == available_kinds()
+
+
+def constraint(name):
+    text = (ROOT / "workflow" / "rules" / "common.smk").read_text()
+    (pattern,) = re.findall(rf'^(?:    )?{name} ?= ?r"(.*)",?$', text, re.M)
+    return re.compile(pattern)
+
+
+def test_every_forecaster_is_made_by_one_rule():
+    networks, others, forecaster = map(constraint, ("NETWORKS", "OTHERS", "forecaster"))
+    for one in workflow().campaign.forecasters:
+        name = one.name.identifier
+        assert forecaster.fullmatch(name)
+        assert bool(networks.fullmatch(name)) == (one.name.kind == "esn")
+        assert bool(others.fullmatch(name)) == (one.name.kind != "esn")
+    for kind in available_kinds():
+        assert bool(others.fullmatch(kind)) or kind == "esn"
+
+
+def test_scans_are_named_as_their_rule_expects():
+    for one in workflow().campaign.networks:
+        reservoir, strategies = workflow().campaign.scan_of(one.name.identifier)
+        assert constraint("reservoir").fullmatch(reservoir)
+        assert constraint("strategies").fullmatch(strategies)
