@@ -22,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 import textbook
+import yaml
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from burstcast import durations
@@ -52,8 +53,9 @@ from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.cost_report import forecast_lines, read_campaign
-from burstcast_workflow.costs import SECONDS_PER, CostModel
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.cost_report import predicted_jobs, report
+from burstcast_workflow.costs import SECONDS_PER
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "performance.md"
@@ -597,13 +599,14 @@ def table(head: list[str], rows: list[list[str]]) -> list[str]:
     return ["| " + " | ".join(cells) + " |" for cells in (head, ["---"] * len(head), *rows)]
 
 
-def prediction(campaign: Campaign, rates: dict[str, float]) -> list[str]:
+def prediction(rates: dict[str, float]) -> list[str]:
     """Lines with the predicted cost of the whole campaign, by rule."""
-    by_rule = forecast_lines(campaign, CostModel(campaign, {**SECONDS_PER, **rates}))
-    minutes = float(by_rule[-1].split()[-1])
+    project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
+    jobs = predicted_jobs(project, {**SECONDS_PER, **rates})
+    minutes = sum(job.cost.seconds for job in jobs) / 60
     return [
         "```",
-        *by_rule,
+        report(jobs),
         "```",
         "",
         f"On {CORES} cores: **{minutes / 60 / CORES:.1f} hours**.",
@@ -631,7 +634,8 @@ def main() -> None:
     sizes = [1000] if options.quick else options.sizes
     pin_to_one_core()
     clock = Clock(repeats=2 if options.quick else 3)
-    campaign = read_campaign([ROOT / "config.yaml"])
+    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    campaign = Campaign(load(config))
     data = Data(campaign, series=24 if options.quick else 80)
     rows, rates = [], {}
     for neurons in sizes:
@@ -650,7 +654,7 @@ def main() -> None:
         ["unit", "measured", "in `costs.py`"],
         [[unit, f"{rate:.2g}", f"{SECONDS_PER[unit]:.2g}"] for unit, rate in rates.items()],
     )
-    predicted = [*constants, "", *prediction(campaign, rates)]
+    predicted = [*constants, "", *prediction(rates)]
     print("\n".join(["", *measured, "", *predicted]))
     if options.write:
         write("measured", measured)

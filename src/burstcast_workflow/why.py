@@ -307,18 +307,13 @@ def _counted(jobs: Iterable[Job]) -> str:
 # -- from Snakemake --------------------------------------------------------------------------------
 
 
-def snakemake_jobs(arguments: Sequence[str]) -> tuple[list[Job], dict[str, list[Identity]]]:
-    """Ask Snakemake which jobs would run.
+def planned(arguments: Sequence[str]) -> Any:
+    """Let Snakemake plan, and return its workflow.
 
     Parameters
     ----------
     arguments
         Options of snakemake.
-
-    Returns
-    -------
-    Jobs in the order of the workflow, and the wildcards of those that have results already, by
-    rule.
 
     Raises
     ------
@@ -345,10 +340,23 @@ def snakemake_jobs(arguments: Sequence[str]) -> tuple[list[Job], dict[str, list[
     if not succeeded or not workflows:
         print(said.getvalue(), file=sys.stderr)
         raise SystemExit(1)
-    return _described(workflows[0])
+    return workflows[0]
 
 
-def _described(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
+def snakemake_jobs(arguments: Sequence[str]) -> tuple[list[Job], dict[str, list[Identity]]]:
+    """Ask Snakemake which jobs would run.
+
+    Parameters
+    ----------
+    arguments
+        Options of snakemake.
+
+    Returns
+    -------
+    Jobs in the order of the workflow, and the wildcards of those that have results already, by
+    rule.
+    """
+    workflow = planned(arguments)
     dag, persistence = workflow.dag, workflow.persistence
     known: dict[str, list[Identity]] = {}
     running = []

@@ -23,13 +23,16 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
 from one_machine_slurm import Job, OneMachineSlurm, install, installed, reason_not_to_run
+from snakemake.utils import update_config
 
-from burstcast_workflow.cost_report import read_campaign
-from burstcast_workflow.costs import CostModel
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.cost_report import predicted_jobs
 
 pytestmark = pytest.mark.slurm
 
@@ -41,22 +44,19 @@ MARGIN_OF_HOG = 0.95
 COPIED = ("Snakefile", "config.yaml", "profiles", "resources", "src", "workflow")
 
 
-def profile_groups() -> dict[str, list[str]]:
-    """Rules of each group of the profile."""
-    profile = yaml.safe_load((ROOT / "profiles" / "slurm" / "config.yaml").read_text())
-    groups: dict[str, list[str]] = {}
-    for entry in profile["groups"]:
-        rule, group = entry.split("=")
-        groups.setdefault(group, []).append(rule)
-    return groups
+def rules_of(group: str) -> list[str]:
+    """Rules whose jobs belong to a group."""
+    files = (ROOT / "workflow" / "rules").glob("*.smk")
+    rules = [text for file in files for text in re.split(r"^rule ", file.read_text(), flags=re.M)]
+    return [text.split(":")[0] for text in rules if re.search(rf'group:\s+"{group}"', text)]
 
 
 def first_request(group: str) -> int:
     """Memory that the first attempt of a group asks for: that of its largest member, in MiB."""
-    campaign = read_campaign([ROOT / "config.yaml", ROOT / PRESET])
-    wildcards = {"case": campaign.case_names[0], "prediction_time": "1"}
-    model = CostModel(campaign)
-    return max(model.memory_mib(rule, wildcards, 1) for rule in profile_groups()[group])
+    project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
+    jobs = predicted_jobs([*project, "--configfile", str(ROOT / PRESET)])
+    members = rules_of(group)
+    return max(job.cost.mib_for(1) for job in jobs if job.rule in members)
 
 
 @dataclass
@@ -86,7 +86,10 @@ def copy_of_project(directory: Path) -> Path:
 
 
 def tables(tree: Path) -> list[str]:
-    names = read_campaign([tree / "config.yaml", tree / PRESET]).tables
+    config: dict[str, Any] = {}
+    for file in ("config.yaml", PRESET):
+        update_config(config, yaml.safe_load((tree / file).read_text()))
+    names = Campaign(load(config)).table_names
     return [f"results/tiny/tables/{name}.csv" for name in names]
 
 

@@ -1,20 +1,38 @@
 import copy
 import itertools
 import math
+import re
+import shutil
 from pathlib import Path
 
 import pytest
 import yaml
 
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.cost_report import compare, forecast_lines, jobs, read_campaign, records
-from burstcast_workflow.costs import SAFETY, SNAKEMAKE_MIB, CostModel
+from burstcast_workflow.cost_report import PredictedJob, main, predicted_jobs, report
+from burstcast_workflow.costs import SAFETY, SECONDS_PER, SNAKEMAKE_MIB, Cost, CostModel
+from burstcast_workflow.why import planned
 
 ROOT = Path(__file__).parents[2]
-NETWORK = {"case": "Re400", "neurons": "2000", "validation": "RV", "seed": "0"}
 PAPER = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+PRESETS = sorted(path.stem for path in (ROOT / "workflow" / "presets").glob("*.yaml"))
+DATA = {"case": "Re400"}
+NETWORK = {"case": "Re400", "forecaster": "esn-N2000-RV-seed0"}
+SCAN = {"case": "Re400", "reservoir": "esn-N2000-seed0", "strategies": "RV+SSV"}
+WILDCARDS = {
+    "integration": DATA,
+    "tangent": DATA,
+    "data": DATA,
+    "search_grid": SCAN,
+    "search_points": NETWORK,
+    "training": NETWORK,
+    "closed_loop": NETWORK,
+    "control": {**NETWORK, "prediction_time_lt": "2"},
+    "gather": {},
+    "bootstrap": {},
+    "figure": {"figure": "by_reynolds", "of_case": ""},
+}
 
 
 def model(**changes) -> CostModel:
@@ -26,79 +44,170 @@ def model(**changes) -> CostModel:
         for parent in parents:
             place = place[parent]
         place[last] = value
-    config = load(config)
-    return CostModel(Campaign(config, case_records(config)))
+    return CostModel(Campaign(load(config)))
 
 
-def network(**changes):
-    return {**NETWORK, **{name: str(value) for name, value in changes.items()}}
+def predicted(cost_class, stage="something_new", costs=None, **wildcards) -> Cost:
+    """Cost of a job of that class, with some wildcards changed."""
+    return (costs or model()).predicted(cost_class, stage, {**WILDCARDS[cost_class], **wildcards})
+
+
+@pytest.fixture(scope="module")
+def directory(tmp_path_factory) -> Path:
+    """A directory without results to plan campaigns in."""
+    found = tmp_path_factory.mktemp("campaign")
+    shutil.copy(ROOT / "config.yaml", found)
+    return found
+
+
+def options(directory: Path, preset: str | None = None) -> list[str]:
+    overlay = ["--configfile", str(ROOT / "workflow" / "presets" / f"{preset}.yaml")]
+    project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(directory)]
+    return [*project, *(overlay if preset else [])]
+
+
+@pytest.fixture(scope="module")
+def paper(directory) -> list[PredictedJob]:
+    """All jobs of the paper's campaign."""
+    return predicted_jobs(options(directory))
+
+
+# -- classes ---------------------------------------------------------------------------------------
 
 
 def test_gram_matrices_and_solves_make_the_scan_grow_between_the_square_and_the_cube_of_the_size():
-    costs = model()
-    seconds = [costs.predicted("scan", network(neurons=n)).seconds for n in (3000, 6000, 12000)]
-    for smaller, larger in itertools.pairwise(seconds):
+    sizes = (3000, 6000, 12000)
+    scans = [predicted("search_grid", "scan", reservoir=f"esn-N{n}-seed0") for n in sizes]
+    for smaller, larger in itertools.pairwise(scan.seconds for scan in scans):
         assert 2**2 < larger / smaller < 2**3
 
 
-def test_forecasts_grow_with_the_size_alone():
-    costs = model()
-    small, large = (costs.predicted("forecast", network(neurons=n)).seconds for n in (2000, 4000))
+@pytest.mark.parametrize("stage", ["forecast", "horizon", "long_term"])
+def test_closed_loops_grow_with_the_size_alone(stage):
+    small, large = (
+        predicted("closed_loop", stage, forecaster=f"esn-N{n}-RV-seed0").seconds
+        for n in (2000, 4000)
+    )
     assert large / small == pytest.approx(2, rel=0.1)
 
 
 @pytest.mark.parametrize(
-    ("rule", "changes"),
+    ("cost_class", "stage", "changes"),
     [
-        ("simulate", {"case_defaults__ensemble__series": 4000}),
-        ("lyapunov", {"case_defaults__ensemble__duration": 8000}),
-        ("forecast", {"cases__Re400__test_series": 300}),
-        ("horizon", {"horizon__events": 1000}),
-        ("climate", {"statistics__duration": 8000}),
+        ("integration", "simulate", {"case_defaults__ensemble__series": 4000}),
+        ("tangent", "lyapunov", {"case_defaults__ensemble__duration": 8000}),
+        ("closed_loop", "forecast", {"cases__Re400__test_series": 300}),
+        ("closed_loop", "horizon", {"horizon__events": 1000}),
+        ("closed_loop", "long_term", {"statistics__duration": 8000}),
+        ("control", "control", {"control__span_lt": 40}),
     ],
 )
-def test_twice_the_work_takes_twice_the_time(rule, changes):
-    wildcards = NETWORK if rule in ("forecast", "horizon", "climate") else {"case": "Re400"}
-    seconds = model().predicted(rule, wildcards).seconds
-    more = model(**changes).predicted(rule, wildcards).seconds
+def test_twice_the_work_takes_twice_the_time(cost_class, stage, changes):
+    seconds = predicted(cost_class, stage).seconds
+    more = predicted(cost_class, stage, model(**changes)).seconds
     assert more / seconds == pytest.approx(2, rel=0.2)
 
 
-def test_scan_serves_both_strategies_at_every_point_of_the_grid():
-    fine, coarse = model(search__grid=8), model(search__grid=4)
-    ratio = fine.predicted("scan", NETWORK).seconds / coarse.predicted("scan", NETWORK).seconds
-    assert ratio == pytest.approx(4, rel=0.05)
+def test_scan_serves_all_strategies_at_every_point_of_the_grid():
+    fine, coarse = (predicted("search_grid", "scan", model(search__grid=n)).seconds for n in (8, 4))
+    assert fine / coarse == pytest.approx(4, rel=0.05)
+    both = predicted("search_grid", "scan").seconds
+    alone = predicted("search_grid", "scan", strategies="RV").seconds
+    assert alone < both < 1.5 * alone  # they share the open loop and the Gram matrix
 
 
 def test_search_pays_for_its_points():
-    none = model(search__bayesian_points=0).predicted("tune", NETWORK).seconds
-    nine = model(search__bayesian_points=9).predicted("tune", NETWORK).seconds
-    eighteen = model(search__bayesian_points=18).predicted("tune", NETWORK).seconds
+    none, nine, eighteen = (
+        predicted("search_points", "search", model(search__bayesian_points=points)).seconds
+        for points in (0, 9, 18)
+    )
     assert eighteen - none == pytest.approx(2 * (nine - none))
+    assert nine - none > 9 * SECONDS_PER["surrogate fit"]
+
+
+@pytest.mark.parametrize(
+    ("cost_class", "stage"), [("closed_loop", "forecast"), ("closed_loop", "long_term")]
+)
+def test_backend_that_is_not_compiled_is_slower(cost_class, stage):
+    compiled = predicted(cost_class, stage).seconds
+    scipy = predicted(cost_class, stage, model(forecasters__esn__backend="scipy")).seconds
+    assert 3 < scipy / compiled < 5
+
+
+def test_other_kinds_of_forecasters_cost_what_the_equations_cost():
+    for cost_class, stage in (("closed_loop", "forecast"), ("control", "control")):
+        kinds = ("equations", "equations_noisy", "persistence")
+        costs = {predicted(cost_class, stage, forecaster=kind) for kind in kinds}
+        assert len(costs) == 1
+        # whatever the settings of networks
+        networks = model(forecasters__esn__backend="scipy", forecasters__esn__connectivity=40)
+        assert costs == {predicted(cost_class, stage, networks, forecaster="equations")}
+    finer = model(
+        case_defaults__ensemble__time_step=0.125, case_defaults__ensemble__sampling_stride=8
+    )
+    steps, more = (
+        predicted("closed_loop", "forecast", costs, forecaster="equations").seconds
+        for costs in (model(), finer)
+    )
+    assert more / steps == pytest.approx(2, rel=0.1)
+
+
+def test_random_alarms_cost_the_flows_of_control_without_forecasts():
+    flows = predicted("integration", "control_random", **WILDCARDS["control"]).seconds
+    control = predicted("control", "control").seconds
+    assert flows < control
+    far = predicted("integration", "control_random", **{**NETWORK, "prediction_time_lt": "12"})
+    assert far.seconds / flows == pytest.approx((12 + 1 + 20) / (2 + 1 + 20), rel=0.1)
 
 
 def test_memory_holds_the_arrays():
-    costs = model()
     series_mib = 2000 * 4000 * 9 * 8 / 2**20
-    assert costs.predicted("simulate", {"case": "Re400"}).memory_mib > 2 * series_mib
-    small, large = (costs.predicted("scan", network(neurons=n)).memory_mib for n in (1000, 10_000))
+    assert predicted("integration", "simulate").memory_mib > 2 * series_mib
+    small, large = (
+        predicted("search_grid", "scan", reservoir=f"esn-N{n}-seed0").memory_mib
+        for n in (1000, 10_000)
+    )
     gram_mib = (10_000**2 - 1000**2) * 8 / 2**20
     assert 3 * gram_mib < large - small < 8 * gram_mib
 
 
-def test_budget_of_memory_at_3000_neurons():
-    costs = model()
-    for rule in ("scan", "tune", "train", "forecast", "horizon", "climate"):
-        assert costs.predicted(rule, network(neurons=3000)).memory_mib < 2048
+@pytest.mark.parametrize("cost_class", WILDCARDS)
+def test_stage_that_is_not_known_is_guessed_from_its_class(cost_class):
+    cost = predicted(cost_class)
+    assert 0.5 < cost.seconds < 150
+    assert 50 < cost.memory_mib < 2048
 
 
-@pytest.mark.parametrize("rule", ["scan", "simulate", "classify"])
-def test_requests_leave_a_margin_and_double_at_each_retry(rule):
+def test_class_that_is_not_known_is_a_mistake():
+    with pytest.raises(KeyError, match="closed_lop"):
+        model().predicted("closed_lop", "forecast", NETWORK)
+
+
+def test_prediction_does_not_depend_on_what_was_asked_before():
     costs = model()
-    wildcards = {} if rule == "classify" else NETWORK
-    cost = costs.predicted(rule, wildcards)
-    memory = [costs.memory_mib(rule, wildcards, attempt) for attempt in (1, 2, 3)]
-    minutes = [costs.runtime_minutes(rule, wildcards, attempt) for attempt in (1, 2, 3)]
+    names = [f"esn-N{n}-RV-seed{seed}" for n, seed in ((500, 0), (3000, 0), (500, 7))]
+    first, larger, again = (predicted("training", "train", costs, forecaster=n) for n in names)
+    assert first == again != larger
+    assert predicted("training", "train", forecaster=names[0]) == first
+    assert predicted("control", "control", costs, prediction_time_lt="1") != predicted(
+        "control", "control", costs, prediction_time_lt="2"
+    )
+
+
+def test_case_whose_lyapunov_time_is_not_known_yet():
+    costs = model(case_defaults__lyapunov__time_unit="computed")
+    assert predicted("closed_loop", "forecast", costs).seconds > 1
+
+
+# -- what is asked for -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("cost_class", ["search_grid", "integration", "bootstrap"])
+def test_requests_leave_a_margin_and_double_at_each_retry(cost_class):
+    cost = predicted(cost_class)
+    memory = [cost.mib_for(attempt) for attempt in (1, 2, 3)]
+    minutes = [cost.minutes_for(attempt) for attempt in (1, 2, 3)]
+    assert SAFETY == 2
     assert memory[0] == math.ceil(SAFETY * cost.memory_mib + SNAKEMAKE_MIB)
     assert minutes[0] * 60 >= SAFETY * cost.seconds
     for requests in (memory, minutes):
@@ -106,51 +215,79 @@ def test_requests_leave_a_margin_and_double_at_each_retry(rule):
         assert requests == [requests[0], 2 * requests[0], 4 * requests[0]]
 
 
-def test_prediction_does_not_depend_on_what_was_asked_before():
-    costs = model()
-    first = costs.predicted("scan", network(neurons=500))
-    costs.predicted("scan", network(neurons=3000))
-    assert costs.predicted("scan", network(neurons=500, seed=7)) == first
-    assert model().predicted("scan", network(neurons=500)) == first
+# -- campaigns -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "wildcards", [{}, {"case": "Re400"}, NETWORK, {**NETWORK, "prediction_time_lt": "2"}]
-)
-def test_rule_that_is_not_known_is_guessed(wildcards):
-    cost = model().predicted("something_new", wildcards)
-    assert 0 < cost.seconds < 120
-    assert 50 < cost.memory_mib < 2000
+def test_totals_of_the_papers_campaign_are_those_of_the_documentation(paper, directory):
+    text = (ROOT / "docs" / "performance.md").read_text(encoding="utf-8")
+    _, section = text.split("<!-- predicted: begin -->")
+    units = re.findall(r"^\| ([a-z ]+) \| ([-+.e\d]+) \| ([-+.e\d]+) \|$", section, re.M)
+    assert {unit: float(ours) for unit, _, ours in units}.items() <= SECONDS_PER.items()
+    measured = {unit: float(rate) for unit, rate, _ in units}
+    jobs = predicted_jobs(options(directory), {**SECONDS_PER, **measured})
+    (documented,) = re.findall(r"in minutes on one core: ([\d.]+)$", section, re.M)
+    assert report(jobs).split()[-1] == documented
+    # as long as the equations were no forecasters but of control, it was 569 minutes
+    equations = ("equations", "equations_noisy")
+    added = sum(
+        job.cost.seconds
+        for job in jobs
+        if job.wildcards.get("forecaster") in equations and job.rule != "control"
+    )
+    assert 1 < added / 60 < 4
+    assert float(documented) - added / 60 == pytest.approx(569.2, rel=0.03)
+    # the rates of the model itself are of a similar machine
+    assert sum(job.cost.seconds for job in paper) / 60 == pytest.approx(569.2, rel=0.1)
 
 
-def test_case_whose_lyapunov_time_is_not_known_yet():
-    costs = model(case_defaults__lyapunov__time_unit="computed")
-    assert costs.predicted("forecast", NETWORK).seconds > 1
+def test_budget_of_memory_and_time_of_the_papers_campaign(paper):
+    assert max(job.cost.memory_mib for job in paper) < 2048
+    assert max(job.cost.seconds for job in paper) < 300
+    small = [job for job in paper if "case" not in job.wildcards]
+    assert len({job.rule for job in small}) > 10
+    for job in small:
+        assert job.cost.seconds < (60 if job.rule == "classification_table" else 5)
+        assert job.cost.memory_mib < 400
 
 
-def test_every_preset_and_every_job_has_a_prediction():
-    for preset in sorted((ROOT / "workflow" / "presets").glob("*.yaml")):
-        campaign = read_campaign([ROOT / "config.yaml", preset])
-        costs = CostModel(campaign)
-        listed = list(jobs(campaign))
-        assert len({(rule, *sorted(wildcards.items())) for rule, wildcards in listed}) == len(
-            listed
-        )
-        for rule, wildcards in listed:
-            cost = costs.predicted(rule, wildcards)
-            assert 0 < cost.seconds < math.inf
-            assert 0 < cost.memory_mib < math.inf
+def test_jobs_are_listed_rule_by_rule_each_once(paper):
+    keys = [(job.rule, *sorted(job.wildcards.items())) for job in paper]
+    assert len(set(keys)) == len(keys)
+    blocks = [rule for rule, _ in itertools.groupby(job.rule for job in paper)]
+    assert len(set(blocks)) == len(blocks)
+    assert blocks[0] == "simulate"
+    assert len({job.record for job in paper}) == len(paper)
 
 
-def test_tiny_campaign_costs_less_than_the_quick_and_that_less_than_the_papers():
-    totals = []
-    for preset in ("tiny", "quick", None):
-        overlays = [ROOT / "workflow" / "presets" / f"{preset}.yaml"] if preset else []
-        campaign = read_campaign([ROOT / "config.yaml", *overlays])
-        costs = CostModel(campaign)
-        totals.append(sum(costs.predicted(*job).seconds for job in jobs(campaign)))
-        assert f"{totals[-1] / 60:.1f}" in forecast_lines(campaign, costs)[-1]
-    assert totals[0] < totals[1] / 3 < totals[2] / 9
+def test_every_preset_and_every_job_has_a_prediction_and_small_campaigns_cost_less(
+    paper, directory
+):
+    totals = {"paper": sum(job.cost.seconds for job in paper)}
+    for preset in PRESETS:
+        jobs = predicted_jobs(options(directory, preset))
+        assert {job.rule for job in jobs} >= {"simulate", "scan", "search", "train", "forecast"}
+        for job in jobs:
+            assert 0 < job.cost.seconds < math.inf
+            assert 0 < job.cost.memory_mib < math.inf
+        totals[preset] = sum(job.cost.seconds for job in jobs)
+        assert f"{totals[preset] / 60:.1f}" == report(jobs).split()[-1]
+    assert totals["tiny"] < totals["quick"] / 3 < totals["paper"] / 9
+
+
+def test_rules_ask_for_what_is_predicted(directory):
+    arguments = options(directory, "tiny")
+    costs = {(job.rule, *job.wildcards.values()): job.cost for job in predicted_jobs(arguments)}
+    asked = 0
+    for job in planned([*arguments, "--forceall"]).dag.jobs:
+        if job.output:
+            cost = costs[job.rule.name, *job.wildcards_dict.values()]
+            assert job.resources["mem_mb"] == cost.mib_for(1)
+            assert job.resources["runtime"] == cost.minutes_for(1)
+            asked += 1
+    assert asked == len(costs)
+
+
+# -- records ---------------------------------------------------------------------------------------
 
 
 def write_record(path, seconds, memory):
@@ -158,23 +295,27 @@ def write_record(path, seconds, memory):
     path.write_text(f"s\th:m:s\tmax_rss\n{seconds}\t0:00:01\t{memory}\n")
 
 
-def test_records_are_compared_with_the_predictions_of_their_jobs(tmp_path):
-    campaign = read_campaign([ROOT / "config.yaml"])
-    costs = CostModel(campaign)
-    root = tmp_path / "benchmarks"
-    scan = costs.predicted("scan", NETWORK)
-    write_record(root / "scan" / "Re400-N2000-seed0.tsv", scan.seconds, scan.memory_mib)
-    write_record(root / "train" / "Re400-N2000-RV-seed3.tsv", 1000, "-")
-    write_record(root / "control" / "Re400-N2000-RV-seed3-PT1.tsv", 20, 300)
-    write_record(root / "percentiles" / "horizon.tsv", 1, 90)
-    write_record(root / "classify.tsv", 5, 90)
-    found = {record.rule: dict(record.wildcards) for record in records(tmp_path)}
-    assert found["scan"] == {"case": "Re400", "neurons": "2000", "seed": "0"}
-    assert found["train"] == network(seed=3)
-    assert found["control"] == {**network(seed=3), "prediction_time_lt": "1"}
-    assert found["classify"] == {}
-    lines = {line.split()[0]: line for line in compare(campaign, records(tmp_path))}
-    assert "1.00 " in lines["scan"]
-    assert "!" not in lines["scan"]
-    assert "!" in lines["train"]
-    assert "percentiles" in lines
+def test_records_are_compared_with_the_predictions_of_their_jobs(tmp_path, capsys):
+    shutil.copy(ROOT / "config.yaml", tmp_path)
+    arguments = options(tmp_path, "tiny")
+    jobs = predicted_jobs(arguments)
+    assert not any(job.record.exists() for job in jobs)
+    of_rule = {rule: [job for job in jobs if job.rule == rule] for rule in {j.rule for j in jobs}}
+    root = tmp_path / "results" / "tiny" / "benchmarks"
+    for factor, job in zip((1, 3, 1), of_rule["search"], strict=False):
+        write_record(job.record, factor * job.cost.seconds, job.cost.memory_mib)
+    write_record(root / "train" / "Re400" / "esn-N30-RV-seed0.tsv", 1000, "-")
+    write_record(root / "classification_table.tsv", 0.001, 500)
+    write_record(root / "train" / "Re400" / "esn-N77-RV-seed0.tsv", 1, 1)  # of another campaign
+    main(arguments)
+    text = capsys.readouterr().out
+    lines = {line.split()[0]: line.split() for line in text.splitlines()}
+    _, count, _, _, _, records, _, ratio, _, ratio_of_memory = lines["search"]
+    assert (count, records, ratio, ratio_of_memory) == ("4", "3", "1.00", "1.00")
+    assert lines["train"][5] == "1"
+    assert lines["train"][6] == "1000.0"
+    assert lines["train"][7].endswith("!")
+    assert lines["train"][-1] == "0.00!"
+    assert lines["classification_table"][7] == "0.00!"
+    assert lines["classification_table"][9].endswith("!")
+    assert len(lines["scan"]) == 5

@@ -160,17 +160,21 @@ def reads(script, paths="", **values):
     return {"settings": settings, "code": code}
 
 
-def needs(stage, cached=False):
-    """Resources of a stage: what a scheduler is asked for, and whether the cache keeps its results."""
+def needs(cost_class, cached=False):
+    """Resources of a stage: what a scheduler is asked for, and whether the cache keeps its results.
+
+    ``cost_class`` says what sort of work it is (`burstcast_workflow.costs`).
+    """
 
     @of_job
-    def memory(wildcards, attempt):
-        return costs.memory_mib(stage, wildcards, attempt)
+    def memory(wildcards, attempt, rulename):
+        return costs.predicted(cost_class, rulename, wildcards).mib_for(attempt)
 
     @of_job
-    def runtime(wildcards, attempt):
-        return costs.runtime_minutes(stage, wildcards, attempt)
+    def runtime(wildcards, attempt, rulename):
+        return costs.predicted(cost_class, rulename, wildcards).minutes_for(attempt)
 
+    memory.cost_class = cost_class  # for the report of costs
     return {"mem_mb": memory, "runtime": runtime, "cached": int(cached)}
 
 

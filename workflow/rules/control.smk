@@ -49,7 +49,7 @@ rule control_random:
     conda:
         ENVIRONMENT
     resources:
-        **needs("control_random", cached=True),
+        **needs("integration", cached=True),
     params:
         **reads("control/control_random.py", "CONTROL case.controlled_density"),
     message:
@@ -75,7 +75,7 @@ rule suppressed_event:
     conda:
         ENVIRONMENT
     resources:
-        **needs("suppressed_event"),
+        **needs("control"),
     params:
         **reads("control/suppressed_event.py", "CONTROL OBSERVED forecaster.options"),
     message:

@@ -14,7 +14,7 @@ rule simulate:
     conda:
         ENVIRONMENT
     resources:
-        **needs("simulate", cached=True),
+        **needs("integration", cached=True),
     params:
         **reads(
             "data/simulate.py",
@@ -40,7 +40,7 @@ rule lyapunov:
     conda:
         ENVIRONMENT
     resources:
-        **needs("lyapunov", cached=True),
+        **needs("tangent", cached=True),
     params:
         **reads(
             "data/lyapunov.py",
@@ -69,7 +69,7 @@ rule evaluation_set:
     conda:
         ENVIRONMENT
     resources:
-        **needs("evaluation_set"),
+        **needs("data"),
     params:
         **reads(
             "data/evaluation_set.py",
@@ -98,7 +98,7 @@ rule events:
     conda:
         ENVIRONMENT
     resources:
-        **needs("events"),
+        **needs("data"),
     params:
         **reads(
             "data/events.py",
@@ -128,7 +128,7 @@ rule reference_statistics:
     conda:
         ENVIRONMENT
     resources:
-        **needs("reference_statistics"),
+        **needs("data"),
     params:
         **reads(
             "data/reference_statistics.py",

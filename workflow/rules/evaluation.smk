@@ -17,7 +17,7 @@ rule forecast:
     conda:
         ENVIRONMENT
     resources:
-        **needs("forecast", cached=True),
+        **needs("closed_loop", cached=True),
     params:
         **reads("evaluation/forecast.py", "FORECASTER WINDOWS"),
     message:
@@ -43,7 +43,7 @@ rule horizon:
     conda:
         ENVIRONMENT
     resources:
-        **needs("horizon", cached=True),
+        **needs("closed_loop", cached=True),
     params:
         **reads(
             "evaluation/horizon.py",
@@ -71,7 +71,7 @@ rule long_term:
     conda:
         ENVIRONMENT
     resources:
-        **needs("long_term", cached=True),
+        **needs("closed_loop", cached=True),
     params:
         **reads(
             "evaluation/long_term.py",
@@ -107,7 +107,7 @@ rule examples:
     conda:
         ENVIRONMENT
     resources:
-        **needs("examples"),
+        **needs("closed_loop"),
     params:
         **reads(
             "evaluation/examples.py",
@@ -139,7 +139,7 @@ rule flow_event:
     conda:
         ENVIRONMENT
     resources:
-        **needs("flow_event"),
+        **needs("closed_loop"),
     params:
         **reads(
             "evaluation/flow_event.py",

@@ -17,7 +17,7 @@ rule scan:
     conda:
         ENVIRONMENT
     resources:
-        **needs("scan", cached=True),
+        **needs("search_grid", cached=True),
     params:
         **reads("forecasters/scan.py", "SEARCH search.grid"),
     message:
@@ -43,7 +43,7 @@ rule search:
     conda:
         ENVIRONMENT
     resources:
-        **needs("search", cached=True),
+        **needs("search_points", cached=True),
     params:
         **reads("forecasters/search.py", "SEARCH search.bayesian_points"),
     message:
@@ -70,7 +70,7 @@ rule train:
     conda:
         ENVIRONMENT
     resources:
-        **needs("train", cached=True),
+        **needs("training", cached=True),
     params:
         **reads("forecasters/train.py", "TIME OBSERVED RESERVOIR washout_lt"),
     message:
@@ -97,7 +97,7 @@ rule fit:
     conda:
         ENVIRONMENT
     resources:
-        **needs("fit", cached=True),
+        **needs("training", cached=True),
     params:
         **reads("forecasters/fit.py", "FORECASTER OBSERVED"),
     message:

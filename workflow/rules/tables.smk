@@ -22,7 +22,7 @@ rule dataset_table:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads("tables/dataset_table.py", cases=campaign.of_each_case(*listed("TIME"))),
     message:
@@ -45,7 +45,7 @@ rule hyperparameters_table:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads(
             "tables/hyperparameters_table.py", rows=campaign.keys(campaign.networks)
@@ -72,7 +72,7 @@ rule classification_table:
     conda:
         ENVIRONMENT
     resources:
-        **needs("classification_table"),
+        **needs("bootstrap"),
     params:
         **reads(
             "tables/classification_table.py",
@@ -101,7 +101,7 @@ rule horizon_table:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads("tables/horizon_table.py", rows=campaign.keys(campaign.forecasters)),
     message:
@@ -127,7 +127,7 @@ rule statistics_table:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads(
             "tables/statistics_table.py",
@@ -155,7 +155,7 @@ rule control_table:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads("tables/control_table.py", rows=campaign.control_keys()),
     message:
@@ -178,7 +178,7 @@ rule control_density_table:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads("tables/control_density_table.py", rows=campaign.control_keys()),
     message:
@@ -206,7 +206,7 @@ rule data_generation_parameters:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads(
             "tables/data_generation_parameters.py",
@@ -240,7 +240,7 @@ rule network_hyperparameters:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads(
             "tables/network_hyperparameters.py",
@@ -273,7 +273,7 @@ rule percentiles:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads("tables/percentiles.py"),
     message:
@@ -296,7 +296,7 @@ rule latex:
     conda:
         ENVIRONMENT
     resources:
-        **needs("table"),
+        **needs("gather"),
     params:
         **reads("tables/latex.py"),
     message:
