@@ -10,6 +10,7 @@ from burstcast.forecasters.base import Forecaster, ForecasterRecord, Forecasting
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
+from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.registry import available_kinds, forecaster_class
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -61,6 +62,9 @@ FORECASTERS = {
     "equations": EquationsFromTruth(SYSTEM, 0.25, 4),
     "equations_noisy": EquationsFromObservation(SYSTEM, 0.25, 4),
     "esn": NetworkForecaster(make_network(np.random.default_rng(5)), SEED, 10.0),
+    "linear_inverse": LinearInverseModel(
+        0.3 * np.random.default_rng(6).standard_normal((9, 9)), np.linspace(-1, 1, 9)
+    ),
 }
 
 

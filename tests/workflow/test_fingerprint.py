@@ -382,7 +382,6 @@ def test_of_the_harness_only_the_version_counts(tmp_path, harnessed):
     assert set(before) == {
         "train.py",
         "burstcast_workflow",
-        "burstcast_workflow.harness",
         "burstcast_workflow.harness.version",
     }
     harnessed("src/burstcast_workflow/harness/job.py", "import pack.middle\nX = 1\n")

@@ -2,8 +2,8 @@ import signal
 from types import SimpleNamespace
 
 import pytest
-from burstcast.figures.parts.nothing_to_show import nothing_to_show
 
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast_workflow.harness.figures import run_figure
 
 

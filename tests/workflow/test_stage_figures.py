@@ -153,7 +153,7 @@ def test_densities_of_different_systems_are_not_in_one_figure():
     assert {"control_density", "control_density_lorenz"} <= stage_figures(found)
     for case, cases in (("Re400", ["Re400", "Re600"]), ("lorenz", ["lorenz"])):
         panels = FIGURES["control_density"].values(found, case)["panels"]
-        assert [panel["case"] for panel in panels] == cases
+        assert [panel["identity"]["case"] for panel in panels] == cases
 
 
 def test_densities_leave_the_sweep_and_other_sizes_out():
@@ -166,7 +166,13 @@ def test_densities_leave_the_sweep_and_other_sizes_out():
     )
     assert {run.prediction_time_lt for run in found.control_runs} == {1, 2, 3, 4, 5}
     assert FIGURES["control_density"].values(found, "Re400") == {
-        "panels": [{"case": "Re400", "event_threshold": 0.1, "neurons": 2000, "validation": "RV"}],
+        "panels": [
+            {
+                "identity": {"case": "Re400"},
+                "settings": {"case.event_threshold": 0.1},
+                "kind": {"neurons": 2000, "validation": "RV"},
+            }
+        ],
         "prediction_times_lt": [1, 2],
     }
 

@@ -57,6 +57,10 @@ class LinearInverseModel(Forecaster):
         outputs = np.empty((steps, *memory.shape))
         state = memory
         for step in range(steps):
-            state = self.propagator @ state + self.constant[:, np.newaxis]
-            outputs[step] = state
+            following = np.broadcast_to(self.constant[:, np.newaxis], state.shape).copy()
+            # component by component, and not by a product of matrices, whose order of summation
+            # depends on how many forecasts run side by side
+            for component, value in enumerate(state):
+                following += np.multiply.outer(self.propagator[:, component], value)
+            outputs[step] = state = following
         return outputs, state
