@@ -482,8 +482,8 @@ class Stages:
         data, setting = self._data, self._data.config["horizon"]
         threshold = data.case["event_threshold"]
         search = HorizonSearch(
-            longest_lead_time_lt=setting["longest_start_lt"],
-            lead_time_step_lt=setting["start_step_lt"],
+            longest_lead_time_lt=setting["longest_lead_time_lt"],
+            lead_time_step_lt=setting["lead_time_step_lt"],
             tolerance=setting["tolerance"] * (threshold - data.truth.mean()),
             washout=data.plan.washout,
             steps_per_lyapunov_time=data.lyapunov_time,

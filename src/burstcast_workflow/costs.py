@@ -121,8 +121,8 @@ def _test_series(campaign: Campaign, case: str) -> float:
 
 def _horizon(job: _Job) -> tuple[float, float]:
     # three fifths of the starts are tried, and a forecast that fails is given up on the way
-    tried = 0.6 * job("horizon.longest_start_lt") / job("horizon.start_step_lt")
-    steps = job.washout + 0.4 * job.steps("horizon.longest_start_lt")
+    tried = 0.6 * job("horizon.longest_lead_time_lt") / job("horizon.lead_time_step_lt")
+    steps = job.washout + 0.4 * job.steps("horizon.longest_lead_time_lt")
     return job("horizon.events"), tried * steps
 
 
@@ -139,7 +139,7 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
     "tangent": lambda job: (min(job("case.lyapunov.series"), job.series), job.stride * job.samples),
     "control_random": lambda job: (job.flows, 3 * job.stride * (job.reach + job.span)),
     # steps of a forecaster: a few forecasts, as for a figure, where it is not known better
-    "closed_loop": lambda job: (64, job.washout + job.steps("horizon.longest_start_lt")),
+    "closed_loop": lambda job: (64, job.washout + job.steps("horizon.longest_lead_time_lt")),
     "forecast": _forecast,
     "horizon": _horizon,
     "long_term": _long_term,

@@ -338,8 +338,8 @@ FIGURES: Mapping[str, Figure] = {
         "How the prediction horizon of an extreme event is measured.",
         reads=(
             *_SYSTEM,
-            "horizon.longest_start_lt",
-            "horizon.start_step_lt",
+            "horizon.longest_lead_time_lt",
+            "horizon.lead_time_step_lt",
             "horizon.tolerance",
         ),
     ),

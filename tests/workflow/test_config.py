@@ -146,7 +146,7 @@ def test_writing_a_config_differently_changes_nothing(config):
     other = copy.deepcopy(config)
     other = dict(reversed(other.items()))
     put(other, "random_seed", 2022.0)
-    put(other, "horizon.longest_start_lt", 10.0)
+    put(other, "horizon.longest_lead_time_lt", 10.0)
     put(other, "results", "./results//paper/")
     assert canonical_json(load(other)) == canonical_json(load(config))
 
@@ -334,8 +334,8 @@ def test_all_mistakes_are_told_at_once(config):
             [2, 3, 6],
             ["prediction_times_lt has 6", "beyond", "longest_prediction_time_lt, 5"],
         ),
-        ("horizon.start_step_lt", 11, ["horizon.start_step_lt is 11", "at most"]),
-        ("horizon.longest_start_lt", 66, ["case Re400:", "4026 steps", "ensemble.duration"]),
+        ("horizon.lead_time_step_lt", 11, ["horizon.lead_time_step_lt is 11", "at most"]),
+        ("horizon.longest_lead_time_lt", 66, ["case Re400:", "4026 steps", "ensemble.duration"]),
         ("search.interval_lt", 0.001, ["case Re400:", "search.interval_lt is 0.001"]),
         (
             "figures.example_forecaster",
@@ -481,7 +481,7 @@ def test_least_length_of_a_series(check, arguments, least):
         (length_checks.check_single_shot_validation, (0.5, 0.05), "search.interval_lt"),
         (length_checks.check_classification, (0.5, 0.05, 0.5, 6), "start_spacing_lt"),
         (length_checks.check_classification, (0.5, 1, 0.05, 6), "resolution_lt"),
-        (length_checks.check_horizon, (0.5, 4, 0.05), "start_step_lt"),
+        (length_checks.check_horizon, (0.5, 4, 0.05), "lead_time_step_lt"),
     ],
 )
 def test_durations_below_one_step(check, arguments, name):

@@ -392,11 +392,11 @@ def test_forecasts_that_do_not_fit_a_computed_lyapunov_time(finished, tmp_path):
     overlay = {
         "cases": {"Re400": COMPUTED},
         "classification": {"longest_prediction_time_lt": 100},
-        "horizon": {"longest_start_lt": 100},
+        "horizon": {"longest_lead_time_lt": 100},
     }
     for rule, file, setting in (
         ("evaluation_set", "evaluation_set.nc", "classification.longest_prediction_time_lt"),
-        ("events", "events.nc", "horizon.longest_start_lt"),
+        ("events", "events.nc", "horizon.longest_lead_time_lt"),
     ):
         outcome = project.snakemake(f"results/tiny/Re400/{file}", overlay=overlay)
         assert outcome.status == 1

@@ -94,7 +94,7 @@ GROUPS = {
     # how forecasts are cut into windows
     "WINDOWS": "classification.resolution_lt classification.window_lt "
     "classification.longest_prediction_time_lt",
-    "HORIZON": "horizon.longest_start_lt horizon.start_step_lt horizon.tolerance",
+    "HORIZON": "horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance",
     "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
     "forecasters.esn.backend",
     "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "

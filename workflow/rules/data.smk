@@ -103,7 +103,7 @@ rule events:
         **reads(
             "data/events.py",
             "TIME OBSERVED case.event_threshold washout_lt horizon.events "
-            "horizon.longest_start_lt",
+            "horizon.longest_lead_time_lt",
         ),
     message:
         "{wildcards.case}: extreme events"

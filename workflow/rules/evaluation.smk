@@ -76,9 +76,9 @@ rule long_term:
         **reads(
             "evaluation/long_term.py",
             "FORECASTER random_seed case.training case.density "
-            "case.laminarisation_threshold case.stuck washout_lt "
+            "case.laminarisation_threshold case.fixed_point washout_lt "
             "statistics.starting_points statistics.start_spacing_lt "
-            "statistics.duration statistics.stuck_interval_lt",
+            "statistics.duration statistics.fixed_point_interval_lt",
         ),
     message:
         "{wildcards.case}, {wildcards.forecaster}: long-term runs"

@@ -159,7 +159,7 @@ class Density(Section):
     range: Range = setting("lower and upper end of the bins", OBSERVABLE)
 
 
-class Stuck(Section):
+class FixedPoint(Section):
     """When a long forecast has settled on a fixed point."""
 
     variation: float = setting("smallest variation of the observable in motion", OBSERVABLE, ge=0)
@@ -206,7 +206,7 @@ class Case(Section):
     lyapunov: Lyapunov
     training: Training
     density: Density
-    stuck: Stuck
+    fixed_point: FixedPoint
     controlled_density: Density = setting("bins of the observable's density under control")
     actuation: Actuation | None
     test_series: Count = setting("number of series that forecasts are classified on")
@@ -263,9 +263,9 @@ class Horizon(Section):
     """Prediction horizon of extreme events."""
 
     events: Count = setting("number of events")
-    longest_start_lt: Positive = setting("first start of a forecast before the event, tau_e")
-    start_step_lt: Positive = setting(
-        "step by which tau_e falls", at_most="horizon.longest_start_lt"
+    longest_lead_time_lt: Positive = setting("first start of a forecast before the event, tau_e")
+    lead_time_step_lt: Positive = setting(
+        "step by which tau_e falls", at_most="horizon.longest_lead_time_lt"
     )
     tolerance: Positive = setting(
         "error of a forecast that counts as lost",
@@ -280,7 +280,7 @@ class Statistics(Section):
     starting_points: Count = setting("long runs of each forecaster, started in the training series")
     start_spacing_lt: Positive = setting("time between two starting points")
     duration: Positive = setting("length of each long run", TIME)
-    stuck_interval_lt: Positive = setting("end of a long run, which shows whether it settled")
+    fixed_point_interval_lt: Positive = setting("end of a long run, which shows whether it settled")
     profile_points: Whole = setting("heights of the velocity profiles, from wall to wall", ge=3)
     floor_splits: Count = setting("random halves of the data that are compared with one another")
 

@@ -25,8 +25,8 @@ def horizon_search(
     steps = lyapunov_time(settings, time_unit)
     distance = settings["case.event_threshold"] - mean_observable
     return HorizonSearch(
-        longest_lead_time_lt=settings["horizon.longest_start_lt"],
-        lead_time_step_lt=settings["horizon.start_step_lt"],
+        longest_lead_time_lt=settings["horizon.longest_lead_time_lt"],
+        lead_time_step_lt=settings["horizon.lead_time_step_lt"],
         tolerance=settings["horizon.tolerance"] * distance,
         washout=durations.steps(settings["washout_lt"], steps),
         steps_per_lyapunov_time=steps,

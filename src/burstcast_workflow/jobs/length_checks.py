@@ -83,17 +83,17 @@ def check_horizon(
     samples: int,
     steps_per_lyapunov_time: int,
     washout_lt: float,
-    longest_start_lt: float,
-    start_step_lt: float | None = None,
+    longest_lead_time_lt: float,
+    lead_time_step_lt: float | None = None,
 ) -> None:
     """Check that a series has room for the longest start before an event, and its washout.
 
     The distance of two starts is looked at where it is given.
     """
-    if start_step_lt is not None:
-        _steps("horizon.start_step_lt", start_step_lt, steps_per_lyapunov_time)
-    what = "forecasts from horizon.longest_start_lt before an event"
-    start = _steps("horizon.longest_start_lt", longest_start_lt, steps_per_lyapunov_time)
+    if lead_time_step_lt is not None:
+        _steps("horizon.lead_time_step_lt", lead_time_step_lt, steps_per_lyapunov_time)
+    what = "forecasts from horizon.longest_lead_time_lt before an event"
+    start = _steps("horizon.longest_lead_time_lt", longest_lead_time_lt, steps_per_lyapunov_time)
     _check_room(samples, steps_per_lyapunov_time, washout_lt, what, start)
 
 
@@ -112,7 +112,7 @@ def misfits(
         (check_single_shot_validation, (interval_lt,)),
         (check_recycle_validation, (interval_lt, intervals)),
         (check_classification, (spacing_lt, resolution_lt, reach_lt)),
-        (check_horizon, (horizon["longest_start_lt"], horizon["start_step_lt"])),
+        (check_horizon, (horizon["longest_lead_time_lt"], horizon["lead_time_step_lt"])),
     ):
         try:
             check(samples, steps_per_lt, washout_lt, *arguments)

@@ -18,10 +18,10 @@ _WINDOWS = """classification.resolution_lt classification.longest_prediction_tim
 _SEARCH = f"""{_SYSTEM} {_TIME} {_OBSERVED} {_RESERVOIR} case.recycle_validation.* washout_lt
     search.spectral_radius search.input_scaling search.tikhonov search.interval_lt"""
 _HORIZON = f"""{_SYSTEM} {_TIME} case.event_threshold washout_lt
-    horizon.longest_start_lt horizon.start_step_lt horizon.tolerance"""
+    horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance"""
 _LONG_TERM = f"""{_SYSTEM} {_TIME} {_OBSERVED} case.density.* case.laminarisation_threshold
-    case.stuck.* washout_lt statistics.starting_points statistics.start_spacing_lt
-    statistics.duration statistics.stuck_interval_lt"""
+    case.fixed_point.* washout_lt statistics.starting_points statistics.start_spacing_lt
+    statistics.duration statistics.fixed_point_interval_lt"""
 _CONTROL = f"""{_SYSTEM} {_TIME} {_OBSERVED} case.event_threshold case.laminarisation_threshold
     case.controlled_density.* case.actuation.* washout_lt
     control.window_lt control.flows control.span_lt"""
@@ -36,7 +36,7 @@ READS = {
     "evaluation_set": f"""{_SYSTEM} {_TIME} {_OBSERVED} {_WINDOWS} case.test_series washout_lt
         classification.start_spacing_lt""",
     "events": f"""{_TIME} {_OBSERVED} case.event_threshold washout_lt
-        horizon.events horizon.longest_start_lt""",
+        horizon.events horizon.longest_lead_time_lt""",
     "reference_statistics": f"""{_SYSTEM} random_seed case.density.* case.training.series
         statistics.profile_points statistics.floor_splits""",
     "scan": f"{_SEARCH} search.grid",

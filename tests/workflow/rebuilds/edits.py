@@ -132,7 +132,7 @@ _VALUES: dict[str, Any] = {
     "classification.resolution_lt": 0.25,
     "classification.longest_prediction_time_lt": 3.5,
     "classification.prediction_times_lt": [1, 2, 3, 2.5],
-    "horizon.start_step_lt": 0.25,
+    "horizon.lead_time_step_lt": 0.25,
     "statistics.forecasters.esn.validation": ["RV", "SSV"],
     "statistics.duration": 220,
     "control.forecasters.esn.neurons": [30, 40],

@@ -363,7 +363,7 @@ _EXAMPLE = "Re400/esn-N40-RV-seed0"
 NOTHING_TO_SHOW = {
     "prediction_schematic": (f"{_EXAMPLE}/examples.nc", "outcome"),
     "prediction_examples": (f"{_EXAMPLE}/examples.nc", "outcome"),
-    "horizon_evaluations": (f"{_EXAMPLE}/examples.nc", "evaluation_start_lt"),
+    "horizon_evaluations": (f"{_EXAMPLE}/examples.nc", "evaluation_lead_time_lt"),
     "midplane_planes": (f"{_EXAMPLE}/flow_event.nc", "mark"),
     "vorticity_isosurfaces": (f"{_EXAMPLE}/flow_event.nc", "mark"),
     "control_schematic": (f"{_EXAMPLE}/suppressed_event_PT1.nc", "mark"),

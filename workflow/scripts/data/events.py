@@ -35,7 +35,7 @@ def events_of_case(
     """Write the events, with what was observed and what was true before each of them."""
     steps = lyapunov_time(settings, time_unit)
     first, threshold = settings["case.training.series"], settings["case.event_threshold"]
-    longest_lt = settings["horizon.longest_start_lt"]
+    longest_lt = settings["horizon.longest_lead_time_lt"]
     observable = read_netcdf(ensemble, "observable")["observable"]
     check_kept_series(len(observable), {"training.series": first})
     check_horizon(observable.shape[1], steps, settings["washout_lt"], longest_lt)

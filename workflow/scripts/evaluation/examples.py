@@ -159,7 +159,7 @@ def _evaluations(
         "evaluation_forecast": Variable(
             ("evaluation", "event_step"), evaluations.forecast, "1", "forecast observable"
         ),
-        "evaluation_start_lt": Variable(
+        "evaluation_lead_time_lt": Variable(
             ("evaluation",), evaluations.lead_time_lt, "1", "tau_e in Lyapunov times"
         ),
         "evaluation_horizon_lt": Variable(

@@ -42,18 +42,20 @@ def run_freely(
         washout,
         settings["statistics.starting_points"],
     )
-    interval = durations.steps(settings["statistics.stuck_interval_lt"], steps)
+    interval = durations.steps(settings["statistics.fixed_point_interval_lt"], steps)
     try:
         how = LongTermSettings(
             steps=round(settings["statistics.duration"] / sampling_interval(settings)),
             edges=edges_of(settings["case.density"]),
             laminarisation_threshold=settings["case.laminarisation_threshold"],
             fixed_point=FixedPointCriterion(
-                settings["case.stuck.variation"], settings["case.stuck.above"], interval
+                settings["case.fixed_point.variation"], settings["case.fixed_point.above"], interval
             ),
         )
     except ValueError as error:
-        raise ValueError(f"{error} (statistics.duration, statistics.stuck_interval_lt)") from error
+        raise ValueError(
+            f"{error} (statistics.duration, statistics.fixed_point_interval_lt)"
+        ) from error
     run = run_long_term(
         who, system_of(settings).observable, segments(states, points, washout - 1, 0), how
     )

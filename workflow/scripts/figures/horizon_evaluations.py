@@ -21,7 +21,7 @@ def draw(*, examples: str, settings: Settings) -> Figure:
             data["evaluation_forecast"][number],
             float(data["evaluation_horizon_lt"][number]),
         )
-        for number, lead_time in enumerate(data["evaluation_start_lt"])
+        for number, lead_time in enumerate(data["evaluation_lead_time_lt"])
     ]
     if not evaluations:
         return nothing_to_show("No event was predicted from any start.")

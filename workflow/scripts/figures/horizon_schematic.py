@@ -11,8 +11,8 @@ from burstcast_workflow.jobs.systems import system_of
 def draw(*, settings: Settings) -> Figure:
     """Draw it with the values of the configuration."""
     return horizon_schematic(
-        longest_lead_time_lt=settings["horizon.longest_start_lt"],
-        lead_time_step_lt=settings["horizon.start_step_lt"],
+        longest_lead_time_lt=settings["horizon.longest_lead_time_lt"],
+        lead_time_step_lt=settings["horizon.lead_time_step_lt"],
         tolerance=settings["horizon.tolerance"],
         symbol=system_of(settings).observable_symbol,
     )
