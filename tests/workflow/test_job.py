@@ -8,10 +8,16 @@ import time
 
 import pytest
 
+from burstcast_workflow.fingerprint import fingerprint
+from burstcast_workflow.harness.code_check import changed_code, package_root
+
 HEADER = """
 import os, sys, time
 import numpy as np
+from pathlib import Path
 from types import SimpleNamespace
+from burstcast_workflow.fingerprint import fingerprint
+from burstcast_workflow.harness.code_check import package_root
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.storage import atomic, write_json
 
@@ -19,10 +25,15 @@ class Files(dict):
     def __iter__(self):
         return iter(self.values())
 
+script = Path("train.py").resolve()
+script.write_text("import burstcast.durations")
+code = fingerprint(script, package_root())
+
 snakemake = SimpleNamespace(
-    rule="train", log=["logs/train.log"], wildcards={"case": "Re400", "seed": "3"},
+    rule="train", scriptdir=str(script.parent), log=["logs/train.log"],
+    wildcards={"case": "Re400", "seed": "3"},
     input=Files(data="data.nc"), output=Files(network="deep/er/network.json"),
-    params=SimpleNamespace(settings={"number": 3.0, "name": "Re400"}, code=["x@1"]),
+    params=SimpleNamespace(settings={"number": 3.0, "name": "Re400"}, code=code),
 )
 """
 
@@ -148,13 +159,8 @@ def test_settings_that_nobody_reads_are_in_the_log(tmp_path):
 def test_outputs_from_the_cache_say_nothing_about_settings(tmp_path):
     body = """
         os.environ["BURSTCAST_CACHE"] = "cache"
-        from burstcast_workflow.fingerprint import fingerprint
-        from burstcast_workflow.harness import cache
-        from pathlib import Path
-        Path("script.py").write_text("")
         Path("data.nc").write_text("data")
-        snakemake.params.code = fingerprint(Path("script.py").resolve(), cache._SOURCES)
-        snakemake.scriptdir, snakemake.resources = os.getcwd(), {"cached": 1}
+        snakemake.resources = {"cached": 1}
 
         def main(*, data, network, settings):
             settings["name"]
@@ -240,3 +246,47 @@ def test_importing_it_is_cheap():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert result.stdout.strip() == "[]"
+
+
+# -- the code that a job runs is the one that was planned ------------------------------------------
+
+
+def test_code_that_was_edited_after_planning_is_not_run(tmp_path):
+    result, _ = run(
+        tmp_path,
+        """
+        script.write_text("import burstcast.durations; EDITED = 1")
+
+        def main(*, data, network):
+            write_json(network, {})
+        """,
+    )
+    assert result.returncode == 1
+    assert "CodeChangedError: train.py changed after the workflow was planned" in result.stderr
+    assert not (tmp_path / "deep" / "er" / "network.json").exists()
+
+
+def test_code_that_is_edited_while_a_job_runs_fails_it(tmp_path):
+    body = """
+        def main(*, data, network):
+            write_json(network, {})
+            script.write_text("import burstcast.durations%s")
+        """
+    result, _ = run(tmp_path, body % "; EDITED = 1")
+    assert result.returncode == 1
+    assert "train.py changed after the workflow was planned" in result.stderr
+    # a comment is no edit
+    result, _ = run(tmp_path, body % "  # a comment")
+    assert result.returncode == 0
+
+
+def test_modules_that_are_not_what_was_planned_are_named(tmp_path):
+    script = tmp_path / "train.py"
+    script.write_text("import burstcast.durations")
+    code = fingerprint(script, package_root())
+    assert changed_code(script, code) == []
+    other = [entry.replace("durations@", "durations@0") for entry in code]
+    assert changed_code(script, other) == ["burstcast.durations"]
+    assert (
+        "there is no module burstcast.gone" in changed_code(script, [*code, "burstcast.gone@1"])[0]
+    )

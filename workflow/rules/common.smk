@@ -13,20 +13,22 @@ from burstcast_workflow.costs import CostModel
 from burstcast_workflow.figure_registry import FIGURES as ALL_FIGURES
 from burstcast_workflow.figure_registry import figure_case, figure_names
 from burstcast_workflow.fingerprint import Sources
+from burstcast_workflow.harness.code_check import CodeChangedError, check_imports
 from burstcast_workflow.harness.failures import failure_summary
 
 # Planning makes millions of objects and keeps them: looking through them for garbage all the time
 # takes a tenth of it.
 gc.set_threshold(200_000, 50, 1000)
 
+PROJECT = Path(str(workflow.current_basedir)).parents[1]
 try:
+    check_imports(PROJECT / "src")
     config = load(config, workflow.configfiles)
-except ConfigError as error:
+except (CodeChangedError, ConfigError) as error:
     # without the traceback, in which nobody would find the message
     raise WorkflowError(str(error)) from None
 campaign = Campaign(config)
 costs = CostModel(campaign)
-PROJECT = Path(str(workflow.current_basedir)).parents[1]
 sources = Sources(PROJECT)
 
 # -- where files lie ---------------------------------------------------------------------------------

@@ -38,7 +38,7 @@ from pathlib import Path
 from typing import Any
 
 from burstcast_workflow.canonical import canonical_json
-from burstcast_workflow.fingerprint import fingerprint, forget_files
+from burstcast_workflow.harness.code_check import changed_code, script_of
 from burstcast_workflow.harness.storage import atomic, write_json
 
 logger = logging.getLogger(__name__)
@@ -51,7 +51,6 @@ LIBRARIES = ("numpy", "scipy", "numba", "scikit-optimize")
 
 _FORMAT = 2
 _RECORD = "record.json"
-_SOURCES = Path(__file__).resolve().parents[2]
 _BLOCK = 2**20
 # digests of larger files are remembered; reading a smaller one takes less time than that
 _REMEMBERED_FROM = 4 * 2**20
@@ -103,13 +102,10 @@ def cached_job(
 ) -> CachedJob:
     """Describe the job that a script runs in, from the object that Snakemake puts into it."""
     code = list(snakemake.params.code)
-    (script,) = [
-        entry.partition("@")[0] for entry in code if entry.partition("@")[0].endswith(".py")
-    ]
     return CachedJob(
         rule=snakemake.rule,
         settings=settings,
-        script=Path(snakemake.scriptdir) / script,
+        script=script_of(snakemake),
         code=code,
         inputs={
             name: [Path(files)] if isinstance(files, str) else [Path(file) for file in files]
@@ -146,7 +142,7 @@ def through_cache(directory: Path, job: CachedJob, compute: Callable[[], None]) 
         if _restore(directory, key, job):
             logger.info("outputs taken from the cache: entry %s", key)
             return True
-        sound = _runs_as_fingerprinted(job)
+        sound = not changed_code(job.script, job.code)
     except (OSError, ValueError, SyntaxError) as error:
         logger.warning("the cache is not used: %s: %s", type(error).__name__, error)
         compute()
@@ -157,7 +153,7 @@ def through_cache(directory: Path, job: CachedJob, compute: Callable[[], None]) 
     try:
         # What was edited after Snakemake took the fingerprints, or while the job ran, may have
         # taken part in the outputs: they do not belong to this key.
-        if not (sound and _runs_as_fingerprinted(job) and inputs.unchanged()):
+        if not sound or changed_code(job.script, job.code) or not inputs.unchanged():
             logger.warning("outputs are not cached: code or inputs have changed meanwhile")
         else:
             _store(directory, key, job, seconds)
@@ -189,18 +185,6 @@ def _key(job: CachedJob, input_digests: Mapping[str, Sequence[str]]) -> str:
 @cache
 def _version(library: str) -> str:
     return version(library)
-
-
-def _runs_as_fingerprinted(job: CachedJob) -> bool:
-    """Whether the code on disk is the code that the rule's fingerprints were taken of."""
-    forget_files()
-    modules = [
-        name for name in (entry.partition("@")[0] for entry in job.code) if name != job.script.name
-    ]
-    try:
-        return fingerprint(job.script, _SOURCES, modules) == sorted(job.code)
-    except FileNotFoundError:
-        return False
 
 
 _Stamp = tuple[int, int, int, int, int]

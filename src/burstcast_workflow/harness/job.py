@@ -31,6 +31,7 @@ from typing import Any, NoReturn
 
 from burstcast_workflow.canonical import canonical, canonical_json
 from burstcast_workflow.harness.cache import cached_job, location, through_cache
+from burstcast_workflow.harness.code_check import check_code, script_of
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import remove_partial
 
@@ -94,6 +95,8 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
                     },
                 ),
             )
+            script, code = script_of(snakemake), list(snakemake.params.code)
+            check_code(script, code)
             directory = location()
             cached = False
             if directory is None:
@@ -101,6 +104,7 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
             else:
                 job = cached_job(snakemake, declared, identity)
                 cached = through_cache(directory, job, compute)
+            check_code(script, code)  # an edit meanwhile may have taken part
             if not cached and (unread := settings.unread()):
                 logger.info("settings not read: %s", ", ".join(unread))
             logger.info("%s is done: %s", label, _cost(start))

@@ -1,0 +1,95 @@
+"""Whether a job runs the code that its rule took fingerprints of.
+
+Fingerprints are taken when the workflow is planned, jobs run later, for hours in a campaign, and
+perhaps in another environment. A result of other code under the record of this one would be
+believed for good.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import burstcast
+import burstcast_workflow
+from burstcast_workflow.fingerprint import fingerprint, forget_files
+
+
+class CodeChangedError(RuntimeError):
+    """The code that a job runs is not what its rule was planned with."""
+
+
+def package_root() -> Path:
+    """Directory that both packages are imported from.
+
+    Raises
+    ------
+    CodeChangedError
+        If they are imported from different places.
+    """
+    roots = {
+        Path(package.__path__[0]).resolve().parent for package in (burstcast, burstcast_workflow)
+    }
+    if len(roots) > 1:
+        listed = " and ".join(sorted(map(str, roots)))
+        raise CodeChangedError(
+            f"burstcast and burstcast_workflow lie in different places: {listed}"
+        )
+    return roots.pop()
+
+
+def check_imports(sources: Path) -> None:
+    """Check that Python imports the packages from the sources that fingerprints are taken of.
+
+    Raises
+    ------
+    CodeChangedError
+        If it imports another copy: edits of this one would be recorded, and the other one run.
+    """
+    if package_root() != sources.resolve():
+        raise CodeChangedError(
+            f"this workflow lies beside the sources in {sources}, but Python imports burstcast "
+            f"from {package_root()}, another copy: install this one (make does), or set PYTHONPATH "
+            f"to {sources}"
+        )
+
+
+def script_of(snakemake: Any) -> Path:
+    """File of a job's script, from the object that Snakemake puts into it."""
+    names = [str(entry).partition("@")[0] for entry in snakemake.params.code]
+    (script,) = [name for name in names if name.endswith(".py")]
+    return Path(snakemake.scriptdir) / script
+
+
+def changed_code(script: Path, code: Sequence[str]) -> list[str]:
+    """Names of the script and the modules that are not what they were when fingerprints were taken.
+
+    Parameters
+    ----------
+    script
+        The job's script.
+    code
+        Fingerprints as its rule passes them.
+    """
+    forget_files()
+    planned = dict(entry.rsplit("@", 1) for entry in code)
+    modules = [name for name in planned if name != script.name]
+    try:
+        found = dict(entry.rsplit("@", 1) for entry in fingerprint(script, package_root(), modules))
+    except FileNotFoundError as error:
+        return [str(error)]
+    return sorted(name for name in {*planned, *found} if planned.get(name) != found.get(name))
+
+
+def check_code(script: Path, code: Sequence[str]) -> None:
+    """Check that the code on disk is what fingerprints were taken of.
+
+    Raises
+    ------
+    CodeChangedError
+        If it is not.
+    """
+    if changed := changed_code(script, code):
+        raise CodeChangedError(
+            f"{', '.join(changed)} changed after the workflow was planned: nothing is kept of this "
+            f"job; run the workflow again when the edit is done"
+        )
