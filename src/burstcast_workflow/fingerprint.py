@@ -237,11 +237,11 @@ def _says_something(node: ast.AST) -> bool:
 
 
 def _makes_logger(node: ast.AST) -> bool:
-    """Whether it is ``import logging`` or ``logger = ...``, which a first message brings along."""
-    if isinstance(node, ast.Import):
-        return [alias.name for alias in node.names] == ["logging"]
-    target = node.targets[0] if isinstance(node, ast.Assign) else None
-    return isinstance(target, ast.Name) and target.id == "logger"
+    """Whether it is one of the lines that a module's first message brings along."""
+    return isinstance(node, ast.Import | ast.Assign) and ast.unparse(node) in (
+        "import logging",
+        "logger = logging.getLogger(__name__)",
+    )
 
 
 # -- what fingerprints cannot follow ------------------------------------------------------------

@@ -1,6 +1,6 @@
 """What the jobs of a case know of its data: its training series, what is observed.
 
-Nothing here knows systems or forecasters: what imports it depends on its code.
+It imports neither systems nor networks: what is observed does not depend on their code.
 """
 
 from collections.abc import Mapping
