@@ -54,13 +54,18 @@ class NetworkAxes(Section):
     seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1")
 
 
-class BlockForecasters(Section):
-    """Forecasters of a block, by kind; null for none of a kind."""
+class SingleKinds(Section):
+    """Kinds with one forecaster for each case; null for none of a kind."""
 
-    esn: NetworkAxes | None = setting("echo state networks", default=None)
     equations: Alone = setting("the equations, started from the true state", default=None)
     equations_noisy: Alone = setting("the equations, started from what is observed", default=None)
     linear_inverse: Alone = setting("a linear inverse model, from what is observed", default=None)
+
+
+class BlockForecasters(SingleKinds):
+    """Forecasters of a block, by kind; null for none of a kind."""
+
+    esn: NetworkAxes | None = setting("echo state networks", default=None)
 
 
 class NetworkChoice(Section):
@@ -74,13 +79,10 @@ class NetworkChoice(Section):
     )
 
 
-class Choice(Section):
+class Choice(SingleKinds):
     """Which of the campaign's forecasters, by kind; null for none of a kind."""
 
     esn: NetworkChoice | None = setting("echo state networks", default=None)
-    equations: Alone = setting("the equations, started from the true state", default=None)
-    equations_noisy: Alone = setting("the equations, started from what is observed", default=None)
-    linear_inverse: Alone = setting("a linear inverse model, from what is observed", default=None)
 
 
 class Block(Section):
