@@ -4,6 +4,8 @@ from types import SimpleNamespace
 import pytest
 
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
+from burstcast_workflow.fingerprint import fingerprint
+from burstcast_workflow.harness.code_check import package_root
 from burstcast_workflow.harness.figures import run_figure
 
 
@@ -18,8 +20,12 @@ class Files(dict):
 def job(tmp_path):
     """Job of a figure with an input and a setting, as Snakemake hands it over."""
     handler = signal.getsignal(signal.SIGTERM)
+    script = tmp_path / "by_reynolds.py"
+    script.write_text("import burstcast.figures.by_reynolds")
+    code = fingerprint(script, package_root())
     yield SimpleNamespace(
         rule="figure",
+        scriptdir=str(tmp_path),
         log=[str(tmp_path / "logs" / "figure.log")],
         wildcards={"figure": "by_reynolds"},
         input=Files(table="table.csv", others=["a.nc", "b.nc"]),
@@ -27,7 +33,7 @@ def job(tmp_path):
             pdf=str(tmp_path / "figures" / "figure.pdf"),
             png=str(tmp_path / "figures" / "figure.png"),
         ),
-        params=SimpleNamespace(settings={"case.density.bins": 3}, code=["figure.py@1"]),
+        params=SimpleNamespace(settings={"case.density.bins": 3}, code=code),
     )
     signal.signal(signal.SIGTERM, handler)
 
