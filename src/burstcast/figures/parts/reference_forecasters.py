@@ -41,10 +41,11 @@ def draw_references(
     leave_out
         Kinds that are not drawn.
     """
-    kinds = sorted(set(percentiles["forecaster"].dropna()) - {"esn", *leave_out})
+    # a kind has the same line in all figures of a campaign, whatever they leave out
+    kinds = sorted(set(percentiles["forecaster"].dropna()) - {"esn"})
     for index, kind in enumerate(kinds):
         rows = select(percentiles, forecaster=kind, metric=metric)
-        if rows.empty:
+        if kind in leave_out or rows.empty:
             continue
         line: dict[str, Any] = {
             "color": GREY,
