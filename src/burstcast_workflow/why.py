@@ -25,6 +25,12 @@ from burstcast_workflow.canonical import natural_order
 from burstcast_workflow.identifiers import parsed
 
 _MISSING = object()
+# options of snakemake that do something else than planning, even in a dry run
+_CHANGING = (
+    *("unlock", "touch", "cleanup_metadata", "cleanup_shadow", "archive", "report"),
+    *("delete_all_output", "delete_temp_output", "conda_cleanup_envs", "conda_cleanup_pkgs"),
+    *("conda_create_envs_only", "export_cwl", "containerize"),
+)
 _LONGEST_VALUE = 60
 _DIMENSIONS = {
     "case": ("case", "cases"),
@@ -307,6 +313,10 @@ def _counted(jobs: Iterable[Job]) -> str:
 # -- from Snakemake --------------------------------------------------------------------------------
 
 
+class _ChangingOptionError(Exception):
+    """An option that would change something."""
+
+
 def planned(arguments: Sequence[str]) -> Any:
     """Let Snakemake plan, and return its workflow.
 
@@ -318,7 +328,7 @@ def planned(arguments: Sequence[str]) -> Any:
     Raises
     ------
     SystemExit
-        If Snakemake fails; it has said why.
+        If Snakemake fails, and has said why; with status 2 if an option would change anything.
     """
     workflows: list[Any] = []
     execute = DAGApi.execute_workflow
@@ -334,7 +344,12 @@ def planned(arguments: Sequence[str]) -> Any:
         with redirect_stdout(said), redirect_stderr(said):
             # quiet in this way, Snakemake ends a dry run before it pretends to execute the jobs
             parser, options = parse_args([*arguments, "--dry-run", "--quiet", "rules", "progress"])
+            if changing := [name for name in _CHANGING if getattr(options, name, None)]:
+                raise _ChangingOptionError(f"--{changing[0].replace('_', '-')}")
             succeeded = args_to_api(options, parser)
+    except _ChangingOptionError as option:
+        print(f"this only looks, and changes nothing: leave out {option}", file=sys.stderr)
+        raise SystemExit(2) from None
     finally:
         DAGApi.execute_workflow = execute
     if not succeeded or not workflows:

@@ -1,6 +1,14 @@
 import pytest
 
-from burstcast_workflow.why import Job, causes, changed_modules, differences, new_values, report
+from burstcast_workflow.why import (
+    Job,
+    causes,
+    changed_modules,
+    differences,
+    main,
+    new_values,
+    report,
+)
 
 CODE = ["burstcast.systems.mfe@1", "train.py@2"]
 
@@ -144,3 +152,24 @@ def test_figures_are_counted_together():
 
 def test_nothing():
     assert report([], {}) == "Nothing would run: all results are up to date."
+
+
+@pytest.mark.parametrize(
+    "option", [["--unlock"], ["--touch"], ["--delete-all-output"], ["--cleanup-metadata", "a.nc"]]
+)
+def test_it_takes_no_option_that_changes_anything(option, tmp_path, capsys, monkeypatch):
+    """Such as one that takes the lock from a campaign that is running."""
+    monkeypatch.chdir(tmp_path)
+    locks = tmp_path / ".snakemake" / "locks"
+    locks.mkdir(parents=True)
+    (locks / "0.output.lock").write_text("results/a.nc")
+    (tmp_path / "a.nc").write_text("kept")
+    (tmp_path / "Snakefile").write_text(
+        'rule a:\n    output: "a.nc"\n    shell: "touch {output}"\n'
+    )
+    with pytest.raises(SystemExit) as stop:
+        main(option)
+    assert stop.value.code == 2
+    assert f"leave out {option[0]}" in capsys.readouterr().err
+    assert (locks / "0.output.lock").exists()
+    assert (tmp_path / "a.nc").read_text() == "kept"

@@ -46,10 +46,10 @@ logger = logging.getLogger(__name__)
 VARIABLE = "BURSTCAST_CACHE"
 """Environment variable that names the cache's directory. It is no setting: it changes no result."""
 
-LIBRARIES = ("numpy", "scipy", "numba", "scikit-optimize")
+LIBRARIES = ("numpy", "scipy", "numba", "scikit-learn", "scikit-optimize")
 """Libraries another version of which may give other numbers."""
 
-_FORMAT = 2
+_FORMAT = 3
 _RECORD = "record.json"
 _BLOCK = 2**20
 # digests of larger files are remembered; reading a smaller one takes less time than that

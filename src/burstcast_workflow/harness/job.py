@@ -30,16 +30,12 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from burstcast_workflow.canonical import canonical, canonical_json
-from burstcast_workflow.harness.cache import cached_job, location, through_cache
+from burstcast_workflow.harness.cache import LIBRARIES, cached_job, location, through_cache
 from burstcast_workflow.harness.code_check import check_code, script_of
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import remove_partial
 
 logger = logging.getLogger(__name__)
-
-# Those that change results. All of them in every output: which of them a job imports depends on its
-# settings, and numba is imported late.
-_LIBRARIES = ("numpy", "scipy", "numba", "scikit-optimize")
 
 Provenance = dict[str, str]
 
@@ -117,7 +113,11 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
 
 
 def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Provenance:
-    """Tell what makes an output: package, job, settings, versions; no time, machine or path."""
+    """Tell what makes an output: package, job, settings, versions; no time, machine or path.
+
+    All libraries that change results are there: which of them a job imports depends on its
+    settings, and numba is imported late.
+    """
     record = {
         "source": f"burstcast {version('burstcast')}",
         "rule": identity["rule"],
@@ -125,7 +125,7 @@ def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Prov
         "settings": canonical_json(dict(settings)),
         "python": platform.python_version(),
     }
-    return {**record, **{library: version(library) for library in _LIBRARIES}}
+    return {**record, **{library: version(library) for library in LIBRARIES}}
 
 
 def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
