@@ -280,6 +280,7 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
         ("forecasters.esn", None, ["forecasters.esn is empty", "a mapping of settings"]),
         ("results", "", ["results is the text ''", "path of a directory"]),
         ("results", "a{b}", ["results is the text 'a{b}'", "without braces"]),
+        ("results", "~/x", ["results is the text '~/x'", "a leading ~"]),
         ("cases.tables", {}, ["cases.tables: the name must be"]),
         ("cases.nan", {}, ["cases.nan: the name must be"]),
         ("cases.1a", {}, ["cases.1a: the name must be"]),

@@ -214,7 +214,14 @@ def main(*, data, network, settings, provenance):
 
 
 def start_and_signal(tmp_path, number):
-    process = subprocess.Popen(script(WAIT), cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    def not_ignored():
+        # as it is for what runs in the background of a shell, or under nohup
+        if number != signal.SIGKILL:
+            signal.signal(number, signal.SIG_DFL)
+
+    process = subprocess.Popen(
+        script(WAIT), cwd=tmp_path, stderr=subprocess.PIPE, text=True, preexec_fn=not_ignored
+    )
     deadline = time.monotonic() + 20
     while not (tmp_path / "ready").exists():
         assert time.monotonic() < deadline
@@ -224,7 +231,7 @@ def start_and_signal(tmp_path, number):
     return process.returncode, sorted(os.listdir(tmp_path / "deep" / "er"))
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_stopped_job_cleans_up(tmp_path, number):
     status, files = start_and_signal(tmp_path, number)
     assert status != 0

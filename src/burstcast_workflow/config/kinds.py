@@ -83,8 +83,8 @@ SystemName = Annotated[
 ]
 Directory = Annotated[
     str,
-    Field(pattern=r"^[^\s{}*?](?:[^{}*?]*[^\s{}*?])?\Z"),
-    Words("the path of a directory, without braces, *, ? or spaces around it"),
+    Field(pattern=r"^(?!~)[^\s{}*?](?:[^{}*?]*[^\s{}*?])?\Z"),
+    Words("the path of a directory, without braces, *, ?, a leading ~ or spaces around it"),
 ]
 
 
