@@ -28,7 +28,7 @@ _MISSING = object()
 # options of snakemake that do something else than planning, even in a dry run
 _CHANGING = (
     *("unlock", "touch", "cleanup_metadata", "cleanup_shadow", "archive", "report"),
-    *("delete_all_output", "delete_temp_output", "conda_cleanup_envs", "conda_cleanup_pkgs"),
+    *("delete_all_output", "delete_temp_output", "conda_cleanup_envs"),
     *("conda_create_envs_only", "export_cwl", "containerize"),
 )
 _LONGEST_VALUE = 60
