@@ -145,10 +145,6 @@ def _nothing(campaign: Campaign, case: str) -> Files:
     return {}
 
 
-def _of_case(**names: str) -> Callable[[Campaign, str], Files]:
-    return lambda campaign, case: {key: f"{case}/{name}" for key, name in names.items()}
-
-
 def _series(campaign: Campaign, case: str) -> Files:
     known = campaign.steps_per_lyapunov_time(case) is not None
     return {
