@@ -306,7 +306,8 @@ FIGURES: Mapping[str, Figure] = {
     "search_landscape": Figure(
         "Objective of the hyperparameter search at each point, best Tikhonov parameter: "
         "interpolated between the evaluated points (dots: the grid; numbers: points of the "
-        "Bayesian search in their order; in colour: the optimum), and the best value found so far.",
+        "Bayesian search in their order; in colour: the optimum), and how far the best value found "
+        "so far lay above the final one.",
         _searches,
     ),
     "prediction_schematic": Figure(
@@ -317,7 +318,8 @@ FIGURES: Mapping[str, Figure] = {
     ),
     "prediction_examples": Figure(
         "Forecasts of the example network with each outcome. Of all forecasts with an outcome, the "
-        "one is shown whose burst has the median height.",
+        "one is shown whose burst has the median height; misses and false alarms that are more "
+        "than an error of timing come first.",
         _of_example(examples="examples.nc"),
         _EXAMPLES,
     ),
@@ -366,8 +368,8 @@ FIGURES: Mapping[str, Figure] = {
         "(a) Density of the observable over all data, the training set and the long closed loops "
         "of one network: of those of the size and strategy shown, the one with the smallest "
         "Kantorovich metric. (b) Kantorovich metric and (c) mean logarithmic error against "
-        "reservoir size, medians and quartiles over the networks of an ensemble. Sampling floor: "
-        "the same measures between two random halves of the data, in the median.",
+        "reservoir size, medians and quartiles over the networks of an ensemble. In grey: the same "
+        "measures between two random halves of the data, in the median.",
         _long_term_and_table,
         _THRESHOLD,
         _with_long_term,
@@ -379,8 +381,8 @@ FIGURES: Mapping[str, Figure] = {
         "x, z and time, of all data, the training set and one network: of those of the size and "
         "strategy shown, the one with the smallest Kantorovich metric. (d-f) Errors of the "
         "profiles, normalised by the range of the true profile, against reservoir size: medians "
-        "and quartiles over the networks of an ensemble. Sampling floor: the same errors between "
-        "two random halves of the data, in the median.",
+        "and quartiles over the networks of an ensemble. In grey: the same errors between two "
+        "random halves of the data, in the median.",
         _long_term_and_table,
         (*_SYSTEM, "statistics.profile_points"),
         _with_long_term_flow,

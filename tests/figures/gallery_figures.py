@@ -188,6 +188,7 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         spectral_radius=0.29,
         input_scaling=0.33,
         input_bias=0.1,
+        tikhonov=1e-9,
     ),
     "prediction_schematic": lambda: prediction_schematic(
         TIME - 1.5,

@@ -8,9 +8,11 @@ import pytest
 from burstcast.forecast.examples import (
     evaluate_lead_times,
     forecast_observable,
+    outcome_examples,
     stretch,
 )
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
+from burstcast.forecast.windows import WindowSummaries
 from helpers_forecasters import MadeUpForecaster
 
 
@@ -106,3 +108,34 @@ def test_forecast_observable_keeps_points_apart():
 )
 def test_stretch(first, count, expected):
     np.testing.assert_array_equal(stretch(np.arange(4.0), first, count), expected)
+
+
+HIGH, LOW = 0.2, 0.05
+
+
+def windows(*largest):
+    """Summaries of points by the largest observable of five windows each; all begin low."""
+    table = np.array(largest, dtype=np.float64)
+    return WindowSummaries(first=np.full_like(table, LOW), largest=table)
+
+
+def test_a_miss_that_is_no_error_of_timing_comes_first():
+    burst_in_window = [LOW, LOW, HIGH, LOW, LOW]
+    truth = windows(burst_in_window, burst_in_window, burst_in_window)
+    early, never = [LOW, HIGH, LOW, LOW, LOW], [LOW] * 5
+    where = {"first_window": 2, "windows": 1, "threshold": 0.1}
+    quiet = np.full(3, LOW)
+    assert outcome_examples(windows(early, never, early), truth, quiet, **where) == {
+        "false negative": 1
+    }
+    assert outcome_examples(truth, windows(early, never, early), quiet, **where) == {
+        "false positive": 1
+    }
+    # a marginal one is better than none
+    marginal = outcome_examples(windows(early, early, early), truth, quiet, **where)
+    assert list(marginal) == ["false negative"]
+    # what had an event in its washout is not scored
+    began = np.array([LOW, HIGH, LOW])
+    assert outcome_examples(windows(early, never, early), truth, began, **where) == {
+        "false negative": 2
+    }

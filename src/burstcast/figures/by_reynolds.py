@@ -1,6 +1,7 @@
 """Prediction horizon and F-score against the Reynolds number."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,15 +17,13 @@ from burstcast.figures.parts.percentile_curves import (
 )
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
-    MarkerStyle,
+    legend_above,
     letter_panels,
     new_figure,
     ordered_validations,
     styled,
     validation_style,
 )
-
-_FILLED_BY_PREDICTION_TIME = ("o", "s", "^", "D", "v", "P")
 
 
 @styled
@@ -37,7 +36,7 @@ def by_reynolds(
     published_horizon: pd.DataFrame | None = None,
     published_classification: pd.DataFrame | None = None,
 ) -> Figure:
-    """Draw (a) the mean PH_ee and (b) the F-score against the Reynolds number, per strategy.
+    """Draw (a) the mean PH_ee and (b, ...) F-scores against the Reynolds number, per strategy.
 
     Parameters
     ----------
@@ -46,7 +45,7 @@ def by_reynolds(
     neurons
         Reservoir size shown.
     prediction_times_lt
-        Of the F-scores shown; each has a marker of its own.
+        Of the F-scores shown; each has a panel of its own.
     published_horizon, published_classification
         Published percentiles in the same form, drawn as open markers.
 
@@ -72,60 +71,39 @@ def by_reynolds(
     spacing = 0.03 * (float(np.ptp(reynolds)) or 100.0)
     shifts = spacing * (np.arange(len(validations)) - 0.5 * (len(validations) - 1))
 
-    figure = new_figure(DOUBLE_COLUMN, 2.5)
-    left, right = figure.subplots(1, 2)
+    times = list(prediction_times_lt)
+    figure = new_figure(DOUBLE_COLUMN, 2.35)
+    panels = list(figure.subplots(1, 1 + len(times), squeeze=False)[0])
+    metrics: list[dict[str, Any]] = [
+        {"metric": "mean_horizon_lt"},
+        *({"metric": "f_score", "prediction_time_lt": float(time)} for time in times),
+    ]
     for validation, shift in zip(validations, shifts, strict=True):
         style = validation_style(validation)
-        chosen = {"validation": validation, "metric": "mean_horizon_lt"}
-        draw_percentiles(
-            left,
-            select(horizon, **chosen),
-            "reynolds",
-            style,
-            label=validation,
-            band=False,
-            shift=shift,
-        )
-        if published_horizon is not None:
-            rows = select(published_horizon, **chosen, neurons=size)
-            draw_published(left, rows, "reynolds", style, shift=shift)
-        for index, prediction_time in enumerate(prediction_times_lt):
-            marker = _FILLED_BY_PREDICTION_TIME[index % len(_FILLED_BY_PREDICTION_TIME)]
-            at_time = {
-                "validation": validation,
-                "metric": "f_score",
-                "prediction_time_lt": float(prediction_time),
-            }
-            with_marker: MarkerStyle = {**style, "marker": marker}
-            draw_percentiles(
-                right,
-                select(classification, **at_time),
-                "reynolds",
-                with_marker,
-                label=f"{validation}, PT = {prediction_time:g} LT",
-                band=False,
-                shift=shift,
+        for panel, chosen in zip(panels, metrics, strict=True):
+            ours, published = (
+                (horizon, published_horizon)
+                if panel is panels[0]
+                else (classification, published_classification)
             )
-            if published_classification is not None:
-                rows = select(published_classification, **at_time, neurons=size)
-                draw_published(right, rows, "reynolds", with_marker, shift=shift)
-    left.set_ylabel(METRIC_LABELS["mean_horizon_lt"])
-    right.set_ylabel(METRIC_LABELS["f_score"])
-    for panel in (left, right):
+            rows = select(ours, validation=validation, **chosen)
+            draw_percentiles(
+                panel, rows, "reynolds", style, label=validation, band=False, shift=shift
+            )
+            if published is not None:
+                rows = select(published, validation=validation, neurons=size, **chosen)
+                draw_published(panel, rows, "reynolds", style, shift=shift)
+    panels[0].set_ylabel(METRIC_LABELS["mean_horizon_lt"])
+    for panel, time in zip(panels[1:], times, strict=True):
+        panel.set_ylabel(METRIC_LABELS["f_score"])
+        panel.set_title(f"{time:g} LT ahead", loc="center")
+        panel.sharey(panels[1])
+    for panel in panels:
         panel.set_xlabel("Reynolds number, Re")
         panel.set_xticks(reynolds)
         panel.margins(x=0.08, y=0.1)
-    handles, _ = left.get_legend_handles_labels()
-    if published_horizon is not None and not published_horizon.empty:
-        handles.append(published_handle())
-    if handles:
-        left.legend(handles=handles, loc="best")
-    low, high = right.get_ylim()
-    # Room for the legend below the curves, where no ticks tempt to read scores.
-    right.set_yticks([tick for tick in right.get_yticks() if max(0.0, low) <= tick <= high])
-    right.set_ylim(low - 0.35 * (high - low), high)
-    if right.has_data():
-        right.legend(loc="lower center", ncols=max(1, len(validations)))
-    say_where_empty([left, right])
-    letter_panels([left, right])
+    beside = published_horizon is not None and not published_horizon.empty
+    legend_above(figure, panels, [published_handle()] if beside else [])
+    say_where_empty(panels)
+    letter_panels(panels)
     return figure

@@ -22,41 +22,39 @@ def horizon_schematic(
     symbol
         Of the observable.
     """
-    figure = new_figure(DOUBLE_COLUMN, 2.3, layout=None)
+    figure = new_figure(DOUBLE_COLUMN, 2.6, layout=None)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_xlim(0, 140)
-    axes.set_ylim(0, 46)
+    axes.set_ylim(0, 52)
     axes.set_aspect("equal")
     axes.set_axis_off()
 
-    _box(
-        axes, 16, 30, 27, 15, f"event at $t^{{(e)}}$\n$\\tau_e = {longest_lead_time_lt:g}$ LT", BLUE
-    )
-    _box(
-        axes,
-        52,
-        30,
-        31,
-        15,
-        "washout, then closed loop\nfrom $t^{(e)} - \\tau_e$",
-        BLUE,
-    )
-    _diamond(axes, 90, 30, 29, 21, "PH $> \\tau_e$ ?")
-    _box(axes, 124, 30, 25, 15, "event predicted\n$\\mathrm{PH}_{\\mathrm{ee}} = \\tau_e$", GREEN)
+    top, bottom = 37, 11
+    first = f"event at $t^{{(e)}}$\n$\\tau_e = {longest_lead_time_lt:g}$ LT"
+    _box(axes, 16, top, 27, 15, first, BLUE)
+    _box(axes, 52, top, 31, 15, "washout, then closed loop\nfrom $t^{(e)} - \\tau_e$", BLUE)
+    _diamond(axes, 90, top, 29, 21, "PH $\\geq \\tau_e$ ?")
+    _box(axes, 124, top, 25, 15, "event predicted\n$\\mathrm{PH}_{\\mathrm{ee}} = \\tau_e$", GREEN)
+    shortest = f"$\\tau_e = {lead_time_step_lt:g}$ LT ?"
+    _diamond(axes, 90, bottom, 29, 17, shortest)
+    missed = "event not predicted\n$\\mathrm{PH}_{\\mathrm{ee}} = $ PH"
+    _box(axes, 124, bottom, 25, 15, missed, VERMILLION)
     decrease = f"$\\tau_e \\leftarrow \\tau_e - {lead_time_step_lt:g}$ LT"
-    _box(axes, 71, 7.5, 31, 9, decrease, VERMILLION)
-    _arrow(axes, (29.5, 30), (36.5, 30))
-    _arrow(axes, (67.5, 30), (75.5, 30))
-    _arrow(axes, (104.5, 30), (111.5, 30))
-    axes.text(107.6, 31, "yes", ha="center", va="bottom")
-    axes.plot([90, 90], [19.5, 7.5], color="black", linewidth=0.9)
-    _arrow(axes, (90, 7.5), (86.5, 7.5))
-    axes.text(91, 14, "no", ha="left", va="center")
-    axes.plot([55.5, 52], [7.5, 7.5], color="black", linewidth=0.9)
-    _arrow(axes, (52, 7.5), (52, 22.5))
+    _box(axes, 52, bottom, 31, 9, decrease, BLUE)
+    _arrow(axes, (29.5, top), (36.5, top))
+    _arrow(axes, (67.5, top), (75.5, top))
+    _arrow(axes, (104.5, top), (111.5, top))
+    _arrow(axes, (90, top - 10.5), (90, bottom + 8.5))
+    _arrow(axes, (104.5, bottom), (111.5, bottom))
+    _arrow(axes, (75.5, bottom), (67.5, bottom))
+    _arrow(axes, (52, bottom + 4.5), (52, top - 7.5))
+    for y in (top, bottom):
+        axes.text(107.6, y + 1, "yes", ha="center", va="bottom")
+    axes.text(91, 23, "no", ha="left", va="center")
+    axes.text(71.5, bottom + 1, "no", ha="center", va="bottom")
     axes.text(
-        97,
-        7.5,
+        2.5,
+        bottom,
         "PH: the time for which\n"
         + rf"$|{symbol}_{{\mathrm{{ESN}}}} - {symbol}_{{\mathrm{{True}}}}| \;/\; "
         + rf"({symbol}_e - \overline{{{symbol}}}) < {tolerance:g}$",

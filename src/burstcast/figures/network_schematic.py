@@ -1,5 +1,7 @@
 """The echo state network: its parts, and how it runs in open and in closed loop."""
 
+import math
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -26,6 +28,7 @@ def network_schematic(
     spectral_radius: float,
     input_scaling: float,
     input_bias: float,
+    tikhonov: float,
 ) -> Figure:
     """Draw (a) the network with its real sizes, (b) the open loop and (c) the closed loop.
 
@@ -35,8 +38,8 @@ def network_schematic(
         N_u and N_r.
     connectivity
         Mean number of connections of a neuron, d.
-    spectral_radius, input_scaling, input_bias
-        rho, sigma_in and b_in of the network that is shown.
+    spectral_radius, input_scaling, input_bias, tikhonov
+        rho, sigma_in, b_in and beta of the network that is shown.
     """
     figure = new_figure(DOUBLE_COLUMN, 4.1)
     whole, loops = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.25, 1.0])[:, 0]
@@ -50,6 +53,7 @@ def network_schematic(
             rf"$\rho = {spectral_radius:.3g}$",
             rf"$\sigma_{{\mathrm{{in}}}} = {input_scaling:.3g}$",
             rf"$b_{{\mathrm{{in}}}} = {input_bias:g}$",
+            rf"$\beta = 10^{{{math.log10(tikhonov):g}}}$",
         ],
     )
     network.set_title("(a)", loc="left")
@@ -144,7 +148,7 @@ def _draw_network(axes: Axes, inputs: int, neurons: int, parameters: list[str]) 
     axes.text(27.5, 28.5, r"$\mathbf{W}_{\mathrm{in}}$", color=GREEN, ha="center")
     axes.text(38.5, 2.2, r"$\mathbf{W}$", color=BLUE, ha="center")
     axes.text(72.5, 28.5, r"$\mathbf{W}_{\mathrm{out}}$", color=VERMILLION, ha="center")
-    axes.text(64.5, 0.2, r",$\;$ ".join(parameters), ha="left", va="bottom")
+    axes.text(62.5, 0.2, r",$\;$ ".join(parameters), ha="left", va="bottom")
 
 
 def _draw_loop(axes: Axes, *, closed: bool) -> None:

@@ -14,6 +14,7 @@ from burstcast.figures.parts.style import (
     TRUTH,
     WINDOW,
     draw_threshold,
+    legend_above,
     new_figure,
     observable_label,
     styled,
@@ -85,7 +86,11 @@ def prediction_examples(
         panel.set_xlim(example.time_lt[0], example.time_lt[-1])
         panel.set_xlabel("Time [LT]")
         panel.set_title(f"({chr(ord('a') + index)}) {example.outcome}", loc="left")
-    panels[0].set_ylim(0, 1.08 * max(float(np.nanmax(example.true)) for example in examples))
+    shown = np.concatenate([[*example.true, *example.forecast] for example in examples])
+    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    margin = 0.06 * (high - low)
+    # an observable that is never negative, as an energy, is drawn from zero
+    panels[0].set_ylim(0.0 if 0.0 <= low < high / 4 else low - margin, high + margin)
     panels[0].set_ylabel(observable_label(symbol))
-    panels[0].legend(loc="upper left")
+    legend_above(figure, panels)
     return figure

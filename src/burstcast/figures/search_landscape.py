@@ -23,7 +23,7 @@ from burstcast.figures.parts.style import (
 
 @styled
 def search_landscape(trace: pd.DataFrame) -> Figure:
-    """Draw the objective found at each point, one panel per strategy, and the best value so far.
+    """Draw the objective found at each point, one panel per strategy, and how the best one fell.
 
     The surface is the linear interpolation between the evaluated points (the best Tikhonov
     parameter of each). Dots are the grid, numbers the points that the Bayesian search chose, in
@@ -44,12 +44,11 @@ def search_landscape(trace: pd.DataFrame) -> Figure:
     if not np.isfinite(trace["objective"].to_numpy(dtype=np.float64)).all():
         raise ValueError("the objective is not finite at some point of the search")
     validations = ordered_validations(trace["validation"])
-    figure = new_figure(DOUBLE_COLUMN, 2.35)
+    figure = new_figure(DOUBLE_COLUMN, 2.2)
     panels = figure.subplots(
         1, len(validations) + 1, squeeze=False, width_ratios=[*[1.0] * len(validations), 0.95]
     )[0]
     progress = panels[-1]
-    highest_end = -np.inf
     for panel, validation in zip(panels, validations, strict=False):
         points = trace[trace["validation"] == validation].reset_index(drop=True)
         if len(points) < 3:
@@ -59,8 +58,8 @@ def search_landscape(trace: pd.DataFrame) -> Figure:
         style: dict[str, Any] = {**validation_style(validation), "marker": None}
         best = np.minimum.accumulate(points["objective"].to_numpy(dtype=np.float64))
         number = np.arange(1, len(points) + 1)
-        progress.plot(number, best, drawstyle="steps-post", label=validation, **style)
-        highest_end = max(highest_end, float(best[-1]))
+        # above its end: the strategies minimise errors over different intervals
+        progress.plot(number, best - best[-1], drawstyle="steps-post", label=validation, **style)
     panels[0].set_ylabel(r"Spectral radius, $\rho$")
     grid_points = int((trace["source"] == "grid").sum()) // len(validations)
     progress.axvline(grid_points + 0.5, color="0.5", linewidth=0.6, linestyle=":")
@@ -83,10 +82,9 @@ def search_landscape(trace: pd.DataFrame) -> Figure:
         va="top",
     )
     low, high = progress.get_ylim()
-    # Room for the words, and above the ends of the curves for the legend.
-    progress.set_ylim(low, max(high + 0.12 * (high - low), low + (highest_end - low) / 0.66))
+    progress.set_ylim(low, high + 0.12 * (high - low))  # room for the words
     progress.set_xlabel("Points evaluated")
-    progress.set_ylabel(r"Best objective, $\log_{10}$ MSE")
+    progress.set_ylabel(r"$\log_{10}$ (best MSE so far / final MSE)")
     progress.legend(loc="upper right", bbox_to_anchor=(1.0, 0.9))
     letter_panels(list(panels))
     return figure

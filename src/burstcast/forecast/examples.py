@@ -27,6 +27,9 @@ def outcome_examples(
 
     Of all points with an outcome the one is taken whose burst (the true one; the forecast one for a
     false positive) has the median height in the window: neither the tallest nor a marginal one.
+    Where there are any, only clear misses and clear false alarms are looked at: those in which the
+    one without an event stays below the threshold in the neighbouring windows as well, so that the
+    error is not one of timing.
 
     Parameters
     ----------
@@ -38,18 +41,24 @@ def outcome_examples(
     Rows of the points, by outcome.
     """
     span = slice(first_window, first_window + windows)
+    wider = slice(max(0, first_window - windows), first_window + 2 * windows)
     predicted = crosses(forecast, first_window, windows, threshold)
     happened = crosses(truth, first_window, windows, threshold)
     scored = washout_maximum < threshold
+    quiet_truth, quiet_forecast = (
+        summaries.largest[:, wider].max(axis=1) < threshold for summaries in (truth, forecast)
+    )
     heights = {
-        "true positive": (predicted & happened, truth),
-        "false positive": (predicted & ~happened, forecast),
-        "false negative": (~predicted & happened, truth),
+        "true positive": (predicted & happened, predicted, truth),
+        "false positive": (predicted & ~happened, quiet_truth, forecast),
+        "false negative": (~predicted & happened, quiet_forecast, truth),
     }
     examples = {}
     for outcome in OUTCOMES:
-        matches, summaries = heights[outcome]
-        points = np.flatnonzero(matches & scored)
+        matches, clear, summaries = heights[outcome]
+        points = np.flatnonzero(matches & scored & clear)
+        if not points.size:
+            points = np.flatnonzero(matches & scored)
         if points.size:
             height = summaries.largest[points, span].max(axis=1)
             examples[outcome] = int(points[np.argsort(height, kind="stable")[points.size // 2]])

@@ -81,12 +81,13 @@ def sampling_floor(
     generator: np.random.Generator,
     sample: int | None = None,
 ) -> list[Measures]:
-    """Measures between two independent parts of the true data: no forecaster can do better.
+    """Measures between two independent parts of the true data: the scale of the sampling error.
 
     Whole series are drawn at random, without replacement, into a sample; it is compared with the
     series that are left as the reference. The two share no series, hence are independent. By
     default they are two halves; with ``sample`` as large as what a network's statistics rest on,
-    the floor is that of a perfect network against the data.
+    the floor is that of a perfect network against the data. Between halves it is about twice what
+    a perfect network that ran for ever would show, since both halves err, and each by sqrt(2).
 
     Each split is one draw of the sampling error; the splits share their data, so that their spread
     tells how far a single split may be off, not how well the mean is known.

@@ -19,6 +19,7 @@ def draw(*, hyperparameters: str, settings: Settings) -> Figure:
         input_bias=settings["forecasters.esn.input_bias"],
         spectral_radius=chosen["spectral_radius"],
         input_scaling=chosen["input_scaling"],
+        tikhonov=chosen["tikhonov"],
     )
 
 

@@ -1,5 +1,6 @@
 """Errors in long-term statistics against reservoir size, beside the training set and the floor."""
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
@@ -16,6 +17,9 @@ from burstcast.figures.parts.style import (
     ordered_validations,
     validation_style,
 )
+
+LARGEST_LINEAR_RATIO = 20.0
+"""Values that differ by more than this factor are drawn on a logarithmic axis."""
 
 
 def draw_statistic_by_size(
@@ -45,11 +49,16 @@ def draw_statistic_by_size(
             draw_published(axes, rows, "neurons", style)
     for forecaster, line, label in (
         ("training", TRAINING, "Train"),
-        ("floor", FLOOR, "sampling floor"),
+        ("floor", FLOOR, "half of the data against the other half"),
     ):
         for value in select(percentiles, metric=metric, forecaster=forecaster)["p50"]:
             axes.axhline(float(value), label=label, **line)
-    axes.set_ylim(0, 1.08 * axes.dataLim.y1)
+    shown = percentiles.loc[percentiles["metric"] == metric, ["p25", "p50", "p75"]].to_numpy()
+    smallest, largest = np.nanmin(shown, initial=np.inf), np.nanmax(shown, initial=0.0)
+    if 0.0 < smallest < largest / LARGEST_LINEAR_RATIO:
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(0, 1.08 * axes.dataLim.y1)
     axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
     if networks["neurons"].nunique() > 4:
         for index, tick in enumerate(axes.get_xticklabels()):
