@@ -15,6 +15,8 @@ from burstcast_workflow.figure_registry import figure_case, figure_names
 from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.code_check import CodeChangedError, check_imports
 from burstcast_workflow.harness.failures import failure_summary
+from burstcast_workflow.summary import campaign_summary
+from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
 # Planning makes millions of objects and keeps them: looking through them for garbage all the time
 # takes a tenth of it.
@@ -60,12 +62,36 @@ wildcard_constraints:
     table="[a-z_]+",
 
 
-onerror:
+onstart:
+    expect(
+        {
+            job.jobid: costs.predicted(*cost_of(job), job.wildcards_dict).seconds
+            for job in workflow.dag.needrun_jobs()
+            if job.output
+        }
+    )
+
+
+onsuccess:
     print(
-        "\nWhat failed, with the ends of the logs:\n\n"
-        + failure_summary(Path(LOGS), SCHEDULER_LOGS, STARTED),
+        f"\n{campaign_summary(Path(TABLES))}\n\nTables: {TABLES}/*.csv and *.tex. "
+        f"Figures: {FIGURES}/*.pdf and *.png.",
         file=sys.stderr,
     )
+
+
+onerror:
+    if not interrupted():
+        print(
+            "\nWhat failed, with the ends of the logs:\n\n"
+            + failure_summary(Path(LOGS), SCHEDULER_LOGS, STARTED),
+            file=sys.stderr,
+        )
+
+
+def cost_of(job):
+    """Class of a job's cost, and its stage."""
+    return job.rule.ruleinfo.resources[1]["mem_mb"].cost_class, job.rule.name
 
 
 def of_cases(name):

@@ -61,7 +61,7 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
     log = Path(snakemake.log[0])
     log.parent.mkdir(parents=True, exist_ok=True)
     label = _label(snakemake)
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
         if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup does with the latter
             signal.signal(number, _terminate)
     start = time.monotonic()

@@ -1,0 +1,73 @@
+"""What a finished campaign has found, in a few lines: for the end of a run."""
+
+from collections.abc import Hashable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+PREDICTION_TIME_LT = 2.0
+"""Of the F-score that is shown, or the nearest that the campaign has."""
+
+MOST_ROWS = 16
+
+_KEYS = ["case", "forecaster", "neurons", "validation"]
+
+
+def campaign_summary(tables: Path) -> str:
+    """Medians over the networks of each ensemble: F-score, prediction horizon, control.
+
+    Parameters
+    ----------
+    tables
+        Directory of the campaign's tables.
+
+    Returns
+    -------
+    A table, the best forecasters of each case first; empty if there are none of these tables.
+    """
+    columns = {}
+    scores = _medians(tables / "classification_percentiles.csv", "f_score")
+    if scores is not None:
+        times = scores["prediction_time_lt"].to_numpy(dtype=np.float64)
+        shown = times[np.abs(times - PREDICTION_TIME_LT).argmin()]
+        at_time = scores[times == shown].set_index(_KEYS)
+        columns[f"F-score {shown:g} LT ahead"] = at_time["p50"]
+    horizons = _medians(tables / "horizon_percentiles.csv", "mean_horizon_lt")
+    if horizons is not None:
+        columns["mean PH_ee [LT]"] = horizons.set_index(_KEYS)["p50"]
+    for metric, title in (
+        ("exceedance_uncontrolled", "exceedance"),
+        ("exceedance_controlled", "under control"),
+    ):
+        exceedance = _medians(tables / "control_percentiles.csv", metric)
+        if exceedance is not None:
+            # of the prediction times the one that leaves least
+            columns[title] = exceedance.groupby(_KEYS)["p50"].min()
+    if not columns:
+        return ""
+    table = pd.DataFrame(columns).dropna(how="all")
+    first = next(iter(columns))
+    table = table.reset_index().sort_values(["case", first], ascending=[True, False])
+    table.insert(1, "who", [_who(row) for row in table[_KEYS].to_dict("records")])
+    shown_rows = table.drop(columns=_KEYS[1:]).head(MOST_ROWS)
+    text = shown_rows.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.3g}")
+    left_out = len(table) - len(shown_rows)
+    return text + (f"\n... and {left_out} more in {tables}" if left_out > 0 else "")
+
+
+def _medians(path: Path, metric: str) -> pd.DataFrame | None:
+    if not path.exists():
+        return None
+    table = pd.read_csv(path)
+    chosen = table[table["metric"] == metric].dropna(subset=["p50"])
+    # what has no size and no strategy is one forecaster all the same
+    chosen = chosen.fillna({"neurons": 0, "validation": ""})
+    return None if chosen.empty else chosen
+
+
+def _who(row: Mapping[Hashable, Any]) -> str:
+    if not row["neurons"]:
+        return str(row["forecaster"])
+    return f"{row['forecaster']}, {row['neurons']:g} neurons, {row['validation']}"

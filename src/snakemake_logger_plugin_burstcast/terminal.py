@@ -1,0 +1,197 @@
+"""What a person sees of a run: how far it is, how long it still takes, and what failed.
+
+A line that renews itself in a terminal; elsewhere a line now and then. All else is in Snakemake's
+own log, `.snakemake/log`. `profiles/default` chooses this handler of Snakemake's logger. Snakemake
+imports it in whatever directory it runs, so that it relies on nothing else of burstcast.
+"""
+
+import logging
+import shutil
+import sys
+import threading
+import time
+from collections.abc import Mapping
+from typing import TextIO
+
+from snakemake.logging import DefaultFormatter
+from snakemake_interface_logger_plugins.base import LogHandlerBase
+from snakemake_interface_logger_plugins.common import LogEvent
+
+SHARE_OF_A_LINE = 0.04
+"""Without a terminal, a line of progress is written when this share more is done."""
+
+# Of what Snakemake itself says, the information that a person wants.
+_WANTED = ("Nothing to be done", "Unlocking", "Removing", "Trying to restart", "Touching")
+# That a job has failed is said once, when it does; these say it again, or where in Snakemake.
+_REPETITIONS = (
+    "CalledProcessError",
+    "RuleException",
+    "SystemExit",
+    "Exiting because a job execution failed",
+    "WorkflowError:\nAt least one job did not complete successfully",
+    "At least one job did not complete successfully",
+    "Removing output files of failed job",
+    "Full Traceback",
+)
+_INTERRUPTION = ("Terminating processes on user request", "Cancelling snakemake on user request")
+
+_expected: dict[int, float] = {}
+_interruption = threading.Event()
+
+
+def expect(seconds_of_jobs: Mapping[int, float]) -> None:
+    """Take note of what the jobs of this run are predicted to take, by their number in the plan."""
+    _expected.clear()
+    _expected.update(seconds_of_jobs)
+
+
+def interrupted() -> bool:
+    """Tell whether a person has stopped this run."""
+    return _interruption.is_set()
+
+
+class Progress:
+    """How much of a run is done, in predicted time, and how long the rest takes.
+
+    Parameters
+    ----------
+    expected
+        Predicted seconds of each job.
+    cores
+        Cores that share them.
+    started
+        When the run began, seconds.
+    """
+
+    def __init__(self, expected: Mapping[int, float], cores: int, started: float) -> None:
+        self._expected, self._cores, self._started = dict(expected), max(1, cores), started
+        self._total, self._done = sum(self._expected.values()), 0.0
+        self.jobs, self.finished = len(self._expected), 0
+
+    def finish(self, job: int) -> None:
+        """Count a job that is done."""
+        self._done += self._expected.pop(job, 0.0)
+        self.finished += 1
+
+    @property
+    def share(self) -> float:
+        """What share of the predicted work is done, from 0 to 1."""
+        return self._done / self._total if self._total else 0.0
+
+    def remaining(self, now: float) -> float:
+        """Seconds that the rest takes: as predicted, and more and more as measured."""
+        predicted = (self._total - self._done) / self._cores
+        if not self._done:
+            return predicted
+        measured = (now - self._started) * (self._total - self._done) / self._done
+        return (1.0 - self.share) * predicted + self.share * measured
+
+    def line(self, now: float) -> str:
+        """What is shown: share done, jobs, time left."""
+        return (
+            f"{self.share:4.0%}  {self.finished} of {self.jobs} jobs, "
+            f"about {duration(self.remaining(now))} left"
+        )
+
+
+def duration(seconds: float) -> str:
+    """Seconds as a person reads them: 40 s, 3 min 20 s, 2 h 05 min."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60:02} s"
+    return f"{whole // 3600} h {whole % 3600 // 60:02} min"
+
+
+class TerminalHandler(LogHandlerBase):
+    """Writes what a person wants to see of Snakemake's messages."""
+
+    writes_to_stream = True
+    writes_to_file = False
+    has_filter = False
+    has_formatter = True
+    needs_rulegraph = False
+
+    def __post_init__(self) -> None:
+        """Begin without a plan."""
+        self.setFormatter(DefaultFormatter(self.common_settings.quiet, False))
+        self._stream: TextIO = sys.stdout if self.common_settings.stdout else sys.stderr
+        self._live = self._stream.isatty()
+        self._labels: dict[int, str] = {}
+        self._progress: Progress | None = None
+        self._cores = 1
+        self._last_share = 0.0
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Show a message, or leave it to the log."""
+        event = getattr(record, "event", None)
+        try:
+            if self.common_settings.dryrun or record.levelno < logging.INFO:
+                self._say(self.format(record))
+            elif event is None or event == LogEvent.ERROR:
+                self._message(record)
+            else:
+                self._event(event, record)
+        except Exception:
+            self.handleError(record)
+
+    def _message(self, record: logging.LogRecord) -> None:
+        text = record.getMessage().strip()
+        if text.startswith(_INTERRUPTION):
+            if not interrupted():
+                _interruption.set()
+                self._say("interrupted; what is done stays, the same command goes on from here")
+        elif record.levelno >= logging.WARNING:
+            if not interrupted() and not text.startswith(_REPETITIONS):
+                self._say(text)
+        elif text.startswith(_WANTED) and not text.startswith(_REPETITIONS):
+            self._say(text)
+
+    def _event(self, event: str, record: logging.LogRecord) -> None:
+        fields = record.__dict__
+        if event == LogEvent.RESOURCES_INFO:
+            self._cores = fields.get("cores", self._cores)
+        elif event == LogEvent.JOB_INFO:
+            # the first job: by now the plan is known
+            if self._progress is None:
+                self._progress = Progress(_expected, self._cores, time.monotonic())
+                self._say(
+                    f"{self._progress.jobs} jobs, about "
+                    f"{duration(self._progress.remaining(time.monotonic()))} on {self._cores} cores"
+                )
+            self._labels[fields["jobid"]] = fields["rule_msg"] or fields["rule_name"]
+            self._show()
+        elif event == LogEvent.JOB_FINISHED and self._progress is not None:
+            self._progress.finish(fields["job_id"])
+            self._labels.pop(fields["job_id"], None)
+            self._show()
+        elif event == LogEvent.JOB_ERROR:
+            what = self._labels.pop(fields["jobid"], fields["rule_name"])
+            if not interrupted():
+                logs = ", ".join(fields["log"] or ())
+                self._say(f"FAILED  {what}" + (f" (log: {logs})" if logs else ""))
+        elif event == LogEvent.GROUP_ERROR and not interrupted():
+            self._say(self.format(record))
+
+    def _show(self) -> None:
+        """Renew the line of progress, or write one if there is enough to tell."""
+        assert self._progress is not None
+        line = self._progress.line(time.monotonic())
+        if self._live:
+            running = ", ".join(self._labels.values())
+            width = shutil.get_terminal_size().columns - 1
+            text = f"{line}  {running}" if running else line
+            self._stream.write(f"\r\x1b[K{text[:width]}")
+            self._stream.flush()
+        elif (
+            self._progress.share >= self._last_share + SHARE_OF_A_LINE
+            or self._progress.finished == self._progress.jobs
+        ):
+            self._last_share = self._progress.share
+            self._say(line)
+
+    def _say(self, text: str) -> None:
+        """Write lines that stay, above the line of progress."""
+        self._stream.write(f"\r\x1b[K{text}\n" if self._live else f"{text}\n")
+        self._stream.flush()

@@ -1,0 +1,52 @@
+"""What a finished campaign says at the end of a run."""
+
+import pandas as pd
+
+from burstcast_workflow.summary import MOST_ROWS, campaign_summary
+
+
+def percentiles(metric, medians, **more):
+    """Rows of a percentile table: by case, kind, neurons, validation."""
+    names = ["case", "forecaster", "neurons", "validation"]
+    rows = [
+        {**dict(zip(names, key, strict=True)), **more, "metric": metric, "p50": median}
+        for key, median in medians.items()
+    ]
+    return pd.DataFrame(rows)
+
+
+ESN = ("Re400", "esn", 500, "RV")
+EQUATIONS = ("Re400", "equations", None, None)
+
+
+def test_each_forecaster_is_one_row_best_first(tmp_path):
+    pd.concat(
+        [
+            percentiles("f_score", {ESN: 0.7, EQUATIONS: 1.0}, prediction_time_lt=time)
+            for time in (0.5, 2.5)
+        ]
+    ).assign(p50=lambda table: table["p50"] - (table["prediction_time_lt"] < 1) * 0.2).to_csv(
+        tmp_path / "classification_percentiles.csv", index=False
+    )
+    percentiles("mean_horizon_lt", {ESN: 3.25}).to_csv(
+        tmp_path / "horizon_percentiles.csv", index=False
+    )
+    lines = campaign_summary(tmp_path).splitlines()
+    assert "F-score 2.5 LT ahead" in lines[0]  # the nearest to 2 LT
+    assert [line.split()[1] for line in lines[1:]] == ["equations", "esn,"]
+    assert lines[1].split()[-1] == "1"
+    assert lines[2].split()[-2:] == ["0.7", "3.25"]
+
+
+def test_a_large_campaign_is_cut_and_says_so(tmp_path):
+    scores = {("Re400", "esn", neurons, "RV"): neurons / 1000 for neurons in range(100, 120)}
+    percentiles("f_score", scores, prediction_time_lt=2.0).to_csv(
+        tmp_path / "classification_percentiles.csv", index=False
+    )
+    lines = campaign_summary(tmp_path).splitlines()
+    assert len(lines) == MOST_ROWS + 2
+    assert "and 4 more" in lines[-1]
+
+
+def test_no_tables_no_summary(tmp_path):
+    assert campaign_summary(tmp_path) == ""

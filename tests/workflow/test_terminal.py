@@ -1,0 +1,123 @@
+"""What a person sees of a run: progress, failures, interruption."""
+
+import io
+import logging
+from types import SimpleNamespace
+
+import pytest
+from snakemake_interface_logger_plugins.common import LogEvent
+
+from snakemake_logger_plugin_burstcast import terminal
+from snakemake_logger_plugin_burstcast.terminal import Progress, TerminalHandler, duration
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (0.2, "0 s"),
+        (59.4, "59 s"),
+        (61, "1 min 01 s"),
+        (3599.6, "1 h 00 min"),
+        (7500, "2 h 05 min"),
+    ],
+)
+def test_durations(seconds, text):
+    assert duration(seconds) == text
+
+
+def test_time_left_goes_from_predicted_to_measured():
+    progress = Progress({1: 10.0, 2: 30.0, 3: 60.0}, cores=2, started=0.0)
+    assert progress.remaining(5.0) == pytest.approx(50.0)
+    progress.finish(1)
+    progress.finish(2)
+    assert progress.share == pytest.approx(0.4)
+    # 40 of 100 seconds took 80: the other 60 will take 120 as measured, 30 as predicted
+    assert progress.remaining(80.0) == pytest.approx(0.6 * 30.0 + 0.4 * 120.0)
+    progress.finish(3)
+    assert progress.line(100.0).startswith("100%  3 of 3 jobs, about 0 s left")
+
+
+@pytest.fixture
+def handler(monkeypatch):
+    monkeypatch.setattr(terminal, "_interruption", type(terminal._interruption)())
+    terminal.expect(dict.fromkeys(range(1, 101), 1.0))
+    settings = SimpleNamespace(quiet=None, stdout=False, dryrun=False, verbose=False)
+    made = TerminalHandler(settings, None)
+    made._stream = io.StringIO()
+    made._live = False
+    yield made
+    terminal.expect({})
+
+
+def send(handler, message="", event=None, level=logging.INFO, **fields):
+    record = logging.LogRecord("snakemake", level, "", 0, message, None, None)
+    record.__dict__.update(fields, **({} if event is None else {"event": event}))
+    handler.emit(record)
+
+
+def run_of_a_hundred_jobs(handler, failing=()):
+    send(handler, "Provided cores: 4", LogEvent.RESOURCES_INFO, cores=4)
+    for number in range(1, 101):
+        label = {"jobid": number, "rule_msg": f"job number {number}", "rule_name": "train"}
+        send(handler, event=LogEvent.JOB_INFO, **label)
+        if number in failing:
+            error = {**label, "rule_msg": None, "log": ["logs/train.log"]}
+            send(handler, "", LogEvent.JOB_ERROR, logging.ERROR, **error)
+            send(handler, "CalledProcessError in file x, line 3", level=logging.ERROR)
+        else:
+            send(handler, event=LogEvent.JOB_FINISHED, job_id=number)
+    return handler._stream.getvalue().splitlines()
+
+
+def test_a_hundred_jobs_are_a_few_lines(handler):
+    lines = run_of_a_hundred_jobs(handler)
+    assert lines[0] == "100 jobs, about 25 s on 4 cores"
+    assert len(lines) <= 27
+    assert lines[-1].startswith("100%  100 of 100 jobs")
+
+
+def test_a_failure_is_said_once_and_with_its_log(handler):
+    lines = run_of_a_hundred_jobs(handler, failing=[7])
+    assert [line for line in lines if "FAILED" in line] == [
+        "FAILED  job number 7 (log: logs/train.log)"
+    ]
+    assert not any("CalledProcessError" in line for line in lines)
+
+
+def test_messages_that_a_person_wants(handler):
+    send(handler, "Building DAG of jobs...")
+    send(handler, "Nothing to be done (all requested files are present and up to date).")
+    send(handler, "the disk is nearly full", level=logging.WARNING)
+    assert handler._stream.getvalue().splitlines() == [
+        "Nothing to be done (all requested files are present and up to date).",
+        "the disk is nearly full",
+    ]
+
+
+def test_an_interruption_is_one_line(handler):
+    assert not terminal.interrupted()
+    send(handler, "Terminating processes on user request, this might take some time.")
+    job = {"jobid": 3, "rule_name": "train", "rule_msg": None, "log": ["a.log"]}
+    send(handler, "", LogEvent.JOB_ERROR, logging.ERROR, **job)
+    send(handler, "Cancelling snakemake on user request.", level=logging.ERROR)
+    send(handler, "CalledProcessError in file x", level=logging.ERROR)
+    assert terminal.interrupted()
+    assert handler._stream.getvalue().splitlines() == [
+        "interrupted; what is done stays, the same command goes on from here"
+    ]
+
+
+def test_the_line_of_a_terminal_renews_itself(handler):
+    handler._live = True
+    send(handler, event=LogEvent.JOB_INFO, jobid=1, rule_msg="Re400: train", rule_name="train")
+    send(handler, "something is odd", level=logging.WARNING)
+    text = handler._stream.getvalue()
+    assert "Re400: train" in text
+    assert text.endswith("\r\x1b[Ksomething is odd\n")
+    assert text.count("\n") == 2  # the plan and the warning
+
+
+def test_a_dry_run_is_shown_as_snakemake_shows_it(handler):
+    handler.common_settings.dryrun = True
+    send(handler, "This was a dry-run (flag -n).")
+    assert "dry-run" in handler._stream.getvalue()
