@@ -27,6 +27,7 @@ from typing import Any
 
 import pytest
 import yaml
+from helpers_rules import groups
 from one_machine_slurm import Job, OneMachineSlurm, install, installed, reason_not_to_run
 from snakemake.utils import update_config
 
@@ -44,19 +45,11 @@ MARGIN_OF_HOG = 0.95
 COPIED = ("Snakefile", "config.yaml", "profiles", "resources", "src", "workflow")
 
 
-def rules_of(group: str) -> list[str]:
-    """Rules whose jobs belong to a group."""
-    files = (ROOT / "workflow" / "rules").glob("*.smk")
-    rules = [text for file in files for text in re.split(r"^rule ", file.read_text(), flags=re.M)]
-    return [text.split(":")[0] for text in rules if re.search(rf'group:\s+"{group}"', text)]
-
-
 def first_request(group: str) -> int:
     """Memory that the first attempt of a group asks for: that of its largest member, in MiB."""
     project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
     jobs = predicted_jobs([*project, "--configfile", str(ROOT / PRESET)])
-    members = rules_of(group)
-    return max(job.cost.mib_for(1) for job in jobs if job.rule in members)
+    return max(job.cost.mib_for(1) for job in jobs if groups()[job.rule] == group)
 
 
 @dataclass
@@ -175,7 +168,7 @@ def run(slurm, tmp_path_factory):
 
     def cancel_one(process: subprocess.Popen) -> None:
         for job in slurm.jobs():
-            if not cancelled and "rule_network" in job.rules and job.state == "RUNNING":
+            if not cancelled and "rule_forecaster" in job.rules and job.state == "RUNNING":
                 slurm.cancel(job)
                 cancelled.append(job.number)
 
@@ -208,7 +201,7 @@ def recovered(slurm, run):
 
 def test_campaign_finishes_in_spite_of_two_killed_jobs(run):
     assert run.status == 0, run.log[-6000:]
-    for group in ("case", "network", "tables"):
+    for group in ("case", "forecaster", "tables"):
         assert run.of_group(group)[-1].state == "COMPLETED"
 
 

@@ -2,38 +2,26 @@ import re
 from pathlib import Path
 
 import yaml
+from helpers_rules import groups
 
 ROOT = Path(__file__).parents[2]
 PROFILE = yaml.safe_load((ROOT / "profiles" / "slurm" / "config.yaml").read_text())
 DEFAULT = yaml.safe_load((ROOT / "profiles" / "default" / "config.yaml").read_text())
 
 
-def groups_of_rules():
-    """Groups of the rules that have a script: the others only name what to make."""
-    found = {}
-    for path in sorted((ROOT / "workflow" / "rules").glob("*.smk")):
-        for text in re.split(r"^rule ", path.read_text(), flags=re.MULTILINE)[1:]:
-            if "script:" in text:
-                found[text.split(":")[0]] = re.findall(r'^    group:\n        "(\w+)"$', text, re.M)
-    return found
-
-
 def test_every_job_belongs_to_a_group_that_the_profile_describes():
-    groups = groups_of_rules()
-    assert len(groups) > 20
+    assert len(groups()) > 20
     described = (ROOT / "profiles" / "slurm" / "config.yaml").read_text()
-    for rule, names in groups.items():
-        assert len(names) == 1, rule
-        assert re.search(rf"^#   {names[0]} ", described, re.M), rule
+    for rule, name in groups().items():
+        assert re.search(rf"^#   {name} ", described, re.M), rule
     # a profile's groups would replace those of the rules
     assert "groups" not in PROFILE
 
 
 def test_groups_that_span_several_components_exist():
-    groups = {name for names in groups_of_rules().values() for name in names}
     spanning = {entry.split("=")[0] for entry in PROFILE["group-components"]}
     assert spanning
-    assert spanning <= groups
+    assert spanning <= set(groups().values())
 
 
 def test_what_makes_a_job_run_again_is_the_same_everywhere():

@@ -3,6 +3,7 @@
 import gc
 import inspect
 import os
+import re
 import sys
 import time
 from pathlib import Path
@@ -10,8 +11,7 @@ from pathlib import Path
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.costs import CostModel
-from burstcast_workflow.figure_registry import FIGURES as ALL_FIGURES
-from burstcast_workflow.figure_registry import figure_case, figure_names
+from burstcast_workflow.figure_registry import FIGURES, figure_case, figure_names
 from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.code_check import CodeChangedError, check_imports
 from burstcast_workflow.harness.failures import failure_summary
@@ -39,7 +39,6 @@ RESULTS = config["results"]
 CASE = f"{RESULTS}/{{case}}"
 FORECASTER = f"{CASE}/{{forecaster}}"
 TABLES = f"{RESULTS}/tables"
-FIGURES = f"{RESULTS}/figures"
 LOGS = f"{RESULTS}/logs"
 TIMES = f"{RESULTS}/benchmarks"
 ENVIRONMENT = "../envs/burstcast.yaml"
@@ -206,6 +205,97 @@ def needs(cost_class, cached=False):
     return {"mem_mb": memory, "runtime": runtime, "cached": int(cached)}
 
 
+# -- stages ------------------------------------------------------------------------------------------
+
+# Outputs of stages by their names, which are those of the arguments of scripts.
+FILES = {"time_unit": time_unit}
+# Slurm's groups of jobs (profiles/slurm), by the folder of the script.
+JOB_GROUPS = {
+    "data": "case",
+    "forecasters": "forecaster",
+    "evaluation": "forecaster",
+    "control": "forecaster",
+    "tables": "tables",
+}
+
+
+def files(names):
+    """Files that earlier stages make, by their names there: inputs of a stage."""
+    return {name: FILES[name] for name in names.split()}
+
+
+def stage(
+    name,
+    does,
+    outputs,
+    inputs={},
+    settings="",
+    cost="gather",
+    cached=False,
+    constraints={},
+    **values,
+):
+    """A stage of the workflow: the one rule of a script, and of its name.
+
+    Parameters
+    ----------
+    name
+        Of the script below ``workflow/scripts``: "evaluation/horizon" makes the rule horizon.
+    does
+        What a person is told while it runs, after whose job it is.
+    outputs, inputs
+        Files by the names of the script's arguments. Later stages find outputs by `files`.
+    settings, values
+        What its script reads, and further values by name (see `reads`).
+    cost, cached
+        The class of its cost, and whether the cache keeps its results (see `needs`).
+    constraints
+        Of wildcards, beside those of all rules.
+    """
+    folder, _, rule_name = name.partition("/")
+    wildcards = list(
+        dict.fromkeys(re.findall(r"\{(\w+)\}", next(iter(outputs.values()))))
+    )
+    # logs/horizon/Re400/esn-N2000-RV-seed3.log, logs/horizon_table.log
+    record = "/".join([rule_name, *(f"{{{key}}}" for key in wildcards)])
+    whose = ", ".join(f"{{wildcards.{key}}}" for key in wildcards)
+    for file, path in outputs.items():
+        # what two stages call the same is no name for either
+        FILES[file] = path if FILES.get(file, path) == path else None
+
+    # Each rule sees the arguments of its own call, also when its job runs: in a loop over stages
+    # all jobs would run the script of the last one. (What Snakemake itself calls script and the
+    # like must keep its name here.)
+    rule:
+        name:
+            rule_name
+        input:
+            **inputs,
+        output:
+            **outputs,
+        log:
+            f"{LOGS}/{record}.log",
+        benchmark:
+            f"{TIMES}/{record}.tsv"
+        wildcard_constraints:
+            **constraints,
+        group:
+            JOB_GROUPS[folder]
+        conda:
+            ENVIRONMENT
+        resources:
+            **needs(cost, cached),
+        params:
+            **reads(f"{name}.py", settings, **values),
+        message:
+            f"{whose}: {does}" if whose else does
+        script:
+            f"../scripts/{name}.py"
+
+
+# -- of single stages --------------------------------------------------------------------------------
+
+
 @of_job
 def scan_of_network(wildcards):
     """The scan that a network's search goes on from."""
@@ -213,10 +303,22 @@ def scan_of_network(wildcards):
     return f"{RESULTS}/{wildcards.case}/scan/{reservoir}-{strategies}.csv"
 
 
+def in_report(table, caption=None):
+    """A table that the report has."""
+    return report(
+        f"{TABLES}/{table}.csv",
+        caption=f"../report/{caption or table}.rst",
+        category="Tables",
+        labels={
+            "table": table.replace("_percentiles", ", percentiles").replace("_", " ")
+        },
+    )
+
+
 # -- figures -----------------------------------------------------------------------------------------
 
 # The report reads captions from the config, where they are no setting of any job.
-config["captions"] = {name: figure.caption for name, figure in ALL_FIGURES.items()}
+config["captions"] = {name: figure.caption for name, figure in FIGURES.items()}
 PUBLISHED = os.path.relpath(PROJECT / "resources" / "published_percentiles.csv")
 
 
@@ -228,7 +330,7 @@ def case_of_figure(wildcards):
 @of_job
 def files_of_figure(wildcards):
     """What a figure is drawn from."""
-    figure = ALL_FIGURES[wildcards.figure]
+    figure = FIGURES[wildcards.figure]
     files = figure.files(campaign, case_of_figure(wildcards))
     found = {
         name: (
@@ -245,7 +347,7 @@ def files_of_figure(wildcards):
 @of_job
 def settings_of_figure(wildcards):
     """What a figure's script reads."""
-    figure, case = ALL_FIGURES[wildcards.figure], case_of_figure(wildcards)
+    figure, case = FIGURES[wildcards.figure], case_of_figure(wildcards)
     return campaign.settings(
         figure.reads, {"case": case}, figure.values(campaign, case)
     )

@@ -1,84 +1,31 @@
 """Control of extreme events, by any forecaster and by alarms at random."""
 
+CONTROL = f"{FORECASTER}/control_PT{{prediction_time_lt}}"
+RANDOM = f"{FORECASTER}/control_random_PT{{prediction_time_lt}}"
 
-rule control:
-    input:
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
-        time_unit=time_unit,
-        forecaster=f"{FORECASTER}/forecaster.nc",
-    output:
-        counts=f"{FORECASTER}/control_PT{{prediction_time_lt}}.json",
-        histograms=f"{FORECASTER}/control_PT{{prediction_time_lt}}.nc",
-    log:
-        f"{LOGS}/control/{{case}}/{{forecaster}}-PT{{prediction_time_lt}}.log",
-    benchmark:
-        f"{TIMES}/control/{{case}}/{{forecaster}}-PT{{prediction_time_lt}}.tsv"
-    group:
-        "forecaster"
-    conda:
-        ENVIRONMENT
-    resources:
-        **needs("control", cached=True),
-    params:
-        **reads(
-            "control/control.py",
-            "CONTROL OBSERVED case.controlled_density forecaster.options",
-        ),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: control, prediction time {wildcards.prediction_time_lt} LT"
-    script:
-        "../scripts/control/control.py"
-
-
-rule control_random:
-    input:
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
-        time_unit=time_unit,
-        rate=f"{FORECASTER}/control_PT{{prediction_time_lt}}.json",
-    output:
-        counts=f"{FORECASTER}/control_random_PT{{prediction_time_lt}}.json",
-        histograms=f"{FORECASTER}/control_random_PT{{prediction_time_lt}}.nc",
-    log:
-        f"{LOGS}/control_random/{{case}}/{{forecaster}}-PT{{prediction_time_lt}}.log",
-    benchmark:
-        f"{TIMES}/control_random/{{case}}/{{forecaster}}-PT{{prediction_time_lt}}.tsv"
-    group:
-        "forecaster"
-    conda:
-        ENVIRONMENT
-    resources:
-        **needs("integration", cached=True),
-    params:
-        **reads("control/control_random.py", "CONTROL case.controlled_density"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: random actuation, prediction time {wildcards.prediction_time_lt} LT"
-    script:
-        "../scripts/control/control_random.py"
-
-
-rule suppressed_event:
-    input:
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
-        time_unit=time_unit,
-        forecaster=f"{FORECASTER}/forecaster.nc",
-    output:
-        event=f"{FORECASTER}/suppressed_event_PT{{prediction_time_lt}}.nc",
-    log:
-        f"{LOGS}/suppressed_event/{{case}}/{{forecaster}}-PT{{prediction_time_lt}}.log",
-    benchmark:
-        f"{TIMES}/suppressed_event/{{case}}/{{forecaster}}-PT{{prediction_time_lt}}.tsv"
-    group:
-        "forecaster"
-    conda:
-        ENVIRONMENT
-    resources:
-        **needs("control"),
-    params:
-        **reads("control/suppressed_event.py", "CONTROL OBSERVED forecaster.options"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: a suppressed event"
-    script:
-        "../scripts/control/suppressed_event.py"
+stage(
+    "control/control",
+    "control, so many Lyapunov times ahead",
+    inputs=files("ensemble summary time_unit forecaster"),
+    outputs={"counts": f"{CONTROL}.json", "histograms": f"{CONTROL}.nc"},
+    settings="CONTROL OBSERVED case.controlled_density forecaster.options",
+    cost="control",
+    cached=True,
+)
+stage(
+    "control/control_random",
+    "actuation at random, as often as it",
+    inputs={**files("ensemble summary time_unit"), "rate": f"{CONTROL}.json"},
+    outputs={"counts": f"{RANDOM}.json", "histograms": f"{RANDOM}.nc"},
+    settings="CONTROL case.controlled_density",
+    cost="integration",
+    cached=True,
+)
+stage(
+    "control/suppressed_event",
+    "a suppressed event",
+    inputs=files("ensemble summary time_unit forecaster"),
+    outputs={"event": f"{FORECASTER}/suppressed_event_PT{{prediction_time_lt}}.nc"},
+    settings="CONTROL OBSERVED forecaster.options",
+    cost="control",
+)

@@ -5,9 +5,9 @@ rule figure:
     input:
         unpack(files_of_figure),
     output:
-        pdf=f"{FIGURES}/{{figure}}{{of_case}}.pdf",
+        pdf=f"{RESULTS}/figures/{{figure}}{{of_case}}.pdf",
         png=report(
-            f"{FIGURES}/{{figure}}{{of_case}}.png",
+            f"{RESULTS}/figures/{{figure}}{{of_case}}.png",
             caption="../report/figure.rst",
             category="Figures",
             labels=labels_of_figure,
@@ -17,7 +17,7 @@ rule figure:
     benchmark:
         f"{TIMES}/figure/{{figure}}{{of_case}}.tsv"
     wildcard_constraints:
-        figure="|".join(ALL_FIGURES),
+        figure="|".join(FIGURES),
         # nothing for the case that figures show by default
         of_case=r"(_[A-Za-z][A-Za-z0-9_.-]*)?",
     group:
@@ -38,7 +38,7 @@ rule figure:
 rule figures:
     input:
         expand(
-            f"{FIGURES}/{{figure}}.{{suffix}}",
+            f"{RESULTS}/figures/{{figure}}.{{suffix}}",
             figure=figure_names(campaign),
             suffix=["pdf", "png"],
         ),

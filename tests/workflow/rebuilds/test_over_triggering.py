@@ -297,7 +297,7 @@ WITH_EFFECT = [
             "return samples[1:], samples[-1]",
             "return samples[1:], samples[-1].copy()",
         ),
-        f"*/equations */equations-* */equations_noisy {GATHERED} {GATHERED_CONTROL}",
+        f"*/equations */equations/* */equations_noisy {GATHERED} {GATHERED_CONTROL}",
     ),
     (
         Edit(

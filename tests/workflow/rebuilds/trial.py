@@ -239,11 +239,10 @@ _TOLD_APART = {job.partition("/")[0] for job in ALL if "/" in job}
 
 def _job(log: str) -> str:
     """What the oracle calls the job of a log: with its table, or the kind that forecasts."""
-    rule, _, rest = log.removesuffix(".log").partition("/")
+    rule, *parts = log.removesuffix(".log").split("/")
     if rule not in _TOLD_APART:
         return rule
-    name = rest.rpartition("/")[2]
-    return f"{rule}/{name if rule in ('percentiles', 'latex') else name.partition('-')[0]}"
+    return f"{rule}/{parts[0] if rule in ('percentiles', 'latex') else parts[1].partition('-')[0]}"
 
 
 def _jobs_of(script: str) -> list[str]:

@@ -28,7 +28,7 @@ def events_of_case(
     ensemble: str,
     time_unit: str | list[str],
     events: str,
-    summary: str,
+    events_summary: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
@@ -78,7 +78,7 @@ def events_of_case(
         provenance,
     )
     write_json(
-        summary,
+        events_summary,
         {
             "events_per_series": len(crossings) / len(observable),
             "usable_events": len(points),

@@ -1,0 +1,32 @@
+"""The rules as Snakemake reads them."""
+
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+
+from snakemake.api import SnakemakeApi
+from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
+
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.config.loading import load
+
+ROOT = Path(__file__).parents[3]
+
+
+@cache
+def workflow():
+    """The rules by name, and the campaign of the paper."""
+    with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
+        loaded = api.workflow(
+            resource_settings=ResourceSettings(cores=1),
+            config_settings=ConfigSettings(configfiles=(ROOT / "config.yaml",)),
+            snakefile=ROOT / "Snakefile",
+        )._workflow
+        rules = {rule.name: rule for rule in loaded.rules}
+        config = {name: value for name, value in loaded.config.items() if name != "captions"}
+    return SimpleNamespace(rules=rules, campaign=Campaign(load(config)))
+
+
+def groups():
+    """Groups of the rules that have a script: the others only name what to make."""
+    return {name: rule.ruleinfo.group for name, rule in workflow().rules.items() if rule.script}
