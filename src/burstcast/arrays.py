@@ -9,3 +9,5 @@ IntArray = npt.NDArray[np.int64]
 """Counts and indices."""
 Int32Array = npt.NDArray[np.int32]
 """Indices of sparse matrices, as scipy stores them."""
+ByteArray = npt.NDArray[np.uint8]
+"""Small numbers that choose between a few things."""

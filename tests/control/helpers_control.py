@@ -10,7 +10,7 @@ from burstcast.control.actuation import Actuation
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.timing import Timing
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.integration import step
+from burstcast.systems.runge_kutta import step
 
 PAPER = Timing(
     prediction_time_lt=1.0,

@@ -13,9 +13,10 @@ from scipy.integrate import solve_ivp
 from burstcast.arrays import FloatArray
 from burstcast.systems import integration
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.integration import integrate, integrate_observed, step
+from burstcast.systems.integration import integrate, integrate_observed
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.runge_kutta import step
 
 MFE = MoehlisFaisstEckhardt(400.0)
 

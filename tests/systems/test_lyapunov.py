@@ -10,7 +10,7 @@ import scipy.stats
 
 from burstcast.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.integration import integrate, integrate_observed, step
+from burstcast.systems.integration import integrate, integrate_observed
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import (
     alignment_of,
@@ -21,6 +21,7 @@ from burstcast.systems.lyapunov import (
     tangent_step,
 )
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.runge_kutta import step
 
 ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
 

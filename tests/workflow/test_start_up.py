@@ -17,6 +17,7 @@ SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
 # Libraries that take long to load, and the scripts that cannot do without them.
 NEEDED_BY = {
     "numba": [],
+    "llvmlite": [],
     "skopt": ["forecasters/search.py"],
     "sklearn": [],  # by scikit-optimize only
     "skimage": ["figures/vorticity_isosurfaces.py"],
@@ -103,5 +104,14 @@ def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_wit
     output = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
-    heavy = {"numba", "pandas", "matplotlib", "skopt", "sklearn", "scipy.stats", "scipy.optimize"}
+    heavy = {
+        "numba",
+        "llvmlite",
+        "pandas",
+        "matplotlib",
+        "skopt",
+        "sklearn",
+        "scipy.stats",
+        "scipy.optimize",
+    }
     assert not heavy & set(output.stdout.split())

@@ -14,7 +14,7 @@ from burstcast.control.timing import Timing
 from burstcast.events import upward_crossings
 from burstcast.forecast.windows import crosses_in_window
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.integration import integrate
+from burstcast.systems.integration import integrate, integrate_switched
 
 FLOWS_PER_BATCH = 1024
 """Flows that advance side by side: bounds the memory, changes no result."""
@@ -345,23 +345,23 @@ class _RunningFlows:
         now = self.clock[flows]
         since_alarm = self.clock[others] - self._alarm_step(others)
         ahead = np.arange(steps * stride)
-        samples = _integrate_with_actuation(
-            self._system,
-            self._actuated_system,
+        acting = np.concatenate(
+            [
+                self._acting[flows[:, np.newaxis], now[:, np.newaxis] * stride + ahead],
+                self._counterfactual_acting[
+                    others[:, np.newaxis], since_alarm[:, np.newaxis] * stride + ahead
+                ],
+            ]
+        )
+        samples = integrate_switched(
+            (self._system, self._actuated_system),
+            acting.T.view(np.uint8),
             np.concatenate(
                 [self.states[flows, now], self._counterfactual_states[others, since_alarm]]
             ).T,
-            np.concatenate(
-                [
-                    self._acting[flows[:, np.newaxis], now[:, np.newaxis] * stride + ahead],
-                    self._counterfactual_acting[
-                        others[:, np.newaxis], since_alarm[:, np.newaxis] * stride + ahead
-                    ],
-                ]
-            ),
             self._timing.time_step,
             stride,
-        ).transpose(2, 0, 1)
+        )[1:].transpose(2, 0, 1)
         next_steps = np.arange(1, steps + 1)
         self.states[flows[:, np.newaxis], now[:, np.newaxis] + next_steps] = samples[: len(flows)]
         self._counterfactual_states[
@@ -432,44 +432,6 @@ class _RunningFlows:
         )
         steps: IntArray = np.sum(self._acting[:, counted], axis=1, dtype=np.int64)
         return steps
-
-
-def _integrate_with_actuation(
-    system: DynamicalSystem,
-    actuated_system: DynamicalSystem,
-    state: FloatArray,
-    acting: BoolArray,
-    time_step: float,
-    stride: int,
-) -> FloatArray:
-    """Integrate flows, each under its own actuation ``(flows, integration steps)``.
-
-    Returns the samples after the initial states, ``(integration steps // stride, dimension,
-    flows)``.
-    """
-    steps = acting.shape[1]
-    samples = np.empty((steps // stride, *state.shape))
-    changes = np.flatnonzero((acting[:, 1:] != acting[:, :-1]).any(axis=0)) + 1
-    current = np.ascontiguousarray(state)
-    # between two changes each flow obeys one set of equations
-    for start, stop in zip([0, *changes], [*changes, steps], strict=True):
-        first_sample = start // stride  # of the samples after `start`
-        on_grid = np.arange(first_sample, stop // stride)
-        last = np.empty_like(current)
-        for equations, members in (
-            (system, np.flatnonzero(~acting[:, start])),
-            (actuated_system, np.flatnonzero(acting[:, start])),
-        ):
-            if members.size == 0:
-                continue
-            # actuation may begin and end between samples: keep every state
-            piece = integrate(equations, current[:, members], time_step, int(stop - start))
-            samples[np.ix_(on_grid, np.arange(len(state)), members)] = piece[
-                (on_grid + 1) * stride - start
-            ]
-            last[:, members] = piece[-1]
-        current = last
-    return samples
 
 
 def _stretches_ending_at(

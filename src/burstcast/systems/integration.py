@@ -1,17 +1,22 @@
 """Time integration of whole ensembles by the classical fourth-order Runge-Kutta scheme.
 
-Trajectories do not depend on one another, bit for bit: they may be integrated in any grouping.
+In machine code where that can be made of the system's expressions (`burstcast.systems.compiled`),
+by numpy otherwise: the bits are the same. Trajectories do not depend on one another, bit for bit:
+they may be integrated in any grouping.
 """
 
 import dataclasses
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import ByteArray, FloatArray
 from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.compiled import CompiledSteps, compiled_steps
+from burstcast.systems.runge_kutta import step
 
-# Trajectories that are integrated together. So many that the cost of a numpy call is spread over
+# Trajectories that numpy integrates together. So many that the cost of a numpy call is spread over
 # many numbers, so few that the states and slopes of a nine-dimensional system stay in the cache.
 _TILE = 2048
 
@@ -32,37 +37,6 @@ class ObservedTrajectories:
 
     states: FloatArray
     largest_observable: FloatArray
-
-
-def step(system: DynamicalSystem, state: FloatArray, time_step: float) -> FloatArray:
-    """One step of the fourth-order Runge-Kutta scheme; states of shape ``(dimension, ...)``."""
-    slope_1 = system.right_hand_side(state)
-    slope_2 = system.right_hand_side(state + (0.5 * time_step) * slope_1)
-    slope_3 = system.right_hand_side(state + (0.5 * time_step) * slope_2)
-    slope_4 = system.right_hand_side(state + time_step * slope_3)
-    return combine(state, slope_1, slope_2, slope_3, slope_4, time_step)
-
-
-def combine(
-    state: FloatArray,
-    slope_1: FloatArray,
-    slope_2: FloatArray,
-    slope_3: FloatArray,
-    slope_4: FloatArray,
-    time_step: float,
-) -> FloatArray:
-    """Last stage of the scheme: state + time_step / 6 (slope_1 + 2 slope_2 + 2 slope_3 + slope_4).
-
-    Public because the tangent dynamics (`burstcast.systems.lyapunov`) is the same scheme applied
-    to the linearised equations, and has to follow the very trajectory that `integrate` yields.
-    """
-    increment = slope_2 + slope_3
-    increment *= 2.0
-    increment += slope_1
-    increment += slope_4
-    increment *= time_step / 6.0
-    increment += state
-    return increment
 
 
 def integrate(
@@ -102,18 +76,61 @@ def integrate(
     """
     check_batch(system, state, time_step)
     _check_steps(steps, stride)
-    batch = state.shape[1]
-    states = np.empty((steps // stride + 1, *state.shape))
-    for tile in _tiles(batch):
-        current = np.array(state[:, tile], dtype=np.float64)
-        tile_system = _with_parameters_of(system, tile, batch)
-        states[0, :, tile] = current
-        with np.errstate(over="ignore", invalid="ignore"):
-            for kept in range(1, len(states)):
-                for _ in range(stride):
-                    current = step(tile_system, current, time_step)
-                states[kept, :, tile] = current
-        _check_finite(current, tile, time_step)
+    states = _room(state, steps, stride)
+    compiled = _compiled([system], time_step)
+    if compiled is not None:
+        compiled.run(states, stride)
+    else:
+        for tile, tile_system in _tiles(system, state.shape[1]):
+            _fill(tile_system, states[..., tile], time_step, stride)
+    _check_finite(states[-1], time_step)
+    return states
+
+
+def integrate_switched(
+    systems: Sequence[DynamicalSystem],
+    choice: ByteArray,
+    state: FloatArray,
+    time_step: float,
+    stride: int = 1,
+) -> FloatArray:
+    """Integrate a batch of trajectories each of which obeys one of several systems at each step.
+
+    Parameters
+    ----------
+    systems
+        The equations, at most 128 of them, of one dimension. Their parameters are numbers.
+    choice
+        Number of the system that each step obeys, ``(steps, batch)``.
+    state, time_step, stride
+        See `integrate`.
+
+    Returns
+    -------
+    FloatArray
+        ``(steps // stride + 1, dimension, batch)``; the first entry is the initial state.
+
+    Raises
+    ------
+    ValueError, FloatingPointError
+        See `integrate`.
+    """
+    for system in systems:
+        check_batch(system, state, time_step)
+    if choice.ndim != 2 or choice.shape[1] != state.shape[1]:
+        raise ValueError(
+            f"the choice must have the shape (steps, {state.shape[1]}), not {choice.shape}"
+        )
+    if choice.size and not 0 <= choice.min() <= choice.max() < len(systems):
+        raise ValueError(f"the choice must be between systems 0 to {len(systems) - 1}")
+    _check_steps(len(choice), stride)
+    states = _room(state, len(choice), stride)
+    compiled = _compiled(systems, time_step)
+    if compiled is not None:
+        compiled.run(states, stride, choice=np.ascontiguousarray(choice, dtype=np.uint8))
+    else:
+        _fill_switched(systems, choice, states, time_step, stride)
+    _check_finite(states[-1], time_step)
     return states
 
 
@@ -147,44 +164,95 @@ def integrate_observed(
     _check_steps(steps, stride)
     if transient_steps < 0:
         raise ValueError(f"the transient must not be negative, not {transient_steps} steps")
-    batch = state.shape[1]
-    states = np.empty((steps // stride + 1, *state.shape))
-    largest = np.empty(batch)
-    for tile in _tiles(batch):
-        current = np.array(state[:, tile], dtype=np.float64)
-        tile_system = _with_parameters_of(system, tile, batch)
-        with np.errstate(over="ignore", invalid="ignore"):
-            for _ in range(transient_steps):
-                current = step(tile_system, current, time_step)
-            states[0, :, tile] = current
-            largest_in_tile = tile_system.observable(current)
-            for kept in range(1, len(states)):
-                for _ in range(stride):
-                    current = step(tile_system, current, time_step)
-                    largest_in_tile = np.maximum(largest_in_tile, tile_system.observable(current))
-                states[kept, :, tile] = current
-        _check_finite(current, tile, time_step)
-        largest[tile] = largest_in_tile
+    developed = integrate(system, state, time_step, transient_steps, stride=max(transient_steps, 1))
+    states = _room(developed[-1], steps, stride)
+    largest = np.array(system.observable(states[0]), order="C")
+    compiled = _compiled([system], time_step, observed=True)
+    if compiled is not None:
+        compiled.run(states, stride, largest=largest)
+    else:
+        for tile, tile_system in _tiles(system, state.shape[1]):
+            _fill(tile_system, states[..., tile], time_step, stride, largest[tile])
+    _check_finite(states[-1], time_step)
     return ObservedTrajectories(states=states, largest_observable=largest)
 
 
-def _tiles(batch: int) -> list[slice]:
-    return [slice(start, min(start + _TILE, batch)) for start in range(0, batch, _TILE)]
+def _room(state: FloatArray, steps: int, stride: int) -> FloatArray:
+    """Array of the states to be kept, whose first entry is the initial state."""
+    states = np.empty((steps // stride + 1, *state.shape))
+    states[0] = state
+    return states
 
 
-def _with_parameters_of(system: DynamicalSystem, tile: slice, batch: int) -> DynamicalSystem:
-    """Cut the parameters that are arrays over the batch down to the trajectories of one tile."""
+def _compiled(
+    systems: Sequence[DynamicalSystem], time_step: float, *, observed: bool = False
+) -> CompiledSteps | None:
+    try:
+        return compiled_steps(tuple(systems), time_step, observed)
+    except TypeError:  # trajectories that differ in a parameter have no program in common
+        return None
+
+
+def _fill(
+    system: DynamicalSystem,
+    states: FloatArray,
+    time_step: float,
+    stride: int,
+    largest_observable: FloatArray | None = None,
+) -> None:
+    """Integrate by numpy from the first entry on, and keep the largest observable up to date."""
+    current = states[0].copy()
+    with np.errstate(over="ignore", invalid="ignore"):
+        for kept in range(1, len(states)):
+            for _ in range(stride):
+                current = step(system, current, time_step)
+                if largest_observable is not None:
+                    np.maximum(
+                        largest_observable, system.observable(current), out=largest_observable
+                    )
+            states[kept] = current
+
+
+def _fill_switched(
+    systems: Sequence[DynamicalSystem],
+    choice: ByteArray,
+    states: FloatArray,
+    time_step: float,
+    stride: int,
+) -> None:
+    """Integrate by numpy, each step under the system of its number."""
+    current = states[0].copy()
+    with np.errstate(over="ignore", invalid="ignore"):
+        for index in range((len(states) - 1) * stride):
+            following = np.empty_like(current)
+            for number in np.unique(choice[index]):
+                members = choice[index] == number
+                following[:, members] = step(systems[number], current[:, members], time_step)
+            current = following
+            if (index + 1) % stride == 0:
+                states[(index + 1) // stride] = current
+
+
+def _tiles(system: DynamicalSystem, batch: int) -> Iterator[tuple[slice, DynamicalSystem]]:
+    """Tiles of a batch, and the system with the parameters of their trajectories."""
+    for start in range(0, batch, _TILE):
+        tile = slice(start, min(start + _TILE, batch))
+        cut = {
+            name: np.broadcast_to(value, (batch,))[tile]
+            for name, value in _parameters_over_batch(system).items()
+        }
+        yield tile, dataclasses.replace(system, **cut) if cut else system  # type: ignore[type-var]
+
+
+def _parameters_over_batch(system: DynamicalSystem) -> dict[str, FloatArray]:
+    """Parameters that are arrays over the batch, by their names."""
     if not dataclasses.is_dataclass(system):
-        return system
-    arrays = {
+        return {}
+    return {
         field.name: getattr(system, field.name)
         for field in dataclasses.fields(system)
         if field.init and np.ndim(getattr(system, field.name)) > 0
     }
-    if not arrays:
-        return system
-    cut = {name: np.broadcast_to(value, (batch,))[tile] for name, value in arrays.items()}
-    return dataclasses.replace(system, **cut)
 
 
 def check_batch(system: DynamicalSystem, state: FloatArray, time_step: float) -> None:
@@ -206,13 +274,12 @@ def _check_steps(steps: int, stride: int) -> None:
         raise ValueError(f"the stride must be at least one step, not {stride}")
 
 
-def _check_finite(state: FloatArray, tile: slice, time_step: float) -> None:
+def _check_finite(state: FloatArray, time_step: float) -> None:
     # Looking at the last state is enough: each step adds to the state, so what is once infinite
     # or NaN stays so.
     finite = np.isfinite(state).all(axis=0)
     if not finite.all():
-        first = tile.start + int(np.argmin(finite))
         raise FloatingPointError(
-            f"trajectory {first} left the range of floating-point numbers: "
+            f"trajectory {np.argmin(finite)} left the range of floating-point numbers: "
             f"the time step {time_step} is too long, or the system has no bounded solution there"
         )

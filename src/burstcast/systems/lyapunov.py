@@ -17,7 +17,8 @@ from scipy.special import stdtrit
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.integration import check_batch, combine, step
+from burstcast.systems.integration import check_batch
+from burstcast.systems.runge_kutta import combine, step
 
 # Ratio of the weakest to the strongest growth between two orthonormalisations below which the
 # weakest direction drowns in the rounding errors of the strongest.
@@ -218,7 +219,7 @@ def tangent_step(
     Returns
     -------
     tuple
-        Both, one step later. The state is bit for bit that of `integration.step`; the
+        Both, one step later. The state is bit for bit that of `runge_kutta.step`; the
         perturbations are multiplied by the derivative of that map.
     """
     half = 0.5 * time_step
