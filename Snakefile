@@ -5,7 +5,8 @@ from snakemake.utils import min_version
 min_version("9.20")
 
 
-configfile: "config.yaml"
+# beside this file, wherever the workflow runs; what is laid over it comes with --configfile
+configfile: f"{workflow.current_basedir}/config.yaml"
 
 
 include: "workflow/rules/common.smk"

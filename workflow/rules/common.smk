@@ -25,7 +25,7 @@ gc.set_threshold(200_000, 50, 1000)
 PROJECT = Path(str(workflow.current_basedir)).parents[1]
 try:
     check_imports(PROJECT / "src")
-    config = load(config, workflow.configfiles)
+    config = load(config, workflow.configfiles, defaults=PROJECT / "config.yaml")
 except (CodeChangedError, ConfigError) as error:
     # without the traceback, in which nobody would find the message
     raise WorkflowError(str(error)) from None

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from snakemake.utils import update_config
 
 from burstcast_workflow.canonical import canonical
 from burstcast_workflow.config.cases import Config
@@ -35,7 +36,12 @@ class ConfigError(ValueError):
         super().__init__(text)
 
 
-def load(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> Config:
+def load(
+    config: Mapping[str, Any],
+    files: Iterable[str | Path] = (),
+    *,
+    defaults: str | Path | None = None,
+) -> Config:
     """Check a configuration as Snakemake merged it, and put it in canonical form.
 
     Parameters
@@ -44,6 +50,9 @@ def load(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> Config:
         The content of config.yaml with everything laid over it.
     files
         The files that it was read from, to be searched for keys that are there twice.
+    defaults
+        A configuration file for what is not said: the workflow's own, which another workflow that
+        takes it as a module has not read.
 
     Raises
     ------
@@ -51,6 +60,11 @@ def load(config: Mapping[str, Any], files: Iterable[str | Path] = ()) -> Config:
         If anything is wrong with it.
     """
     config = dict(config)
+    if defaults is not None:
+        with Path(defaults).open(encoding="utf-8") as file:
+            whole = yaml.load(file, _LOADER)
+        update_config(whole, config)
+        config = whole
     problems = duplicated_keys(files)
     problems += model_problems(config, Configuration) or contradictions(config)
     if problems:
