@@ -1,4 +1,4 @@
-"""Using burstcast from elsewhere: another workflow's module, another directory, workflow/Snakefile."""
+"""Using burstcast from elsewhere: as a module, in another directory, by workflow/Snakefile."""
 
 import re
 import subprocess
