@@ -172,16 +172,19 @@ def test_densities_leave_the_sweep_and_other_sizes_out():
                 "settings": {"case.event_threshold": 0.1},
                 "kind": {"neurons": 2000, "validation": "RV"},
             }
-        ],
-        "prediction_times_lt": [1, 2],
+        ]
     }
+    assert found.config["control"]["prediction_times_lt"] == [1, 2]
 
 
 def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
     blocks = [block([2000], reynolds=[400]), block([500], reynolds=[600])]
     found = campaign(blocks, control={"forecasters": {"esn": {"neurons": []}}})
     shown = FIGURES["control_tradeoff"].values(found, "Re600")
-    assert shown == {"shown_case": "Re600", "neurons": 500, "validation": "RV"}
+    assert shown == {
+        "shown_case": "Re600",
+        "controlling": {"neurons": 500, "validation": "RV"},
+    }
 
 
 def test_the_suppressed_event_is_the_example_networks_if_it_controls():

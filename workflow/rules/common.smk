@@ -11,10 +11,16 @@ from pathlib import Path
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.costs import CostModel
-from burstcast_workflow.figure_registry import FIGURES, figure_case, figure_names
+from burstcast_workflow.figure_registry import (
+    FIGURES,
+    caption,
+    figure_case,
+    figure_names,
+)
 from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.code_check import CodeChangedError, check_imports
 from burstcast_workflow.harness.failures import failure_summary
+from burstcast_workflow.setting_groups import listed
 from burstcast_workflow.summary import campaign_summary
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
@@ -110,36 +116,6 @@ def of_control(suffix, runs=campaign.control_runs):
 
 # -- what a stage depends on and needs ---------------------------------------------------------------
 
-# Settings that several stages read, by a name in capitals.
-GROUPS = {
-    "SYSTEM": "case.system case.parameters",
-    # from which a Lyapunov time follows, if the config knows it
-    "TIME": "case.ensemble.time_step case.ensemble.sampling_stride "
-    "case.lyapunov.time_unit case.lyapunov.published_exponent",
-    # what everybody observes: the true states with noise
-    "OBSERVED": "random_seed case.training.noise case.training.series",
-    # how forecasts are cut into windows
-    "WINDOWS": "classification.resolution_lt classification.window_lt "
-    "classification.longest_prediction_time_lt",
-    "HORIZON": "horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance",
-    "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
-    "forecasters.esn.backend",
-    "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
-    "search.interval_lt search.tikhonov search.spectral_radius search.input_scaling",
-    "FORECASTER": "SYSTEM TIME forecaster.options",
-    "CONTROL": "SYSTEM TIME random_seed case.training.series case.event_threshold "
-    "case.laminarisation_threshold case.actuation washout_lt control.window_lt "
-    "control.flows control.span_lt",
-}
-
-
-def listed(text):
-    """The paths of settings that a text of paths and groups stands for."""
-    paths = []
-    for name in text.split():
-        paths += listed(GROUPS[name]) if name in GROUPS else [name]
-    return list(dict.fromkeys(paths))
-
 
 def time_unit_of(case):
     """The computed Lyapunov exponents of a case, where they set the unit of time."""
@@ -171,7 +147,7 @@ time_unit = time_unit_of_job if any(map(time_unit_of, campaign.cases)) else []
 def reads(script, paths="", **values):
     """Parameters of a stage: the settings that its script reads, and the code that it runs.
 
-    ``paths`` are those of the config and names of `GROUPS`, ``case.`` standing for the job's case
+    ``paths`` are those of the config and names of `setting_groups`, ``case.`` standing for the job's case
     and ``forecaster.options`` for the section of its kind; ``values`` are given as they are.
     """
     names = listed(paths)
@@ -257,15 +233,15 @@ def stage(
         dict.fromkeys(re.findall(r"\{(\w+)\}", next(iter(outputs.values()))))
     )
     # logs/horizon/Re400/esn-N2000-RV-seed3.log, logs/horizon_table.log
-    record = "/".join([rule_name, *(f"{{{key}}}" for key in wildcards)])
+    record = os.path.join(rule_name, *(f"{{{key}}}" for key in wildcards))
     whose = ", ".join(f"{{wildcards.{key}}}" for key in wildcards)
     for file, path in outputs.items():
         # what two stages call the same is no name for either
         FILES[file] = path if FILES.get(file, path) == path else None
 
-    # Each rule sees the arguments of its own call, also when its job runs: in a loop over stages
-    # all jobs would run the script of the last one. (What Snakemake itself calls script and the
-    # like must keep its name here.)
+    # A rule sees the arguments of its own call, also when its job runs; in a loop over stages, all
+    # jobs would run the script of the last one. (What Snakemake itself calls script and the like
+    # must keep its name here.)
     rule:
         name:
             rule_name
@@ -318,7 +294,10 @@ def in_report(table, caption=None):
 # -- figures -----------------------------------------------------------------------------------------
 
 # The report reads captions from the config, where they are no setting of any job.
-config["captions"] = {name: figure.caption for name, figure in FIGURES.items()}
+config["captions"] = {
+    name: caption(PROJECT / "workflow" / "scripts" / "figures" / f"{name}.py")
+    for name in FIGURES
+}
 PUBLISHED = os.path.relpath(PROJECT / "resources" / "published_percentiles.csv")
 
 

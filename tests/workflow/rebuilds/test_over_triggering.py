@@ -211,7 +211,7 @@ WITHOUT_EFFECT = [
     ),
     Edit(
         "caption of a figure",
-        f"{WORKFLOW}/figure_registry.py",
+        "workflow/scripts/figures/observable_and_density.py",
         "Typical evolution of the observable",
         "How the observable evolves",
     ),

@@ -1,4 +1,6 @@
-"""Draw prediction horizon and F-score against the Reynolds number."""
+"""Mean prediction horizon of extreme events and F-score against the Reynolds number: medians and
+quartiles over the networks of an ensemble.
+"""
 
 from matplotlib.figure import Figure
 

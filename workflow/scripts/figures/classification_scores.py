@@ -1,4 +1,6 @@
-"""Draw precision, recall and F-score against prediction time and reservoir size."""
+"""Precision, recall and F-score: medians (lines) and quartiles (bands) over the networks of an
+ensemble. In grey: forecasters to compare with.
+"""
 
 from matplotlib.figure import Figure
 

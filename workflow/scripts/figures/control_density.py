@@ -1,4 +1,7 @@
-"""Draw the density of the observable with and without control, averaged over the networks."""
+"""Density of the observable with and without control, averaged over the networks of an ensemble.
+Both flows start from the same states and are compared over the same times. The table
+control_density.csv has these densities, and those without the time under actuation.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -22,7 +25,7 @@ def draw(*, densities: str, settings: Settings) -> Figure:
             & (table["forecaster"] == "esn")
             & (table["neurons"] == kind["neurons"])
             & (table["validation"] == kind["validation"])
-            & table["prediction_time_lt"].isin(settings["prediction_times_lt"])
+            & table["prediction_time_lt"].isin(settings["control.prediction_times_lt"])
         ]
         by_time = {
             float(time): group.sort_values("low")

@@ -1,4 +1,7 @@
-"""Draw the control strategy on a suppressed event."""
+"""The control strategy on the suppressed event: a forecast from time 0 crosses the threshold in
+the window after the prediction time, which raises an alarm; the equations are changed over the
+shaded interval.
+"""
 
 from typing import Any
 

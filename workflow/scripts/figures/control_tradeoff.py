@@ -1,4 +1,8 @@
-"""Draw what control achieves against how early it acts and how much it acts."""
+"""Share of the exceedance of the event threshold that control removes, (a) against the prediction
+time and (b) against the share of the time under actuation, with medians and quartiles over the
+networks of an ensemble. For comparison: alarms by the equations themselves, started from the true
+state, and random alarms at the rate of the networks'.
+"""
 
 from matplotlib.figure import Figure
 
@@ -12,8 +16,8 @@ from burstcast_workflow.jobs.systems import system_of
 def draw(*, percentiles: str, settings: Settings) -> Figure:
     """Draw the networks of one kind, and the forecasters to compare them with."""
     table = of_case(settings, percentiles)
-    of_kind = (table["neurons"] == settings["neurons"]) & (
-        table["validation"] == settings["validation"]
+    of_kind = (table["neurons"] == settings["controlling"]["neurons"]) & (
+        table["validation"] == settings["controlling"]["validation"]
     )
     shown = table[table["neurons"].isna() | of_kind]
     return control_tradeoff(shown, symbol=system_of(settings).observable_symbol)

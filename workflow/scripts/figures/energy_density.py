@@ -1,4 +1,9 @@
-"""Draw the long-term density of the observable, and the errors in it against reservoir size."""
+"""(a) Density of the observable over all data, the training set and the long closed loops of one
+network: of those of the size and strategy shown, the one with the smallest Kantorovich metric.
+(b) Kantorovich metric and (c) mean logarithmic error against reservoir size, medians and
+quartiles over the networks of an ensemble. In grey: the same measures between two random halves
+of the data, in the median.
+"""
 
 from matplotlib.figure import Figure
 

@@ -1,4 +1,6 @@
-"""Draw the mean prediction horizon of extreme events against reservoir size."""
+"""Mean prediction horizon of extreme events against reservoir size: medians (lines) and quartiles
+(bands) over the networks of an ensemble. In grey: forecasters to compare with.
+"""
 
 from matplotlib.figure import Figure
 

@@ -1,4 +1,6 @@
-"""Draw the last evaluations before an event is predicted."""
+"""The last evaluations of the example network before an event is predicted: the forecast starts
+ever later until it stays within the tolerance up to the event.
+"""
 
 from matplotlib.figure import Figure
 

@@ -1,4 +1,4 @@
-"""Draw how the prediction horizon of an extreme event is measured."""
+"""How the prediction horizon of an extreme event is measured."""
 
 from matplotlib.figure import Figure
 

@@ -1,4 +1,7 @@
-"""Draw the mean square velocity in the midplane, and the errors in it."""
+"""(a) Time average of the square of the velocity along x in the midplane. Its absolute error (b)
+in the long closed loops of one network, that of its ensemble with the smallest Kantorovich
+metric, and (c) in the training set.
+"""
 
 from matplotlib.figure import Figure
 

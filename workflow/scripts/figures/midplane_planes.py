@@ -1,4 +1,9 @@
-"""Draw the velocity in the midplane during an event: data, network and their difference."""
+"""An extreme event of the test set and the velocity along x in the midplane: data, forecast of
+the example network, and their difference. t_1: last time that the observable is at or below its
+mean; t_2: half-way up; t_3: peak; t_4: first time after it below the threshold. Of the isolated
+events whose state the network predicts within a tolerance from before t_1 to t_4, the one is
+shown whose peak is nearest to the configured one.
+"""
 
 from matplotlib.figure import Figure
 

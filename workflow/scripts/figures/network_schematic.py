@@ -1,4 +1,6 @@
-"""Draw the network, its open loop and its closed loop."""
+"""The echo state network with the sizes and hyperparameters of the example network; open loop and
+closed loop.
+"""
 
 from matplotlib.figure import Figure
 
@@ -14,7 +16,7 @@ def draw(*, hyperparameters: str, settings: Settings) -> Figure:
     chosen = read_json(hyperparameters)
     return network_schematic(
         inputs=system_of(settings).dimension,
-        neurons=settings["neurons"],
+        neurons=settings["shown_neurons"],
         connectivity=settings["forecasters.esn.connectivity"],
         input_bias=settings["forecasters.esn.input_bias"],
         spectral_radius=chosen["spectral_radius"],

@@ -1,4 +1,6 @@
-"""Draw the typical evolution of the observable and its density."""
+"""Typical evolution of the observable (the first kept series; extreme events shaded) and its
+probability density over all kept data. The line is the event threshold.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure

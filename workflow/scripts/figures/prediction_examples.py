@@ -1,4 +1,7 @@
-"""Draw one forecast with each outcome."""
+"""Forecasts of the example network with each outcome. Of all forecasts with an outcome, the one
+is shown whose burst has the median height; misses and false alarms that are more than an error of
+timing come first.
+"""
 
 from matplotlib.figure import Figure
 

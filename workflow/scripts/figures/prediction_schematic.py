@@ -1,4 +1,6 @@
-"""Draw how a forecast is made and scored, on a real one."""
+"""One forecast of the example network with its parts: washout, prediction time, and the window
+that is classified.
+"""
 
 from matplotlib.figure import Figure
 

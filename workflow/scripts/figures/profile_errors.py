@@ -1,4 +1,9 @@
-"""Draw the velocity profiles, and the errors in them against reservoir size."""
+"""(a-c) Profiles of the velocity along x, its square and the Reynolds stress, averaged over x, z
+and time, of all data, the training set and one network: of those of the size and strategy shown,
+the one with the smallest Kantorovich metric. (d-f) Errors of the profiles, normalised by the
+range of the true profile, against reservoir size: medians and quartiles over the networks of an
+ensemble. In grey: the same errors between two random halves of the data, in the median.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure

@@ -1,4 +1,7 @@
-"""Draw what the search for the hyperparameters of one network saw."""
+"""Objective of the hyperparameter search at each point, best Tikhonov parameter: interpolated
+between the evaluated points (dots: the grid; numbers: points of the Bayesian search in their
+order; in colour: the optimum), and how far the best value found so far lay above the final one.
+"""
 
 import pandas as pd
 from matplotlib.figure import Figure

@@ -1,4 +1,8 @@
-"""Draw a suppressed event and the velocity in the midplane, with and without control."""
+"""An extreme event that control suppresses, and the velocity along x in the midplane with and
+without control. t_1: start of the actuation (shaded), up to which both flows are the same; t_2:
+the event begins without control; t_3: its peak; t_4: its end. Of all events that the network
+predicts and control suppresses, the largest one is shown.
+"""
 
 from matplotlib.figure import Figure
 

@@ -1,4 +1,6 @@
-"""Draw the validation strategies on the first training series."""
+"""Where each strategy trains and validates, on the first training series. The network sees the
+data in open loop during washout and training, and forecasts in closed loop during validation.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure

@@ -1,4 +1,7 @@
-"""Draw vorticity and velocity of the flow before and after an event."""
+"""Isosurfaces of plus and minus one value of the streamwise vorticity, and velocity vectors, at
+the peak of the event of the midplane figure and after its breakdown. The mean flow is along x,
+sheared in y between the walls.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure

@@ -1,0 +1,30 @@
+"""Settings that several stages read, by one name for all of them."""
+
+GROUPS = {
+    "SYSTEM": "case.system case.parameters",
+    # from which a Lyapunov time follows, if the config knows it
+    "TIME": "case.ensemble.time_step case.ensemble.sampling_stride "
+    "case.lyapunov.time_unit case.lyapunov.published_exponent",
+    # what everybody observes: the true states with noise
+    "OBSERVED": "random_seed case.training.noise case.training.series",
+    # how forecasts are cut into windows
+    "WINDOWS": "classification.resolution_lt classification.window_lt "
+    "classification.longest_prediction_time_lt",
+    "HORIZON": "horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance",
+    "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
+    "forecasters.esn.backend",
+    "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
+    "search.interval_lt search.tikhonov search.spectral_radius search.input_scaling",
+    "FORECASTER": "SYSTEM TIME forecaster.options",
+    "CONTROL": "SYSTEM TIME random_seed case.training.series case.event_threshold "
+    "case.laminarisation_threshold case.actuation washout_lt control.window_lt "
+    "control.flows control.span_lt",
+}
+
+
+def listed(text: str) -> list[str]:
+    """Paths of settings that a text of paths and names of groups stands for, each once."""
+    paths: list[str] = []
+    for name in text.split():
+        paths += listed(GROUPS[name]) if name in GROUPS else [name]
+    return list(dict.fromkeys(paths))
