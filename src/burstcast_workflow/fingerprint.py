@@ -6,8 +6,8 @@ through imports, as a parameter, and Snakemake compares them as it does any othe
 
 A fingerprint is a hash of the syntax tree without positions, comments, docstrings and the texts of
 errors and of the log, none of which changes a result. The tree is walked here rather than by
-`ast.dump`, whose output differs between Python versions. What imports do not show must not happen:
-`forbidden_imports` finds it, and a test keeps it out. Two things are known otherwise:
+`ast.dump`, whose output differs between Python versions. What imports do not show must not happen,
+and a test keeps it out. Two things are known otherwise:
 
 * Modules that a registry finds by name (systems, forecasters, validation strategies). A script that
   reaches a registry depends on those of its modules that its job is about, and on no others.
@@ -17,7 +17,7 @@ errors and of the log, none of which changes a result. The tree is walked here r
 
 import ast
 import hashlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -242,69 +242,3 @@ def _makes_logger(node: ast.AST) -> bool:
         "import logging",
         "logger = logging.getLogger(__name__)",
     )
-
-
-# -- what fingerprints cannot follow ------------------------------------------------------------
-
-_FORBIDDEN_MODULES = frozenset({"importlib", "imp", "pkgutil", "runpy", "zipimport"})
-_FORBIDDEN_NAMES = frozenset({"__import__", "compile", "eval", "exec"})
-
-
-def forbidden_imports(path: Path) -> list[str]:
-    """Places of a file that run code which fingerprints do not see, as ``line 3: ...``.
-
-    These are imports by computed names, code made from text, and ``import *``, after which it is
-    unclear where a name comes from. ``from importlib.metadata import ...`` only reads versions and
-    is allowed.
-    """
-    return _places(path, _forbidden_import)
-
-
-def forbidden_reads(path: Path) -> list[str]:
-    """Places of a script that read something of Snakemake which no parameter carries.
-
-    A script hands the object ``snakemake`` to `burstcast_workflow.harness.job.run_job`, or to its
-    like for figures, and does nothing else with it: its config would be settings that nothing
-    tracks.
-    """
-    return _places(path, _forbidden_read)
-
-
-def _places(path: Path, find: Callable[[ast.AST], str]) -> list[str]:
-    tree = ast.parse(path.read_bytes(), str(path))
-    return [
-        f"line {getattr(node, 'lineno', 0)}: {what}"
-        for node in ast.walk(tree)
-        if (what := find(node))
-    ]
-
-
-def _forbidden_import(node: ast.AST) -> str:
-    if isinstance(node, ast.Import):
-        names = [alias.name for alias in node.names]
-    elif isinstance(node, ast.ImportFrom):
-        if any(alias.name == "*" for alias in node.names):
-            return f"from {'.' * node.level}{node.module or ''} import *"
-        names = [] if node.module == "importlib.metadata" else [node.module or ""]
-    else:
-        return node.id if isinstance(node, ast.Name) and node.id in _FORBIDDEN_NAMES else ""
-    forbidden = [name for name in names if name.split(".")[0] in _FORBIDDEN_MODULES]
-    return f"import {forbidden[0]}" if forbidden else ""
-
-
-def _forbidden_read(node: ast.AST) -> str:
-    if isinstance(node, ast.Attribute | ast.Subscript) and _is_snakemake(node.value):
-        return f"snakemake.{node.attr}" if isinstance(node, ast.Attribute) else "snakemake[...]"
-    if isinstance(node, ast.Assign | ast.AnnAssign | ast.NamedExpr) and _is_snakemake(node.value):
-        return "snakemake under another name"
-    if isinstance(node, ast.Call):
-        called = node.func.id if isinstance(node.func, ast.Name) else ""
-        if called not in ("run_job", "run_figure") and any(
-            _is_snakemake(argument) for argument in node.args
-        ):
-            return f"snakemake handed to {called or 'something'} instead of run_job"
-    return ""
-
-
-def _is_snakemake(node: ast.AST | None) -> bool:
-    return isinstance(node, ast.Name) and node.id == "snakemake"

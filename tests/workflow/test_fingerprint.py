@@ -2,14 +2,10 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from forbidden_code import forbidden_imports, forbidden_reads
 
 from burstcast_workflow import fingerprint as module
-from burstcast_workflow.fingerprint import (
-    Sources,
-    fingerprint,
-    forbidden_imports,
-    forbidden_reads,
-)
+from burstcast_workflow.fingerprint import Sources, fingerprint
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
@@ -438,7 +434,9 @@ def test_scripts_read_only_what_parameters_carry(path):
 
 def test_packages_import_nothing_by_themselves():
     # else every closure would be everything
-    assert [path for path in SOURCES if path.name == "__init__.py" and path.read_text()] == []
+    packages = {path for path in SOURCES if path.name == "__init__.py" and path.read_text()}
+    # Snakemake asks for its plugin's class there, and no job imports it
+    assert packages == {ROOT / "src" / "snakemake_logger_plugin_burstcast" / "__init__.py"}
 
 
 def test_closure_in_the_project_is_selective(tmp_path):
