@@ -2,10 +2,11 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 from burstcast import durations
+from burstcast.forecasters.registry import forecaster_class
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import module_of
@@ -23,6 +24,7 @@ _UNORDERED = (
     ("figures", "reynolds_prediction_times_lt"),
     ("search", "tikhonov"),
 )
+NOISE = "case.training.noise"
 SHARED_SCAN = ("RV", "SSV")
 """Strategies whose sums over the training data are computed in one scan of the grid."""
 
@@ -184,7 +186,9 @@ class Campaign:
         Parameters
         ----------
         paths
-            ``case.`` stands for the job's case, ``forecaster.options`` for its kind's own section.
+            ``case.`` stands for the job's case, ``forecaster.options`` for its kind's own section
+            without ``forecaster.divergence_bound``, which only those read who judge long forecasts
+            (None where the kind has none). Kinds that see the truth are given no noise.
         wildcards
             Of the job.
         values
@@ -195,7 +199,11 @@ class Campaign:
         KeyError
             If the config has no such setting.
         """
-        found = {path: self._setting(path, wildcards) for path in paths}
+        found = {
+            path: self._setting(path, wildcards)
+            for path in paths
+            if path != NOISE or not _sees_truth(wildcards.get("forecaster", "esn"))
+        }
         result: Settings = canonical({**found, **values})
         return result
 
@@ -203,8 +211,10 @@ class Campaign:
         section, *rest = path.split(".")
         if section == "case":
             value: Any = self.cases[wildcards["case"]]
-        elif path == "forecaster.options":
-            return self.config["forecasters"].get(parsed(wildcards["forecaster"]).kind, {})
+        elif section == "forecaster":
+            options = dict(self.config["forecasters"].get(parsed(wildcards["forecaster"]).kind, {}))
+            bound = options.pop("divergence_bound", None)
+            return options if rest == ["options"] else bound
         else:
             value = self.config[section]
         for key in rest:
@@ -321,6 +331,13 @@ class Campaign:
         reservoir = ForecasterName(name.kind, name.neurons, None, name.seed).identifier
         shared = name.validation in SHARED_SCAN
         return reservoir, "+".join(SHARED_SCAN) if shared else str(name.validation)
+
+
+@cache
+def _sees_truth(forecaster: str) -> bool:
+    kind = parsed(forecaster).kind
+    # networks, which do not, take long to import
+    return kind != "esn" and forecaster_class(kind).sees_truth
 
 
 def _names(kind: str, axes: Mapping[str, Any] | None) -> Iterator[ForecasterName]:

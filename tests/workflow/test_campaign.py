@@ -170,6 +170,7 @@ PATHS = (
     "case.training.noise",
     "forecasters.esn.connectivity",
     "forecaster.options",
+    "forecaster.divergence_bound",
     "washout_lt",
     "search",
 )
@@ -182,7 +183,8 @@ def test_settings_are_found_by_their_path():
         "case.training": {"series": 10, "noise": 0.01},
         "case.training.noise": 0.01,
         "forecasters.esn.connectivity": 20,
-        "forecaster.options": PAPER.config["forecasters"]["esn"],
+        "forecaster.options": {"backend": "numba", "connectivity": 20, "input_bias": 0.1},
+        "forecaster.divergence_bound": 10,
         "washout_lt": 0.5,
         "search": PAPER.config["search"],
         "neurons": 3,
@@ -198,7 +200,24 @@ def test_settings_are_canonical():
 
 def test_a_kind_without_settings_has_no_options():
     wildcards = {"case": "Re600", "forecaster": "equations"}
-    assert PAPER.settings(["forecaster.options"], wildcards, {}) == {"forecaster.options": {}}
+    paths = ["forecaster.options", "forecaster.divergence_bound"]
+    assert list(PAPER.settings(paths, wildcards, {}).values()) == [None, {}]
+
+
+def test_only_who_judges_long_forecasts_depends_on_their_bound():
+    other = campaign({"forecasters": {"esn": {"divergence_bound": 20}}})
+    before, after = (one.settings(PATHS, NETWORK, {}) for one in (PAPER, other))
+    assert {path for path in before if before[path] != after[path]} == {
+        "forecaster.divergence_bound"
+    }
+
+
+@pytest.mark.parametrize("kind", ["esn-N2000-SSV-seed7", "equations", "equations_noisy"])
+def test_who_sees_the_truth_is_given_no_noise(kind):
+    found = PAPER.settings(
+        ["random_seed", "case.training.noise"], {"case": "Re600", "forecaster": kind}, {}
+    )
+    assert ("case.training.noise" in found) == (kind != "equations")
 
 
 @pytest.mark.parametrize("path", ["horizon.evnts", "no_such_section", "case.trainig"])

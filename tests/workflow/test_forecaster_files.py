@@ -10,10 +10,12 @@ from burstcast.esn.training import train
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.forecasters.registry import available_kinds, forecaster_class
 from burstcast_workflow.harness.storage import Variable, read_attributes, write_netcdf
+from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import (
     forecasting_case,
     read_forecaster,
     seen,
+    seen_rows,
     write_forecaster,
 )
 from burstcast_workflow.jobs.searches import reservoir_seed
@@ -34,7 +36,7 @@ SETTINGS = {
     "random_seed": 2022,
     "forecasters.esn.connectivity": 6,
     "forecasters.esn.input_bias": 0.1,
-    "forecaster.options": {"backend": "scipy", "divergence_bound": 10},
+    "forecaster.options": {"backend": "scipy"},
 }
 
 
@@ -153,8 +155,7 @@ def test_a_forecaster_has_its_bound(network, tmp_path):
     write_forecaster(path, network, {})
     outputs = np.full((2, 3, 1), 3.0) * network.network.input_range[:, np.newaxis]
     for bound, lost in ((2.0, True), (4.0, False)):
-        options = {"backend": "scipy", "divergence_bound": bound}
-        forecaster = read_forecaster(path, {**SETTINGS, "forecaster.options": options}, [])
+        forecaster = read_forecaster(path, SETTINGS, [], bound)
         assert forecaster.diverged(outputs).tolist() == [lost]
     assert network.diverged(outputs).tolist() == [False]
 
@@ -162,7 +163,7 @@ def test_a_forecaster_has_its_bound(network, tmp_path):
 def test_unknown_backends_are_refused(network, tmp_path):
     path = str(tmp_path / "forecaster.nc")
     write_forecaster(path, network, {})
-    options = {"backend": "fortran", "divergence_bound": 10}
+    options = {"backend": "fortran"}
     with pytest.raises(ValueError, match="backend"):
         read_forecaster(path, {**SETTINGS, "forecaster.options": options}, [])
 
@@ -181,3 +182,12 @@ def test_only_the_bound_is_given_the_truth(kind, network):
         made = forecaster_class(kind).fit(np.zeros((1, 2, 3)), forecasting_case(SETTINGS, []))
     observed, true = np.zeros(3), np.ones(3)
     assert seen(made, observed, true) is (true if kind == "equations" else observed)
+
+
+def test_who_sees_the_truth_reads_no_noise(ensemble):
+    states = training_states(SETTINGS, str(ensemble))
+    unread = {key: value for key, value in SETTINGS.items() if key != "case.training.noise"}
+    kinds = [forecaster_class(kind) for kind in ("equations", "equations_noisy")]
+    assert seen_rows(kinds[0], unread, str(ensemble), 0, states) is states
+    seen_by_others = seen_rows(kinds[1], SETTINGS, str(ensemble), 0, states)
+    assert 0 < np.abs(seen_by_others - states).max() < 1

@@ -5,7 +5,7 @@ stage(
     "forecast the evaluation set",
     inputs=files("forecaster evaluation_set time_unit"),
     outputs={"forecast": f"{FORECASTER}/forecast.nc"},
-    settings="FORECASTER WINDOWS",
+    settings="FORECASTER forecaster.divergence_bound WINDOWS",
     cost="closed_loop",
     cached=True,
 )
@@ -23,7 +23,7 @@ stage(
     "long-term runs",
     inputs=files("ensemble forecaster time_unit"),
     outputs={"long_term": f"{FORECASTER}/long_term.nc"},
-    settings="FORECASTER random_seed case.training case.density "
+    settings="FORECASTER forecaster.divergence_bound OBSERVED case.density "
     "case.laminarisation_threshold case.fixed_point washout_lt "
     "statistics.starting_points statistics.start_spacing_lt "
     "statistics.duration statistics.fixed_point_interval_lt",
@@ -46,7 +46,7 @@ stage(
     "an event whose flow is worth seeing",
     inputs=files("ensemble summary forecaster time_unit"),
     outputs={"event": f"{FORECASTER}/flow_event.nc"},
-    settings="FORECASTER random_seed case.training case.test_series "
+    settings="FORECASTER OBSERVED case.test_series "
     "case.event_threshold washout_lt figures.flow_event",
     cost="closed_loop",
 )

@@ -24,12 +24,13 @@ class NetworkForecaster(Forecaster):
     seed
         What its reservoir is made from.
     divergence_bound
-        A forecast beyond this many training ranges of any component has diverged.
+        A forecast beyond this many training ranges of any component has diverged; None where nobody
+        asks.
     """
 
     network: EchoStateNetwork
     seed: ReservoirSeed
-    divergence_bound: float
+    divergence_bound: float | None
 
     @classmethod
     def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
@@ -93,4 +94,5 @@ class NetworkForecaster(Forecaster):
 
     def diverged(self, outputs: FloatArray) -> BoolArray:
         """Tell which forecasts are not finite or beyond the divergence bound."""
+        assert self.divergence_bound is not None
         return self.network.diverged(outputs, self.divergence_bound)

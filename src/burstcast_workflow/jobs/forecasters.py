@@ -1,5 +1,6 @@
 """Forecasters as files: what fitting has found, and which kind it belongs to."""
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -13,6 +14,7 @@ from burstcast_workflow.harness.storage import (
     write_netcdf,
 )
 from burstcast_workflow.identifiers import parsed
+from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -53,7 +55,12 @@ def write_forecaster(path: str, forecaster: Forecaster, provenance: Mapping[str,
     write_netcdf(path, variables, {**provenance, **record.attributes})
 
 
-def read_forecaster(path: str, settings: Settings, time_unit: str | Sequence[str]) -> Forecaster:
+def read_forecaster(
+    path: str,
+    settings: Settings,
+    time_unit: str | Sequence[str],
+    divergence_bound: float | None = None,
+) -> Forecaster:
     """Read a forecaster of a job's own kind.
 
     Parameters
@@ -64,10 +71,27 @@ def read_forecaster(path: str, settings: Settings, time_unit: str | Sequence[str
         With system, time and ``forecaster``, the job's identifier among them.
     time_unit
         The job's input of that name.
+    divergence_bound
+        Setting of that name, where it is asked whether forecasts have diverged.
     """
     kind = forecaster_class(parsed(settings["forecaster"]).kind)
     record = ForecasterRecord(read_netcdf(path), read_attributes(path))
-    return kind.restore(record, forecasting_case(settings, time_unit))
+    case = forecasting_case(settings, time_unit)
+    options = {**case.options, "divergence_bound": divergence_bound}
+    return kind.restore(record, dataclasses.replace(case, options=options))
+
+
+def seen_rows(
+    forecaster: Forecaster | type[Forecaster],
+    settings: Settings,
+    ensemble: str,
+    first: int,
+    states: FloatArray,
+) -> FloatArray:
+    """What a forecaster is given of kept series: `observed_rows`, or the true states."""
+    if forecaster.sees_truth:
+        return states
+    return observed_rows(settings, ensemble, first, states)
 
 
 def seen(forecaster: Forecaster, observed: FloatArray, true: FloatArray) -> FloatArray:

@@ -22,11 +22,14 @@ _HORIZON = f"""{_SYSTEM} {_TIME} case.event_threshold washout_lt
 _LONG_TERM = f"""{_SYSTEM} {_TIME} {_OBSERVED} case.density.* case.laminarisation_threshold
     case.fixed_point.* washout_lt statistics.starting_points statistics.start_spacing_lt
     statistics.duration statistics.fixed_point_interval_lt"""
-_CONTROL = f"""{_SYSTEM} {_TIME} {_OBSERVED} case.event_threshold case.laminarisation_threshold
-    case.controlled_density.* case.actuation.* washout_lt
-    control.window_lt control.flows control.span_lt"""
-# A forecaster is restored with all settings of its kind; the equations have none.
-_NETWORK = "forecasters.esn.*"
+_CONTROL = f"""{_SYSTEM} {_TIME} random_seed case.training.series
+    case.event_threshold case.laminarisation_threshold case.controlled_density.* case.actuation.*
+    washout_lt control.window_lt control.flows control.span_lt"""
+# A forecaster is restored with the settings of its kind; the equations have none, and see no noise.
+# Whether forecasts have diverged is asked by those who judge them as a whole.
+_NETWORK = """forecasters.esn.connectivity forecasters.esn.input_bias forecasters.esn.backend"""
+_JUDGED = "forecasters.esn.divergence_bound"
+_TRUE = "random_seed case.training.series"
 
 READS = {
     "simulate": f"{_SYSTEM} random_seed case.ensemble.* case.laminarisation_threshold",
@@ -42,16 +45,16 @@ READS = {
     "scan": f"{_SEARCH} search.grid",
     "search": f"{_SEARCH} search.bayesian_points",
     "train": f"{_TIME} {_OBSERVED} {_RESERVOIR} washout_lt",
-    "fit/equations": f"{_SYSTEM} {_TIME} {_OBSERVED}",
+    "fit/equations": f"{_SYSTEM} {_TIME} {_TRUE}",
     "fit/equations_noisy": f"{_SYSTEM} {_TIME} {_OBSERVED}",
-    "forecast/esn": f"{_SYSTEM} {_TIME} {_WINDOWS} {_NETWORK}",
+    "forecast/esn": f"{_SYSTEM} {_TIME} {_WINDOWS} {_NETWORK} {_JUDGED}",
     "forecast/equations": f"{_SYSTEM} {_TIME} {_WINDOWS}",
     "forecast/equations_noisy": f"{_SYSTEM} {_TIME} {_WINDOWS}",
     "horizon/esn": f"{_HORIZON} {_NETWORK}",
     "horizon/equations": _HORIZON,
     "horizon/equations_noisy": _HORIZON,
-    "long_term/esn": f"{_LONG_TERM} {_NETWORK}",
-    "control/esn": f"{_CONTROL} {_NETWORK}",
+    "long_term/esn": f"{_LONG_TERM} {_NETWORK} {_JUDGED}",
+    "control/esn": f"{_CONTROL} case.training.noise {_NETWORK}",
     "control/equations": _CONTROL,
     "control_random/esn": _CONTROL,
     "statistics_table": f"{_SYSTEM} statistics.profile_points",

@@ -9,8 +9,7 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, read_json, read_rows, write_netcdf
-from burstcast_workflow.jobs.data import observed_rows
-from burstcast_workflow.jobs.forecasters import read_forecaster, seen
+from burstcast_workflow.jobs.forecasters import read_forecaster, seen_rows
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -33,7 +32,7 @@ def find_flow_event(
     states = read_rows(ensemble, "state", first, last)
     trained = read_rows(ensemble, "state", 0, first)
     who = read_forecaster(forecaster, settings, time_unit)
-    observed = seen(who, observed_rows(settings, ensemble, first, states), states)
+    observed = seen_rows(who, settings, ensemble, first, states)
     lead = durations.steps(wanted["lead_lt"], unit)
     washout = durations.steps(settings["washout_lt"], unit)
     quiet = durations.steps(wanted["quiet_lt"], unit)

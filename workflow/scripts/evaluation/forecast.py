@@ -24,7 +24,8 @@ def forecast_evaluation_set(
     """Write the first and largest observable of every window of every forecast."""
     system = system_of(settings)
     boundaries = window_boundaries(*windows_of(settings), lyapunov_time(settings, time_unit))
-    who = read_forecaster(forecaster, settings, time_unit)
+    bound = settings["forecaster.divergence_bound"]
+    who = read_forecaster(forecaster, settings, time_unit, bound)
     points = read_netcdf(evaluation_set, "washout", "true_state")
     summaries, diverged = forecast_summaries(
         who,

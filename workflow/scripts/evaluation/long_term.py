@@ -13,8 +13,8 @@ from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable
 from burstcast_workflow.jobs.bins import edges_of
-from burstcast_workflow.jobs.data import observed_rows, training_states
-from burstcast_workflow.jobs.forecasters import read_forecaster, seen
+from burstcast_workflow.jobs.data import training_states
+from burstcast_workflow.jobs.forecasters import read_forecaster, seen_rows
 from burstcast_workflow.jobs.statistics_files import write_statistics
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
@@ -31,9 +31,9 @@ def run_freely(
 ) -> None:
     """Write the forecaster's long-term statistics and what became of each closed loop."""
     steps = lyapunov_time(settings, time_unit)
-    true = training_states(settings, ensemble)
-    who = read_forecaster(forecaster, settings, time_unit)
-    states = seen(who, observed_rows(settings, ensemble, 0, true), true)
+    bound = settings["forecaster.divergence_bound"]
+    who = read_forecaster(forecaster, settings, time_unit, bound)
+    states = seen_rows(who, settings, ensemble, 0, training_states(settings, ensemble))
     washout = durations.steps(settings["washout_lt"], steps)
     points = long_term_starting_points(
         len(states),

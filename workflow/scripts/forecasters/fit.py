@@ -4,8 +4,8 @@ from burstcast.forecasters.registry import forecaster_class
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.identifiers import parsed
-from burstcast_workflow.jobs.data import observed_rows, training_states
-from burstcast_workflow.jobs.forecasters import forecasting_case, write_forecaster
+from burstcast_workflow.jobs.data import training_states
+from burstcast_workflow.jobs.forecasters import forecasting_case, seen_rows, write_forecaster
 
 
 def fit(
@@ -18,8 +18,8 @@ def fit(
 ) -> None:
     """Write what it has learnt."""
     kind = forecaster_class(parsed(settings["forecaster"]).kind)
-    observed = observed_rows(settings, ensemble, 0, training_states(settings, ensemble))
-    fitted = kind.fit(observed, forecasting_case(settings, time_unit))
+    series = seen_rows(kind, settings, ensemble, 0, training_states(settings, ensemble))
+    fitted = kind.fit(series, forecasting_case(settings, time_unit))
     write_forecaster(forecaster, fitted, provenance)
 
 

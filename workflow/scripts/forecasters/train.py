@@ -1,7 +1,5 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
-import numpy as np
-
 from burstcast import durations
 from burstcast.esn import training
 from burstcast.esn.dynamics import Dynamics
@@ -41,8 +39,7 @@ def train(
         tikhonov=chosen["tikhonov"],
     )
     network = EchoStateNetwork(dynamics, readout, series.input_range)
-    # the bound belongs to its forecasts, not to the network
-    write_forecaster(forecaster, NetworkForecaster(network, seed, np.inf), provenance)
+    write_forecaster(forecaster, NetworkForecaster(network, seed, None), provenance)
 
 
 if __name__ == "__main__":
