@@ -23,6 +23,8 @@ def module_names(package: ModuleType) -> list[str]:
 def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[type[Base]]:
     """Concrete subclasses that a module of a package itself defines (not those it imports).
 
+    A class whose name begins with an underscore is the module's own and is not found.
+
     Parameters
     ----------
     package
@@ -40,6 +42,7 @@ def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[t
         and issubclass(candidate, base)
         and candidate.__module__ == module.__name__
         and not inspect.isabstract(candidate)
+        and not candidate.__name__.startswith("_")
     ]
 
 

@@ -10,6 +10,7 @@ import scipy.stats
 
 from burstcast.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.compiled import compiled_steps
 from burstcast.systems.integration import integrate, integrate_observed
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import (
@@ -18,7 +19,7 @@ from burstcast.systems.lyapunov import (
     lyapunov_spectrum,
     mean_with_interval,
     perturbation_growth,
-    tangent_step,
+    tangent_flow,
 )
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.runge_kutta import step
@@ -98,13 +99,15 @@ def test_perturbations_of_a_linear_system_grow_at_the_leading_rate(leading: floa
 def test_tangent_step_is_the_derivative_of_the_step() -> None:
     system = MoehlisFaisstEckhardt(400.0)
     state = turbulent_states(400.0, 4, 0)
-    tangent = np.random.default_rng(4).normal(size=(4, 9, 2))
-    stepped, propagated = tangent_step(system, state, tangent, 0.25)
-    assert np.array_equal(stepped, step(system, state, 0.25))
-    for column in range(2):
-        perturbed = state + 1e-30j * tangent[:, :, column].T
-        expected = step(system, perturbed, 0.25).imag / 1e-30
-        np.testing.assert_allclose(propagated[:, :, column].T, expected, rtol=0, atol=1e-13)
+    tangent = np.random.default_rng(4).normal(size=(9, 4))
+    flow = tangent_flow(system)
+    assert compiled_steps((flow,), 0.25, False) is not None
+    both = np.concatenate([state, tangent])
+    propagated = integrate(flow, both, 0.25, 1)[-1]
+    assert np.array_equal(propagated, step(flow, both, 0.25))
+    assert np.array_equal(propagated[:9], step(system, state, 0.25))
+    expected = step(system, state + 1e-30j * tangent, 0.25).imag / 1e-30
+    np.testing.assert_allclose(propagated[9:], expected, rtol=0, atol=1e-13)
 
 
 def test_lorenz_has_the_published_exponents() -> None:

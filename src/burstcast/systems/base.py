@@ -14,10 +14,10 @@ class DynamicalSystem(abc.ABC):
     States are arrays with the components first: ``(dimension, ...)``. All methods act on each
     trailing index independently, bit for bit.
 
-    A right-hand side and an observable that are made of sums, differences, products, quotients,
-    squares and square roots of components are compiled, without any further ado, and many times
-    faster than numpy (`burstcast.systems.compiled`); arrays that take intermediate results are
-    to be made like the state (``np.empty_like(state)``). All others are as right, but slower.
+    Methods that are made of sums, differences, products, quotients, squares and square roots of
+    components are compiled, without any further ado, and many times faster than numpy
+    (`burstcast.systems.compiled`); arrays that take results are to be made like the state
+    (``np.empty_like(state)``, ``dtype=state.dtype``). All others are as right, but slower.
     """
 
     dimension: ClassVar[int]

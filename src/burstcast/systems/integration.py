@@ -245,13 +245,18 @@ def _tiles(system: DynamicalSystem, batch: int) -> Iterator[tuple[slice, Dynamic
 
 
 def _parameters_over_batch(system: DynamicalSystem) -> dict[str, FloatArray]:
-    """Parameters that are arrays over the batch, by their names."""
+    """Parameters that are arrays over the batch, by their names; a tuple is one parameter."""
     if not dataclasses.is_dataclass(system):
         return {}
-    return {
+    values = {
         field.name: getattr(system, field.name)
         for field in dataclasses.fields(system)
-        if field.init and np.ndim(getattr(system, field.name)) > 0
+        if field.init
+    }
+    return {
+        name: value
+        for name, value in values.items()
+        if isinstance(value, np.ndarray) and value.ndim > 0
     }
 
 

@@ -55,7 +55,7 @@ class Lorenz63(DynamicalSystem):
     def jacobian(self, state: FloatArray) -> FloatArray:
         """Jacobian of the right-hand side, ``(3, 3, ...)``."""
         x, y, z = state
-        j = np.zeros((3, *state.shape))
+        j = np.zeros((3, *state.shape), dtype=state.dtype)
         j[0, 0] = -self.sigma
         j[0, 1] = self.sigma
         j[1, 0] = self.rho - z

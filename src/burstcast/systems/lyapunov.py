@@ -11,14 +11,14 @@ the very same trajectories, bit for bit, and stay in the chaotic phase.
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from scipy.special import stdtrit
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.integration import check_batch
-from burstcast.systems.runge_kutta import combine, step
+from burstcast.systems.integration import check_batch, integrate
 
 # Ratio of the weakest to the strongest growth between two orthonormalisations below which the
 # weakest direction drowns in the rounding errors of the strongest.
@@ -138,7 +138,7 @@ def lyapunov_spectrum(
     Parameters
     ----------
     system
-        The equations.
+        The equations; their parameters are numbers.
     state
         States on the attractor to start from, ``(dimension, batch)``. They must not leave the
         chaotic phase within ``alignment_steps + steps`` steps: see the module's description.
@@ -177,16 +177,16 @@ def lyapunov_spectrum(
         )
     alignment_intervals = -(-alignment_steps // orthonormalisation_steps)
     dimension, batch = state.shape
+    flow = tangent_flow(system)
     tangent = np.broadcast_to(np.eye(dimension), (batch, dimension, dimension))
     log_growth = np.zeros((batch, dimension))
     for interval in range(alignment_intervals + intervals):
-        with np.errstate(over="ignore", invalid="ignore"):
-            for _ in range(orthonormalisation_steps):
-                state, tangent = tangent_step(system, state, tangent, time_step)
-        if not (np.isfinite(state).all() and np.isfinite(tangent).all()):
+        try:
+            state, tangent = _propagated(flow, state, tangent, time_step, orthonormalisation_steps)
+        except FloatingPointError:
             raise FloatingPointError(
                 "a trajectory or its perturbations left the range of floating-point numbers"
-            )
+            ) from None
         tangent, triangle = np.linalg.qr(tangent)
         growth = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
         if (growth.min(axis=1) < _SMALLEST_GROWTH_RATIO * growth.max(axis=1)).any():
@@ -200,50 +200,70 @@ def lyapunov_spectrum(
     return LyapunovSpectrum(exponents=log_growth / duration, duration=duration)
 
 
-def tangent_step(
-    system: DynamicalSystem, state: FloatArray, tangent: FloatArray, time_step: float
-) -> tuple[FloatArray, FloatArray]:
-    """One Runge-Kutta step of states and of perturbations under the linearised equations.
+def tangent_flow(system: DynamicalSystem) -> DynamicalSystem:
+    """The variational equations: a state x and one perturbation v of it, dv/dt = J(x) v.
+
+    A step of the scheme yields the state of a step of the system alone, bit for bit, and the
+    perturbation multiplied by the derivative of that step. Several perturbations of one state are
+    several trajectories: the state is computed with each of them, which is fast all the same.
 
     Parameters
     ----------
     system
-        The equations.
-    state
-        ``(dimension, batch)``.
-    tangent
-        Perturbations in columns, ``(batch, dimension, perturbations)``.
-    time_step
-        Step of the scheme, in time units.
+        The equations of x; their parameters are numbers.
 
     Returns
     -------
-    tuple
-        Both, one step later. The state is bit for bit that of `runge_kutta.step`; the
-        perturbations are multiplied by the derivative of that map.
+    DynamicalSystem
+        Of twice the dimension: the components of x, then those of v. It has no Jacobian.
     """
-    half = 0.5 * time_step
-    slope_1 = system.right_hand_side(state)
-    tangent_1 = _jacobians(system, state) @ tangent
-    stage = state + half * slope_1
-    slope_2 = system.right_hand_side(stage)
-    tangent_2 = _jacobians(system, stage) @ (tangent + half * tangent_1)
-    stage = state + half * slope_2
-    slope_3 = system.right_hand_side(stage)
-    tangent_3 = _jacobians(system, stage) @ (tangent + half * tangent_2)
-    stage = state + time_step * slope_3
-    slope_4 = system.right_hand_side(stage)
-    tangent_4 = _jacobians(system, stage) @ (tangent + time_step * tangent_3)
-    return (
-        combine(state, slope_1, slope_2, slope_3, slope_4, time_step),
-        combine(tangent, tangent_1, tangent_2, tangent_3, tangent_4, time_step),
-    )
+    return _TangentFlow(system)
 
 
-def _jacobians(system: DynamicalSystem, state: FloatArray) -> FloatArray:
-    """Jacobians as a stack of matrices, ``(batch, dimension, dimension)``."""
-    # contiguous: numpy multiplies stacks of strided matrices without BLAS, ten times slower
-    return np.ascontiguousarray(np.moveaxis(system.jacobian(state), -1, 0))
+@dataclass(frozen=True)
+class _TangentFlow(DynamicalSystem):
+    system: DynamicalSystem
+
+    observable_name: ClassVar[str] = "observable of the state"
+    observable_symbol: ClassVar[str] = "x"
+
+    def __post_init__(self) -> None:
+        # a class variable of a system, but that of this one is twice that of the system inside it
+        object.__setattr__(self, "dimension", 2 * self.system.dimension)
+
+    def right_hand_side(self, state: FloatArray) -> FloatArray:
+        """Time derivative of state and perturbation; both of shape ``(2 dimension, ...)``."""
+        x, perturbation = np.split(state, 2)
+        jacobian = self.system.jacobian(x)
+        # term by term, so that the rounding does not depend on how a library multiplies matrices
+        change = jacobian[:, 0] * perturbation[0]
+        for column in range(1, len(x)):
+            change = change + jacobian[:, column] * perturbation[column]
+        return np.concatenate([self.system.right_hand_side(x), change])
+
+    def jacobian(self, state: FloatArray) -> FloatArray:
+        """Not available: it would need second derivatives."""
+        raise NotImplementedError
+
+    def observable(self, state: FloatArray) -> FloatArray:
+        """Observable of the state."""
+        return self.system.observable(state[: self.system.dimension])
+
+
+def _propagated(
+    flow: DynamicalSystem, state: FloatArray, tangent: FloatArray, time_step: float, steps: int
+) -> tuple[FloatArray, FloatArray]:
+    """States ``(dimension, batch)`` and perturbations in columns ``(batch, dimension, number)``."""
+    batch, dimension, number = tangent.shape
+    columns = np.empty((2, dimension, batch, number))
+    columns[0] = state[:, :, np.newaxis]
+    columns[1] = tangent.transpose(1, 0, 2)
+    end = integrate(flow, columns.reshape(2 * dimension, batch * number), time_step, steps, steps)[
+        -1
+    ]
+    states, tangents = end.reshape(columns.shape)
+    # contiguous: numpy factorises stacks of strided matrices more slowly
+    return np.ascontiguousarray(states[:, :, 0]), np.ascontiguousarray(tangents.transpose(1, 0, 2))
 
 
 def perturbation_growth(
@@ -303,7 +323,6 @@ def perturbation_growth(
         raise ValueError(f"the alignment must not be negative, not {alignment_steps} steps")
     direction = generator.standard_normal(state.shape)
     direction *= initial_distance / _norm(direction)
-    # The pair is an axis of its own, so that parameters over the batch still broadcast.
     pair = np.stack([state, state + direction], axis=1)
     log_growth = np.zeros(state.shape[1])
     restarts = np.zeros(state.shape[1], dtype=np.int64)
@@ -312,9 +331,8 @@ def perturbation_growth(
         if index == alignment_steps:
             log_growth = -np.log(distance / initial_distance)
             restarts[:] = 0
-        with np.errstate(over="ignore", invalid="ignore"):
-            pair = step(system, pair, time_step)
-            distance = _distance(pair)
+        pair = integrate(system, pair.reshape(len(pair), -1), time_step, 1)[-1].reshape(pair.shape)
+        distance = _distance(pair)
         restart = (distance > saturation_distance) | (distance < 0.01 * initial_distance)
         if restart.any():
             log_growth[restart] += np.log(distance[restart] / initial_distance)

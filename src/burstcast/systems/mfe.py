@@ -213,7 +213,7 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
         c = self._quadratic
         a1, a2, a3, a4, a5, a6, a7, a8, a9 = state
         shear = a1 + a9
-        j = np.zeros((9, *state.shape))
+        j = np.zeros((9, *state.shape), dtype=state.dtype)
         diagonal = self._growth_rates(state.ndim - 1)
         for i in range(9):
             j[i, i] = diagonal[i]
