@@ -6,9 +6,10 @@
 
 Each stage is timed at the size that ``config.yaml`` gives it for Re = 400, or at a part of it and
 extrapolated; with how much of the machine's peak it reaches (dgemm, measured in between); and
-against the same work in the textbook implementation (``textbook.py``) and with the numpy/scipy
-backend, in the same run. Times are the processor's, the least of several repetitions: other
-programs on the machine disturb them little. ``--write`` puts the tables into docs/performance.md.
+against the same work in the textbook implementation (``textbook.py``) and without compiled code
+(numpy and the scipy backend), in the same run. Times are the processor's, the least of several
+repetitions: other programs on the machine disturb them little. ``--write`` puts the tables into
+docs/performance.md.
 """
 
 import argparse
@@ -47,6 +48,8 @@ from burstcast.statistics.long_term import (
     long_term_starting_points,
     run_long_term,
 )
+from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.lyapunov import lyapunov_spectrum, perturbation_growth
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.recycle import RecycleValidation
@@ -219,11 +222,11 @@ class Data:
         """Lyapunov times in steps."""
         return durations.steps(duration_lt, self.lyapunov_time)
 
-    def ensemble(self, series: int) -> Iterator:
-        """Integrate an ensemble."""
+    def ensemble(self, series: int, system: DynamicalSystem | None = None) -> Iterator:
+        """Integrate an ensemble, of the case's system unless another one is given."""
         setting = self.case["ensemble"]
         return generate_ensemble(
-            self.system,
+            system or self.system,
             initial_states(
                 np.array(setting["initial_state"], dtype=float),
                 setting["perturbed_component"] - 1,
@@ -564,31 +567,79 @@ class Stages:
         }
 
 
-def integration(data: Data, clock: Clock, *, quick: bool) -> tuple[Row, dict[str, float]]:
-    """The ensemble of the case, and the constants of the cost model that belong to it."""
+class ByNumpy(DynamicalSystem):
+    """A system that takes numbers only, so that numpy has to integrate it."""
+
+    def __init__(self, system: DynamicalSystem) -> None:
+        self._system = system
+        self.dimension = system.dimension
+
+    def right_hand_side(self, state: np.ndarray) -> np.ndarray:
+        """Those of the system."""
+        return self._system.right_hand_side(np.asarray(state, dtype=np.float64))
+
+    def jacobian(self, state: np.ndarray) -> np.ndarray:
+        """Those of the system."""
+        return self._system.jacobian(np.asarray(state, dtype=np.float64))
+
+    def observable(self, state: np.ndarray) -> np.ndarray:
+        """That of the system."""
+        return self._system.observable(state)
+
+
+def integration(data: Data, clock: Clock, *, quick: bool) -> tuple[list[Row], dict[str, float]]:
+    """The ensemble of the case and its Lyapunov exponents; their constants of the cost model."""
     setting = data.case["ensemble"]
     steps = (setting["duration"] + setting["transient"]) / setting["time_step"]
-    few, many = 16, 128 if quick else 512
-    seconds = {
-        series: clock.seconds(lambda series=series: list(data.ensemble(series)), 1 if quick else 2)
-        for series in (few, many)
+    systems = {"compiled": data.system, "numpy": ByNumpy(data.system)}
+    measured, whole = 128 if quick else 512, steps * setting["series"]
+    per_step = {
+        name: clock.seconds(lambda system=system: list(data.ensemble(measured, system)))
+        / (measured * steps)
+        for name, system in systems.items()
     }
-    per_series_step = (seconds[many] - seconds[few]) / (many - few) / steps
-    per_call = seconds[few] / steps - few * per_series_step
-    batches = -(-setting["series"] // 1000)
-    whole = steps * (batches * per_call + setting["series"] * per_series_step)
-    state = data.states[0, 0]
     plain = clock.seconds(
-        lambda: textbook.integrate(data.system.right_hand_side, state, setting["time_step"], 200)
+        lambda: textbook.integrate(
+            data.system.right_hand_side, data.states[0, 0], setting["time_step"], 200
+        )
     )
-    row = Row(
+    ensemble = Row(
         "integration",
         f"{setting['series']} series of {steps:.0f} steps",
         None,
-        whole,
-        textbook=plain / 200 * steps * setting["series"],
+        per_step["compiled"] * whole,
+        textbook=plain / 200 * whole,
+        scipy=per_step["numpy"] * whole,
     )
-    return row, {"integration call": per_call, "integration step": per_series_step}
+    lyapunov = data.case["lyapunov"]
+    time_step = setting["time_step"]
+    interval = round(lyapunov["orthonormalisation_interval"] / time_step)
+    start = np.ascontiguousarray(np.resize(data.states[:, 0], (lyapunov["series"], 9)).T)
+
+    def exponents(system: DynamicalSystem) -> None:
+        lyapunov_spectrum(system, start, time_step, 2 * interval, interval)
+        perturbation_growth(
+            system, start, time_step, 2 * interval, 1e-8, 1e-2, np.random.default_rng(1)
+        )
+
+    exponents(data.system)  # compiles
+    per_tangent_step = {
+        name: clock.seconds(lambda system=system: exponents(system))
+        / (2 * interval * lyapunov["series"])
+        for name, system in systems.items()
+    }
+    whole = setting["duration"] / time_step * lyapunov["series"]
+    tangents = Row(
+        "Lyapunov exponents",
+        f"{lyapunov['series']} series, by QR and by growth",
+        None,
+        per_tangent_step["compiled"] * whole,
+        scipy=per_tangent_step["numpy"] * whole,
+    )
+    return [ensemble, tangents], {
+        "integration step": per_step["compiled"],
+        "tangent step": per_tangent_step["compiled"],
+    }
 
 
 # --- The report ----------------------------------------------------------------------------------
@@ -643,12 +694,12 @@ def main() -> None:
         rows += stages.rows()
         rates = stages.rates()  # those of the last size
         print(f"{neurons} neurons measured", flush=True)
-    row, integration_rates = integration(data, clock, quick=options.quick)
+    integrations, integration_rates = integration(data, clock, quick=options.quick)
     rates |= integration_rates
     measured = [
         f"{machine()}. One thread; dgemm reaches {clock.peak:.1f} GFLOP/s.",
         "",
-        *table(HEAD, [row.cells(clock.peak) for row in (row, *rows)]),
+        *table(HEAD, [row.cells(clock.peak) for row in (*integrations, *rows)]),
     ]
     constants = table(
         ["unit", "measured", "in `costs.py`"],

@@ -15,12 +15,9 @@ from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.identifiers import ForecasterName, parsed
 
 SECONDS_PER = {
-    # one Runge-Kutta step: of a whole batch (what Python takes), and of one trajectory in it
-    "integration call": 1.7e-4,
-    "integration step": 2.5e-7,
-    # the same with nine perturbations, their Jacobians and two neighbours
-    "tangent call": 5.7e-4,
-    "tangent step": 1.8e-6,
+    # one Runge-Kutta step of one trajectory; the same with nine perturbations and two neighbours
+    "integration step": 5.0e-8,
+    "tangent step": 9.0e-7,
     # one step of a network in one trajectory: per neuron, and per connection of a neuron
     "neuron step": 1.6e-9,
     "connection step": 1.0e-10,
@@ -152,9 +149,9 @@ _Account = tuple[tuple[float, int], dict[str, float], float]
 
 def _integration(job: _Job, unit: str = "integration", stage: str = "") -> _Account:
     count, steps = _TRAJECTORIES.get(stage or job.stage, _TRAJECTORIES[unit])(job)
-    # up to a thousand trajectories move together; states are held as made and as written
-    work = {f"{unit} call": steps * max(1.0, count / 1000), f"{unit} step": steps * count}
-    return _PLAIN, work, 2 * count * steps / job.stride * job.dimension
+    numbers = count * steps / job.stride * job.dimension
+    # states are held as made and as written
+    return _PLAIN, {f"{unit} step": steps * count, "number": numbers}, 2 * numbers
 
 
 def _network_steps(job: _Job, steps: float) -> dict[str, float]:
@@ -170,8 +167,7 @@ def _closed_loop(job: _Job, kind: str = "closed_loop") -> _Account:
     if job.name.kind == "esn":
         return _COMPILED, _network_steps(job, count * steps), held
     # other kinds of forecasters take what the equations take
-    steps *= count * job.stride
-    return _PLAIN, {"integration call": steps / 1000, "integration step": steps}, held
+    return _PLAIN, {"integration step": count * steps * job.stride}, held
 
 
 def _control(job: _Job) -> _Account:
