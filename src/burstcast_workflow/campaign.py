@@ -25,6 +25,12 @@ _UNORDERED = (
     ("search", "tikhonov"),
 )
 NOISE = "case.training.noise"
+# Kinds whose options are not, or not only, the section of their own name in `forecasters`.
+_SECTIONS = {
+    "equations_filtered": ("observation", "filter"),
+    "quadratic": ("observation", "quadratic"),
+    "quadratic_filtered": ("observation", "quadratic", "filter"),
+}
 SHARED_SCAN = ("RV", "SSV")
 """Strategies whose sums over the training data are computed in one scan of the grid."""
 
@@ -186,7 +192,7 @@ class Campaign:
         Parameters
         ----------
         paths
-            ``case.`` stands for the job's case, ``forecaster.options`` for its kind's own section
+            ``case.`` stands for the job's case, ``forecaster.options`` for its kind's settings
             without ``forecaster.divergence_bound``, which only those read who judge long forecasts
             (None where the kind has none). Kinds that see the truth are given no noise.
         wildcards
@@ -212,7 +218,12 @@ class Campaign:
         if section == "case":
             value: Any = self.cases[wildcards["case"]]
         elif section == "forecaster":
-            options = dict(self.config["forecasters"].get(parsed(wildcards["forecaster"]).kind, {}))
+            kind = parsed(wildcards["forecaster"]).kind
+            options = {
+                key: option
+                for name in _SECTIONS.get(kind, (kind,))
+                for key, option in self.config["forecasters"].get(name, {}).items()
+            }
             bound = options.pop("divergence_bound", None)
             return options if rest == ["options"] else bound
         else:

@@ -6,12 +6,18 @@ import pytest
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
+from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
+from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.persistence import Persistence
+from burstcast.forecasters.quadratic import QuadraticModel
+from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
 from burstcast.forecasters.registry import available_kinds, forecaster_class
+from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -58,13 +64,24 @@ def make_network(generator):
     return EchoStateNetwork(Dynamics(reservoir, 0.9, 1.0, "scipy"), readout, np.linspace(0.2, 1, 9))
 
 
+NOISE = np.linspace(0.001, 0.002, 9)
+COEFFICIENTS = 0.05 * np.random.default_rng(7).standard_normal((55, 9))
+QUADRATIC = QuadraticModel(COEFFICIENTS, PolynomialSystem(COEFFICIENTS, 2, SYSTEM), 0.25, 4)
+
 FORECASTERS = {
+    "analogues": Analogues(np.random.default_rng(8).standard_normal((3, 40, 9)), 5),
     "equations": EquationsFromTruth(SYSTEM, 0.25, 4),
     "equations_noisy": EquationsFromObservation(SYSTEM, 0.25, 4),
+    "equations_filtered": FilteredEquations(
+        EquationsFromObservation(SYSTEM, 0.25, 4), NOISE, 18, 1.01
+    ),
     "esn": NetworkForecaster(make_network(np.random.default_rng(5)), SEED, 10.0),
     "linear_inverse": LinearInverseModel(
         0.3 * np.random.default_rng(6).standard_normal((9, 9)), np.linspace(-1, 1, 9)
     ),
+    "persistence": Persistence(),
+    "quadratic": QUADRATIC,
+    "quadratic_filtered": FilteredQuadraticModel(QUADRATIC, NOISE, 18, 1.01),
 }
 
 
@@ -128,7 +145,14 @@ CASE = ForecastingCase(
     time_step=0.25,
     sampling_stride=4,
     steps_per_lyapunov_time=61,
-    options={"backend": "scipy", "divergence_bound": 10.0},
+    options={
+        "backend": "scipy",
+        "divergence_bound": 10.0,
+        "degree": 2,
+        "members": 18,
+        "inflation": 1.01,
+        "neighbours": 5,
+    },
 )
 
 
@@ -140,7 +164,7 @@ def test_every_kind_is_tested_here():
 
 def test_a_kind_that_is_not_there_is_named_with_those_that_are():
     with pytest.raises(
-        ValueError, match=r"'ens' \(did you mean 'esn'\?\); .* equations, equations_noisy, esn"
+        ValueError, match=r"'ens' \(did you mean 'esn'\?\); .* equations, equations_filtered, "
     ):
         forecaster_class("ens")
 

@@ -45,6 +45,8 @@ def integrate(
     time_step: float,
     steps: int,
     stride: int = 1,
+    *,
+    may_diverge: bool = False,
 ) -> FloatArray:
     """Integrate a batch of trajectories and keep every ``stride``-th state.
 
@@ -61,6 +63,9 @@ def integrate(
         Number of steps; may be 0.
     stride
         Distance of the kept states in steps. Steps after the last kept state are not taken.
+    may_diverge
+        Whether trajectories may leave the range of floating-point numbers, as those of a learnt
+        system do: they go on, infinite or not a number, and disturb no other.
 
     Returns
     -------
@@ -70,11 +75,12 @@ def integrate(
     Raises
     ------
     ValueError
-        If an argument has the wrong shape or sign, or an initial state is not finite.
+        If an argument has the wrong shape or sign, or an initial state is not finite (unless
+        trajectories may diverge).
     FloatingPointError
-        If a trajectory leaves the range of floating-point numbers.
+        If a trajectory leaves the range of floating-point numbers (likewise).
     """
-    check_batch(system, state, time_step)
+    check_batch(system, state, time_step, may_diverge=may_diverge)
     _check_steps(steps, stride)
     states = _room(state, steps, stride)
     compiled = _compiled([system], time_step)
@@ -83,7 +89,8 @@ def integrate(
     else:
         for tile, tile_system in _tiles(system, state.shape[1]):
             _fill(tile_system, states[..., tile], time_step, stride)
-    _check_finite(states[-1], time_step)
+    if not may_diverge:
+        _check_finite(states[-1], time_step)
     return states
 
 
@@ -260,7 +267,9 @@ def _parameters_over_batch(system: DynamicalSystem) -> dict[str, FloatArray]:
     }
 
 
-def check_batch(system: DynamicalSystem, state: FloatArray, time_step: float) -> None:
+def check_batch(
+    system: DynamicalSystem, state: FloatArray, time_step: float, *, may_diverge: bool = False
+) -> None:
     """Raise ValueError unless a batch of states and a time step can be integrated."""
     if state.ndim != 2 or state.shape[0] != system.dimension:
         raise ValueError(
@@ -268,7 +277,7 @@ def check_batch(system: DynamicalSystem, state: FloatArray, time_step: float) ->
         )
     if not (time_step > 0.0 and np.isfinite(time_step)):
         raise ValueError(f"the time step must be positive and finite, not {time_step}")
-    if not np.isfinite(state).all():
+    if not (may_diverge or np.isfinite(state).all()):
         raise ValueError("an initial state is not finite")
 
 

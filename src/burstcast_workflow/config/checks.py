@@ -16,7 +16,7 @@ from burstcast_workflow.config.messages import model_problems, suggestion
 from burstcast_workflow.config.model import Case, Configuration
 from burstcast_workflow.config.places import Place
 from burstcast_workflow.identifiers import parsed
-from burstcast_workflow.jobs.length_checks import misfits
+from burstcast_workflow.jobs.length_checks import check_learnt_equations, misfits
 
 Settings = Mapping[str, Any]
 
@@ -172,6 +172,9 @@ def _case(config: Settings, name: str) -> Iterator[str]:
         return
     yield from _related(record, Case)
     yield from _system(name, record)
+    kinds = _kinds(config, name)
+    if any(kind.endswith("_filtered") for kind in kinds):
+        yield from _filter(config["forecasters"]["filter"], record)
     ensemble, lyapunov = record["ensemble"], record["lyapunov"]
     training, test = record["training"]["series"], record["test_series"]
     if training + test > ensemble["series"]:
@@ -197,6 +200,32 @@ def _case(config: Settings, name: str) -> Iterator[str]:
             # both ends of a series are sampled
             samples = math.floor(ensemble["duration"] / interval + 1e-9) + 1
             yield from misfits(config, record, samples, steps)
+            if kinds & {"quadratic", "quadratic_filtered"}:
+                try:
+                    window_lt = config["forecasters"]["quadratic"]["window_lt"]
+                    check_learnt_equations(samples, steps, window_lt)
+                except ValueError as error:
+                    yield str(error)
+
+
+def _kinds(config: Settings, name: str) -> set[str]:
+    """Kinds of forecasters that the campaign has of a case."""
+    return {
+        kind
+        for block in config["campaign"]
+        if name in block_cases(block)
+        for kind, axes in block["forecasters"].items()
+        if axes is not None
+    }
+
+
+def _filter(settings: Settings, record: Settings) -> Iterator[str]:
+    members, dimension = settings["members"], len(record["ensemble"]["initial_state"])
+    if members % 2 or members < 2 * dimension:
+        yield (
+            f"forecasters.filter.members is {members}; it must be even, and at least twice the "
+            f"components of a state: {2 * dimension} for the system {record['system']}"
+        )
 
 
 def _system(name: str, record: Settings) -> Iterator[str]:

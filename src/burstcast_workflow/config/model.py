@@ -60,6 +60,15 @@ class SingleKinds(Section):
     equations: Alone = setting("the equations, started from the true state", default=None)
     equations_noisy: Alone = setting("the equations, started from what is observed", default=None)
     linear_inverse: Alone = setting("a linear inverse model, from what is observed", default=None)
+    equations_filtered: Alone = setting(
+        "the equations, started from a filter's estimate of the state", default=None
+    )
+    quadratic: Alone = setting("learnt polynomial equations, from what is observed", default=None)
+    quadratic_filtered: Alone = setting(
+        "learnt polynomial equations, started from a filter's estimate of the state", default=None
+    )
+    analogues: Alone = setting("what followed the most similar states of the past", default=None)
+    persistence: Alone = setting("the last observed state for ever", default=None)
 
 
 class BlockForecasters(SingleKinds):
@@ -226,10 +235,51 @@ class EchoStateNetwork(Section):
     backend: Literal["numba", "scipy"] = setting("implementation of the reservoir's dynamics")
 
 
+class Observation(Section):
+    """What learnt equations and filters know of the observations."""
+
+    noise: float | None = setting(
+        "standard deviation of the noise; null: estimated from the training series",
+        "standard deviations of each component",
+        ge=0,
+    )
+
+
+class Filter(Section):
+    """The filter of `equations_filtered` and `quadratic_filtered`."""
+
+    members: Whole = setting(
+        "size of the ensemble: an even number, at least twice the components of a state", ge=2
+    )
+    inflation: float = setting("factor of the ensemble's scatter before each observation", ge=1)
+
+
+class Quadratic(Section):
+    """Learnt equations, of `quadratic` and `quadratic_filtered`."""
+
+    degree: Whole = setting("highest degree of the polynomials", ge=1, le=3)
+    window_lt: Positive = setting("time that the equations are integrated over, to learn them")
+    significance: float = setting(
+        "least size of a coefficient, without which its term is left out; 0 keeps all terms",
+        "standard errors",
+        ge=0,
+    )
+
+
+class AnalogueForecasters(Section):
+    """Analogues."""
+
+    neighbours: Count = setting("number of analogues, whose mean is the forecast")
+
+
 class Forecasters(Section):
     """Settings of the kinds of forecasters that have any."""
 
     esn: EchoStateNetwork
+    observation: Observation
+    filter: Filter
+    quadratic: Quadratic
+    analogues: AnalogueForecasters
 
 
 class Search(Section):

@@ -97,6 +97,16 @@ def check_horizon(
     _check_room(samples, steps_per_lyapunov_time, washout_lt, what, start)
 
 
+def check_learnt_equations(samples: int, steps_per_lyapunov_time: int, window_lt: float) -> None:
+    """Check that the window that equations are learnt from is a step at least, and in a series."""
+    name = "forecasters.quadratic.window_lt"
+    window = _steps(name, window_lt, steps_per_lyapunov_time)
+    if window >= samples:
+        raise ValueError(
+            f"{name} is {window} steps, but a series has {samples} samples (ensemble.duration)"
+        )
+
+
 def misfits(
     config: Mapping[str, Any], record: Mapping[str, Any], samples: int, steps_per_lt: int
 ) -> list[str]:

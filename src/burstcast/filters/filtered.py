@@ -1,0 +1,105 @@
+"""A model with a filter in front: it starts from an estimate of the present state.
+
+What separates a good model from a perfect forecast is mostly that it starts from one noisy
+observation (`burstcast.forecasters.equations_noisy`). The washout holds more of them.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.filters.square_root import assimilate, mean, symmetric_members
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.observation_noise import observation_noise
+
+
+@dataclass(frozen=True)
+class FilteredForecaster(Forecaster):
+    """A forecaster whose memory after the washout is estimated by an ensemble filter.
+
+    The ensemble starts around the first observation of the washout, with the scatter of the noise.
+    The model advances it from one observation to the next, and each of them is assimilated. A kind
+    of filtered forecasters is a subclass that says which model it is about.
+
+    Attributes
+    ----------
+    model
+        Who advances the ensemble, and then forecasts.
+    noise
+        Standard deviation of the errors of an observation, ``(dimension,)``.
+    members
+        Size of the ensemble: even, and at least twice the dimension.
+    inflation
+        See `burstcast.filters.square_root.assimilate`.
+    """
+
+    model_class: ClassVar[type[Forecaster]]
+
+    model: Forecaster
+    noise: FloatArray
+    members: int
+    inflation: float
+
+    @classmethod
+    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+        """Fit the model; estimate the noise unless it is known (see `Forecaster.fit`)."""
+        noise = observation_noise(training, case.options["noise"])
+        return cls._of(cls.model_class.fit(training, case), noise, case)
+
+    def record(self) -> ForecasterRecord:
+        """What the model has learnt, and the noise."""
+        record = self.model.record()
+        return ForecasterRecord({**record.arrays, "noise": self.noise}, record.attributes)
+
+    @classmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Restore the model, and put the filter before it."""
+        return cls._of(cls.model_class.restore(record, case), record.arrays["noise"], case)
+
+    @classmethod
+    def _of(cls, model: Forecaster, noise: FloatArray, case: ForecastingCase) -> Self:
+        return cls(model, noise, case.options["members"], case.options["inflation"])
+
+    def ensemble(self, washout: FloatArray) -> FloatArray:
+        """Memories of all members after an observed washout: what may be true, equally likely.
+
+        To forecast with all of them, flatten the last two axes, which then are the batch of
+        `advance`. The share of members whose forecast has an event is its probability.
+
+        Parameters
+        ----------
+        washout
+            As for `start`.
+
+        Returns
+        -------
+        ``(..., members, batch)``.
+        """
+        batch = washout.shape[2]
+        states = symmetric_members(washout[0], self.noise, self.members)
+        memory = self.model.start(states.reshape(1, -1, self.members * batch))
+        for observation in washout[1:]:
+            outputs, memory = self.model.advance(memory, 1)
+            # the forecast of what is observed, and below it all that goes on from there
+            rows = np.concatenate([outputs[0], memory.reshape(-1, memory.shape[-1])])
+            updated = assimilate(
+                rows.reshape(-1, self.members, batch), observation, self.noise, self.inflation
+            )
+            memory = updated[outputs.shape[1] :].reshape(memory.shape)
+        return memory.reshape(*memory.shape[:-1], self.members, batch)
+
+    def start(self, washout: FloatArray) -> FloatArray:
+        """Mean of the members' memories (see `Forecaster.start`)."""
+        members = self.ensemble(washout)
+        shape = (*members.shape[:-2], members.shape[-1])
+        return mean(members.reshape(-1, *members.shape[-2:])).reshape(shape)
+
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Let the model forecast (see `Forecaster.advance`)."""
+        return self.model.advance(memory, steps)
+
+    def diverged(self, outputs: FloatArray) -> BoolArray:
+        """Tell which forecasts have diverged, by the model's own measure."""
+        return self.model.diverged(outputs)

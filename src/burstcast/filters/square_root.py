@@ -1,0 +1,136 @@
+# Numba gives the compiled functions types of its own, which mypy cannot follow.
+# mypy: disable-error-code="no-untyped-call,no-untyped-def,untyped-decorator"
+"""The ensemble square-root filter: an estimate of the present state from a noisy history.
+
+An ensemble of states stands for what is known: its mean for the estimate, its scatter for the
+covariance of the error. A model advances the members; each observation then moves their mean as the
+Kalman filter does, and shrinks their deviations such that their covariance is the Kalman filter's,
+too. No random numbers are needed for that (Whitaker & Hamill, "Ensemble data assimilation without
+perturbed observations", Monthly Weather Review 130, 2002). The errors of the components of an
+observation are independent, so that they are assimilated one after the other.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from burstcast.arrays import FloatArray
+
+
+def symmetric_members(centre: FloatArray, deviation: FloatArray, members: int) -> FloatArray:
+    """Ensemble around a state whose covariance is exactly that of independent errors.
+
+    Members come in pairs on opposite sides of the centre, so that odd moments vanish as those of a
+    normal distribution do, in directions from a table of cosines (the orthogonal matrix of the
+    discrete cosine transform): sigma points, as those of the unscented Kalman filter (Julier &
+    Uhlmann, Proceedings of the IEEE 92, 2004), but more of them. Nothing is random.
+
+    Parameters
+    ----------
+    centre
+        ``(dimension, batch)``.
+    deviation
+        Standard deviation of the error of each component, ``(dimension,)``.
+    members
+        An even number, at least twice the dimension.
+
+    Returns
+    -------
+    ``(dimension, members, batch)``.
+
+    Raises
+    ------
+    ValueError
+        If the members are too few, or odd in number.
+    """
+    dimension, pairs = centre.shape[0], members // 2
+    if members % 2 or pairs < dimension:
+        raise ValueError(
+            f"an ensemble of {members} members cannot stand for errors in {dimension} components: "
+            f"it takes an even number, at least {2 * dimension}"
+        )
+    row, column = np.arange(1, dimension + 1)[:, np.newaxis], np.arange(pairs) + 0.5
+    # row `pairs` of the transform would be zero: the constant row takes its place
+    cosines = np.where(row < pairs, math.sqrt(2.0) * np.cos(math.pi * row * column / pairs), 1.0)
+    directions = math.sqrt((members - 1) / members) * cosines
+    offsets = deviation[:, np.newaxis] * np.concatenate([directions, -directions], axis=1)
+    ensemble: FloatArray = centre[:, np.newaxis] + offsets[:, :, np.newaxis]
+    return ensemble
+
+
+def assimilate(
+    ensemble: FloatArray, observation: FloatArray, noise: FloatArray, inflation: float
+) -> FloatArray:
+    """Ensembles after an observation of their first components.
+
+    Parameters
+    ----------
+    ensemble
+        What the model forecasts for the time of the observation, ``(rows, members, batch)``. Its
+        first rows are observed; further ones follow by their covariance with them.
+    observation
+        ``(observed, batch)``.
+    noise
+        Standard deviation of the errors of the observation, ``(observed,)``.
+    inflation
+        Factor of the deviations from the mean before the observation is taken in: above 1 for what
+        a model with errors, or an ensemble of finite size, leaves out.
+
+    Returns
+    -------
+    ``(rows, members, batch)``. An ensemble with a member that is not finite is not finite.
+    """
+    updated = np.empty_like(ensemble)
+    _assimilate(ensemble, observation, np.square(noise), float(inflation), updated)
+    return updated
+
+
+def mean(ensemble: FloatArray) -> FloatArray:
+    """Mean of ensembles ``(rows, members, batch)`` over their members, ``(rows, batch)``."""
+    # member by member: the order of numpy's own sums may depend on the size of the batch
+    total: FloatArray = ensemble[:, 0].copy()
+    for member in range(1, ensemble.shape[1]):
+        total += ensemble[:, member]
+    total /= ensemble.shape[1]
+    return total
+
+
+@njit(cache=True)
+def _assimilate(ensemble, observation, variance, inflation, updated):
+    rows, members, batch = ensemble.shape
+    deviation = np.empty((rows, members))
+    observed = np.empty(members)
+    centre = np.empty(rows)
+    for point in range(batch):
+        for row in range(rows):
+            total = 0.0
+            for member in range(members):
+                total += ensemble[row, member, point]
+            centre[row] = total / members
+            for member in range(members):
+                departure = ensemble[row, member, point] - centre[row]
+                deviation[row, member] = inflation * departure
+        for component in range(variance.size):
+            for member in range(members):
+                observed[member] = deviation[component, member]
+            spread = 0.0
+            for member in range(members):
+                spread += observed[member] * observed[member]
+            spread /= members - 1
+            if spread + variance[component] == 0.0:
+                continue  # known without error, and observed without error: nothing to learn
+            error = math.sqrt(variance[component] / (spread + variance[component]))
+            innovation = observation[component, point] - centre[component]
+            for row in range(rows):
+                covariance = 0.0
+                for member in range(members):
+                    covariance += deviation[row, member] * observed[member]
+                gain = covariance / (members - 1) / (spread + variance[component])
+                centre[row] += gain * innovation
+                reduced = gain / (1.0 + error)
+                for member in range(members):
+                    deviation[row, member] -= reduced * observed[member]
+        for row in range(rows):
+            for member in range(members):
+                updated[row, member, point] = centre[row] + deviation[row, member]

@@ -1,0 +1,102 @@
+"""Analogues: what happened after the most similar states of the past.
+
+The oldest forecaster without a model. Source: Lorenz, "Atmospheric predictability as revealed by
+naturally occurring analogues", Journal of the Atmospheric Sciences 26 (1969).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from burstcast.arrays import FloatArray
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+
+
+@dataclass(frozen=True)
+class Analogues(Forecaster):
+    """Forecasts the mean of what followed the nearest states of the training series.
+
+    States are compared in units of each component's standard deviation. Where the series of an
+    analogue ends, the mean is that of the others; where all have ended, there is no forecast (it
+    is not a number).
+
+    Attributes
+    ----------
+    training
+        Observed training series, ``(series, time, dimension)``.
+    neighbours
+        How many analogues.
+    """
+
+    training: FloatArray
+    neighbours: int
+
+    @classmethod
+    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+        """Remember the series (see `Forecaster.fit`)."""
+        return cls(training, case.options["neighbours"])
+
+    def record(self) -> ForecasterRecord:
+        """The training series."""
+        return ForecasterRecord({"training": self.training})
+
+    @classmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Take the remembered series."""
+        return cls(record.arrays["training"], case.options["neighbours"])
+
+    @cached_property
+    def _scale(self) -> FloatArray:
+        scale: FloatArray = self.training.std(axis=(0, 1))
+        return scale
+
+    @cached_property
+    def _tree(self) -> KDTree:
+        # nothing follows the last state of a series
+        candidates = self.training[:, :-1] / self._scale
+        return KDTree(candidates.reshape(-1, candidates.shape[2]))
+
+    def ensemble(self, washout: FloatArray) -> FloatArray:
+        """Memories that each follow one analogue: what may happen, equally likely.
+
+        Parameters
+        ----------
+        washout
+            As for `start`.
+
+        Returns
+        -------
+        ``(1, neighbours, batch)``; flatten the last two axes to forecast with all of them.
+        """
+        return self.start(washout)[np.newaxis]
+
+    def start(self, washout: FloatArray) -> FloatArray:
+        """Analogues of the last observed state, ``(neighbours, batch)``.
+
+        They are numbers of steps, counted through all series.
+        """
+        count = range(1, self.neighbours + 1)
+        found = self._tree.query(washout[-1].T / self._scale, k=list(count))[1].T
+        length = self.training.shape[1]
+        # from rows of the tree, whose series are one shorter
+        steps: FloatArray = (found + found // (length - 1)).astype(np.float64)
+        return steps
+
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Follow the analogues (see `Forecaster.advance`); one that has ended is not a number."""
+        length, dimension = self.training.shape[1:]
+        states = self.training.reshape(-1, dimension)
+        outputs = np.empty((steps, dimension, memory.shape[1]))
+        for step in range(steps):
+            memory = np.where((memory + 1) % length == 0, np.nan, memory + 1)
+            total, count = np.zeros(outputs.shape[1:]), np.zeros(memory.shape[1])
+            for place in memory:
+                going = np.isfinite(place)
+                total[:, going] += states[place[going].astype(int)].T
+                count += going
+            with np.errstate(invalid="ignore"):
+                outputs[step] = total / count
+        return outputs, memory

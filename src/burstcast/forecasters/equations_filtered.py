@@ -1,0 +1,18 @@
+"""The equations, started from what a filter makes of the whole washout.
+
+The limit for all who see noisy observations: a perfect model and a nearly perfect estimate.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from burstcast.filters.filtered import FilteredForecaster
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.equations_noisy import EquationsFromObservation
+
+
+@dataclass(frozen=True)
+class FilteredEquations(FilteredForecaster):
+    """Integrates the equations from the estimate of an ensemble filter."""
+
+    model_class: ClassVar[type[Forecaster]] = EquationsFromObservation

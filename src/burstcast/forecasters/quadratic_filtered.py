@@ -1,0 +1,15 @@
+"""The learnt polynomial model, started from what a filter makes of the whole washout."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from burstcast.filters.filtered import FilteredForecaster
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.quadratic import QuadraticModel
+
+
+@dataclass(frozen=True)
+class FilteredQuadraticModel(FilteredForecaster):
+    """Integrates the learnt equations from the estimate of an ensemble filter."""
+
+    model_class: ClassVar[type[Forecaster]] = QuadraticModel

@@ -1,0 +1,66 @@
+"""The noise of observed series, estimated from them alone.
+
+A smooth trajectory that is sampled finely enough leaves almost nothing in a high difference, and
+white noise does: the difference of order p of independent numbers of variance s^2 has the variance
+(2 p choose p) s^2. The estimator is the difference-based one of nonparametric regression (Hall, Kay
+& Titterington, Biometrika 77, 1990), with the ordinary differences.
+"""
+
+import math
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+
+_ORDER = 8
+"""Order of the differences: an oscillation of eight samples is damped to a hundredth of itself."""
+
+
+def observation_noise(series: FloatArray, known: float | None) -> FloatArray:
+    """Standard deviation of the noise in each component of observed series.
+
+    Parameters
+    ----------
+    series
+        Observed series, ``(series, time, dimension)``.
+    known
+        In standard deviations of each component; None: it is estimated (`estimate_noise`).
+
+    Returns
+    -------
+    In the units of the components, ``(dimension,)``.
+    """
+    if known is None:
+        return estimate_noise(series)
+    scale: FloatArray = series.std(axis=(0, 1))
+    return known * scale
+
+
+def estimate_noise(series: FloatArray) -> FloatArray:
+    """Standard deviation of the white noise in each component of observed series.
+
+    Where the sampling is too coarse for the dynamics, it is too large, never too small: what the
+    trajectory itself leaves in the differences counts as noise.
+
+    Parameters
+    ----------
+    series
+        Observed series, ``(series, time, dimension)``.
+
+    Returns
+    -------
+    In the units of the components, ``(dimension,)``.
+
+    Raises
+    ------
+    ValueError
+        If the series are too short for the differences.
+    """
+    if series.shape[1] <= _ORDER:
+        raise ValueError(
+            f"the noise is estimated from differences of order {_ORDER}, which series of "
+            f"{series.shape[1]} samples do not have"
+        )
+    differences = np.diff(series, n=_ORDER, axis=1)
+    variance: FloatArray = np.square(differences).mean(axis=(0, 1)) / math.comb(2 * _ORDER, _ORDER)
+    return np.sqrt(variance)

@@ -1,0 +1,223 @@
+"""Polynomial equations found in noisy series, by regression in integral form.
+
+Over a window, the increment of a component is the integral of its equation: x(t + w) - x(t) =
+integral of sum_m c_m monomial_m(x). No derivative of noisy data is taken, and the integrals average
+the noise (the weak form of Messenger & Bortz, "Weak SINDy", Multiscale Modeling & Simulation 19,
+2021, with test functions that are constant over the window). The coefficients are those of least
+squares, whose moments are freed of what the noise adds to them (adjusted least squares: Cheng &
+Schneeweiss, Journal of the Royal Statistical Society B 60, 1998). Terms whose coefficient is not
+significant are left out one after the other (sparse regression as in Brunton, Proctor & Kutz,
+"Discovering governing equations from data", PNAS 113, 2016, with a threshold in standard errors, so
+that it has no unit and fits any amount of noise).
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.polynomials.basis import denoised, monomials
+
+# Coefficients of Gregory's formula: corrections of the trapezoidal rule by differences at the ends.
+_GREGORY = (1 / 12, 1 / 24, 19 / 720, 3 / 160, 863 / 60480)
+# Stretches of the series whose scatter gives the standard errors: so many that the errors are
+# known to a tenth, and each of them many windows long where the series allow it.
+_STRETCHES = 40
+_WINDOWS_PER_STRETCH = 4
+# Bounds the memory, changes no result.
+_MONOMIALS_AT_ONCE = 500
+
+
+def gregory_weights(intervals: int) -> FloatArray:
+    """Weights of a quadrature over equally spaced points at distance 1, ``(intervals + 1,)``.
+
+    The trapezoidal rule with Gregory's end corrections of up to order five, as many as the number
+    of points allows; exact for polynomials of degree up to six, and even weights within, which
+    average noise best.
+
+    Parameters
+    ----------
+    intervals
+        Number of intervals, at least 1.
+    """
+    weights = np.ones(intervals + 1)
+    weights[[0, -1]] = 0.5
+    for order, correction in enumerate(_GREGORY[: (intervals + 1) // 2], start=1):
+        for point in range(order + 1):
+            change = correction * (-1) ** point * math.comb(order, point)
+            weights[point] -= change
+            weights[-1 - point] -= change
+    return weights
+
+
+@dataclass(frozen=True)
+class _Moments:
+    """Sums over the windows of each stretch: what a regression needs.
+
+    ``gram`` of the integrated monomials without the noise, ``(stretches, monomials, monomials)``;
+    ``cross``, their products with the increments, ``(stretches, monomials, dimension)``.
+    """
+
+    gram: FloatArray
+    cross: FloatArray
+
+
+def polynomial_coefficients(
+    series: FloatArray,
+    noise: FloatArray,
+    interval: float,
+    degree: int,
+    window: int,
+    significance: float,
+) -> FloatArray:
+    """Coefficients of the equations that observed series obey.
+
+    Parameters
+    ----------
+    series
+        Observed series, ``(series, time, dimension)``.
+    noise
+        Standard deviation of the noise in each component, ``(dimension,)``.
+    interval
+        Time from one sample to the next.
+    degree
+        Highest degree of the monomials.
+    window
+        Intervals that the equations are integrated over.
+    significance
+        A term stays if its coefficient is so many standard errors away from zero, at least; 0 keeps
+        all terms.
+
+    Returns
+    -------
+    ``(monomials, dimension)``, in the order of `burstcast.polynomials.basis.monomials`; zero for
+    terms that are left out.
+
+    Raises
+    ------
+    ValueError
+        If the series have fewer windows than there are monomials, or a component is constant.
+    """
+    windows = series.shape[0] * (series.shape[1] - window)
+    count = len(monomials(series.shape[2], degree))
+    if windows < count or series.shape[1] <= window:
+        raise ValueError(
+            f"{series.shape[0]} series of {series.shape[1]} samples are too few for {count} "
+            f"coefficients of each equation from windows of {window} intervals"
+        )
+    # in units of the components' standard deviations, in which monomials are alike in size
+    scale = series.std(axis=(0, 1))
+    if not (scale > 0).all():
+        raise ValueError(f"component {int(np.argmin(scale > 0)) + 1} is constant in all series")
+    moments = _moments(series / scale, noise / scale, degree, window)
+    columns = [
+        _significant(moments.gram, moments.cross[:, :, component], significance)
+        for component in range(series.shape[2])
+    ]
+    scaled = np.stack(columns, axis=1)
+    units = np.array(
+        [math.prod(scale[list(factors)]) for factors in monomials(series.shape[2], degree)]
+    )
+    coefficients: FloatArray = scaled * scale / units[:, np.newaxis] / interval
+    return coefficients
+
+
+def _moments(series: FloatArray, noise: FloatArray, degree: int, window: int) -> _Moments:
+    basis, variance = monomials(series.shape[2], degree), np.square(noise)
+    weights = gregory_weights(window)
+    windows = series.shape[1] - window
+    stretches = min(
+        math.ceil(_STRETCHES / len(series)),
+        max(1, windows // (_WINDOWS_PER_STRETCH * window)),
+    )
+    bounds = list(pairwise(np.linspace(0, windows, stretches + 1).astype(int)))
+    # by how much the noise of each sample is in the squares of a stretch's integrals
+    shares = np.zeros((stretches, series.shape[1]))
+    for point, weight in enumerate(weights):
+        for share, (start, stop) in zip(shares, bounds, strict=True):
+            share[start + point : stop + point] += weight**2
+    gram, cross = [], []
+    for states in series:
+        values = denoised(states, variance, basis)
+        integrals = sum(
+            weight * values[:, point : point + windows] for point, weight in enumerate(weights)
+        )
+        # the noise of an increment is in its integral, too, with one sign at its beginning and the
+        # other at its end: over a stretch it cancels
+        increments = states[window:] - states[:-window]
+        parts = [np.ascontiguousarray(integrals[:, start:stop]) for start, stop in bounds]
+        gram += list(
+            np.array([part @ part.T for part in parts])
+            - _squared_noise(states, variance, degree, values, shares)
+        )
+        cross += [part @ increments[slice(*ends)] for part, ends in zip(parts, bounds, strict=True)]
+    return _Moments(np.array(gram), np.array(cross))
+
+
+def _squared_noise(
+    states: FloatArray, variance: FloatArray, degree: int, values: FloatArray, shares: FloatArray
+) -> FloatArray:
+    """What the noise adds to the sums of products of two monomials, ``(stretches, m, m)``.
+
+    It is the sum over the samples, each with its share, of the product of the two values less the
+    value of the product: both are made of the same noisy sample, but only the second has the mean
+    of what is true.
+    """
+    basis = monomials(states.shape[1], degree)
+    if not variance.any():
+        return np.zeros((len(shares), len(basis), len(basis)))
+    products = monomials(states.shape[1], 2 * degree)
+    sums = np.concatenate(
+        [
+            denoised(states, variance, products[first : first + _MONOMIALS_AT_ONCE]) @ shares.T
+            for first in range(0, len(products), _MONOMIALS_AT_ONCE)
+        ]
+    )
+    place = {factors: row for row, factors in enumerate(products)}
+    rows = np.array([[place[tuple(sorted(one + other))] for other in basis] for one in basis])
+    return np.array(
+        [(values * share) @ values.T - sums[rows, stretch] for stretch, share in enumerate(shares)]
+    )
+
+
+def _significant(gram: FloatArray, cross: FloatArray, significance: float) -> FloatArray:
+    """Least squares for one equation, without the terms that are not significant.
+
+    The least significant one goes first, and all that are left are fitted anew: of two terms that
+    can stand for one another, one stays.
+    """
+    kept = np.ones(gram.shape[1], dtype=bool)
+    while True:
+        coefficients, errors = _least_squares(gram, cross, kept)
+        # a term without any scatter is certain
+        ratios = np.abs(coefficients[kept]) - significance * errors[kept]
+        if not kept.any() or significance == 0.0 or not (ratios < 0).any():
+            return coefficients
+        strength = np.full(kept.size, np.inf)
+        strength[kept] = np.abs(coefficients[kept]) / np.maximum(errors[kept], np.finfo(float).tiny)
+        kept[np.argmin(strength)] = False
+
+
+def _least_squares(
+    gram: FloatArray, cross: FloatArray, kept: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Coefficients of the terms that are kept, zero for the others, and their standard errors.
+
+    The errors come from the scatter of the stretches of the series, each of which is one
+    observation, whatever the correlation within it: the sandwich estimator of clustered data (Liang
+    & Zeger, Biometrika 73, 1986).
+    """
+    rows = np.flatnonzero(kept)
+    coefficients, errors = np.zeros(kept.size), np.zeros(kept.size)
+    if rows.size == 0:
+        return coefficients, errors
+    part = gram[:, rows[:, np.newaxis], rows]
+    total = part.sum(axis=0)
+    size = np.sqrt(np.diag(total))
+    inverse = np.linalg.pinv(total / np.outer(size, size), hermitian=True) / np.outer(size, size)
+    coefficients[rows] = inverse @ cross[:, rows].sum(axis=0)
+    scores = cross[:, rows] - part @ coefficients[rows]
+    errors[rows] = np.sqrt(np.square(scores @ inverse).sum(axis=0))
+    return coefficients, errors
