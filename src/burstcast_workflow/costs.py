@@ -83,6 +83,10 @@ class _Job:
         self.transient = self("case.ensemble.transient") / self.interval
         self.numbers = self.series * self.samples * self.dimension
         self.washout = self.steps("washout_lt")
+        # what takes in the washout before a forecast: an ensemble, where it is filtered
+        filtered = name.kind.endswith("_filtered")
+        self.members = self("forecasters.filter.members") if filtered else 1
+        self.start_up = self.members * self.washout
         # of control: how far forecasts reach, how long flows go on, how often they are forecast
         time = wildcards.get("prediction_time_lt", self("control.prediction_times_lt")[0])
         self.flows = max(0, min(self("control.flows"), self.series - self.training_series))
@@ -107,7 +111,7 @@ class _Job:
 def _forecast(job: _Job) -> tuple[float, float]:
     reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
     starts = job.starts("classification.start_spacing_lt", reach)
-    return _test_series(job.campaign, job.case) * starts, job.washout + reach
+    return _test_series(job.campaign, job.case) * starts, job.start_up + reach
 
 
 def _test_series(campaign: Campaign, case: str) -> float:
@@ -119,13 +123,13 @@ def _test_series(campaign: Campaign, case: str) -> float:
 def _horizon(job: _Job) -> tuple[float, float]:
     # three fifths of the starts are tried, and a forecast that fails is given up on the way
     tried = 0.6 * job("horizon.longest_lead_time_lt") / job("horizon.lead_time_step_lt")
-    steps = job.washout + 0.4 * job.steps("horizon.longest_lead_time_lt")
+    steps = job.start_up + 0.4 * job.steps("horizon.longest_lead_time_lt")
     return job("horizon.events"), tried * steps
 
 
 def _long_term(job: _Job) -> tuple[float, float]:
     starts = job.training_series * job.starts("statistics.start_spacing_lt")
-    steps = job("statistics.duration") / job.interval + job.washout
+    steps = job("statistics.duration") / job.interval + job.start_up
     return min(job("statistics.starting_points"), starts), steps
 
 
@@ -136,11 +140,11 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
     "tangent": lambda job: (min(job("case.lyapunov.series"), job.series), job.stride * job.samples),
     "control_random": lambda job: (job.flows, 3 * job.stride * (job.reach + job.span)),
     # steps of a forecaster: a few forecasts, as for a figure, where it is not known better
-    "closed_loop": lambda job: (64, job.washout + job.steps("horizon.longest_lead_time_lt")),
+    "closed_loop": lambda job: (64, job.start_up + job.steps("horizon.longest_lead_time_lt")),
     "forecast": _forecast,
     "horizon": _horizon,
     "long_term": _long_term,
-    "control": lambda job: (job.flows, job.alarms * (job.washout + job.reach)),
+    "control": lambda job: (job.flows, job.alarms * (job.start_up + job.reach)),
 }
 
 # What a class takes: start-up, work, numbers held.
@@ -166,8 +170,10 @@ def _closed_loop(job: _Job, kind: str = "closed_loop") -> _Account:
     held = min(count, 1000) * (2 * job.neurons + 4 * min(steps, 500) * job.dimension)
     if job.name.kind == "esn":
         return _COMPILED, _network_steps(job, count * steps), held
-    # other kinds of forecasters take what the equations take
-    return _PLAIN, {"integration step": count * steps * job.stride}, held
+    # other kinds of forecasters take what the equations take; an ensemble is held several times
+    held += (job.members > 1) * min(count, 1000) * 8 * job.members * job.dimension
+    start_up = _COMPILED if job.members > 1 else _PLAIN
+    return start_up, {"integration step": count * steps * job.stride}, held
 
 
 def _control(job: _Job) -> _Account:

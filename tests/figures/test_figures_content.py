@@ -83,7 +83,7 @@ def test_undefined_medians_leave_a_gap_and_no_zero() -> None:
     assert all(len(line.get_xdata()) == 2 for line in figure.axes[0].get_lines())
 
 
-def test_reference_forecasters_are_drawn_in_grey() -> None:
+def test_reference_forecasters_are_drawn_beside_the_networks() -> None:
     table = percentile_rows(SCORES, sizes=(500.0,), prediction_times=PREDICTION_TIMES)
     equations = table[table["validation"] == "RV"].assign(
         forecaster="equations", neurons=np.nan, validation=np.nan, p50=0.5
@@ -97,7 +97,7 @@ def test_reference_forecasters_are_drawn_in_grey() -> None:
     )
     figure = horizon_by_size(pd.concat([horizons, others]))
     assert lines_with(figure.axes[0], [1.25, 1.25]) == 1
-    assert "linear inverse" in texts(figure)
+    assert "linear inverse model" in texts(figure)
 
 
 def test_published_values_are_shown_only_at_our_sizes() -> None:

@@ -198,6 +198,19 @@ def test_settings_are_canonical():
     assert repr(settings["pair"]) == "[1, 2.5]"
 
 
+def test_kinds_share_sections_of_options():
+    wildcards = {"case": "Re600", "forecaster": "quadratic_filtered"}
+    (options,) = PAPER.settings(["forecaster.options"], wildcards, {}).values()
+    sections = [
+        PAPER.config["forecasters"][name] for name in ("observation", "quadratic", "filter")
+    ]
+    assert options == {key: value for section in sections for key, value in section.items()}
+    assert len(options) == sum(map(len, sections))
+    wildcards = {"case": "Re600", "forecaster": "equations_filtered"}
+    (options,) = PAPER.settings(["forecaster.options"], wildcards, {}).values()
+    assert options.keys() == {"noise", "members", "inflation"}
+
+
 def test_a_kind_without_settings_has_no_options():
     wildcards = {"case": "Re600", "forecaster": "equations"}
     paths = ["forecaster.options", "forecaster.divergence_bound"]

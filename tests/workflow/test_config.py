@@ -399,6 +399,24 @@ def test_mistake_between_settings(config, name, value, parts):
     assert len(messages) == 1
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "parts"),
+    [
+        ("forecasters.filter.members", 16, ["even", "at least twice", "18 for the system mfe"]),
+        ("forecasters.filter.members", 41, ["is 41; it must be even"]),
+        ("forecasters.quadratic.window_lt", 0.01, ["shorter than one step", "has 61"]),
+        ("forecasters.quadratic.window_lt", 70, ["4270 steps", "has 4001 samples"]),
+    ],
+)
+def test_settings_of_kinds_matter_where_the_campaign_has_them(config, name, value, parts):
+    put(config, name, value)
+    load(copy.deepcopy(config))
+    put(config, "campaign.0.forecasters.quadratic_filtered", {})
+    with pytest.raises(ConfigError) as caught:
+        load(config)
+    assert all(part in str(caught.value) for part in [name, "Re400", *parts])
+
+
 def test_block_without_case(config):
     del config["campaign"][1]["reynolds"]
     assert any("campaign[1] names no case" in problem for problem in problems(config))

@@ -134,6 +134,24 @@ def test_backend_that_is_not_compiled_is_slower(cost_class, stage):
     assert 3 < scipy / compiled < 5
 
 
+def test_a_filter_costs_its_members_over_the_washout():
+    plain, filtered = (
+        predicted("closed_loop", "forecast", forecaster=kind)
+        for kind in ("quadratic", "quadratic_filtered")
+    )
+    half = predicted(
+        "closed_loop",
+        "forecast",
+        model(forecasters__filter__members=20),
+        forecaster="quadratic_filtered",
+    )
+    # washouts of 30 steps and forecasts of 366, from 9000 starting points with four steps each
+    steps = SECONDS_PER["integration step"] * 9000 * 4 * 30
+    assert filtered.seconds - half.seconds == pytest.approx(20 * steps, rel=0.02)
+    assert plain.seconds < half.seconds
+    assert plain.memory_mib < half.memory_mib < filtered.memory_mib
+
+
 def test_other_kinds_of_forecasters_cost_what_the_equations_cost():
     for cost_class, stage in (("closed_loop", "forecast"), ("control", "control")):
         kinds = ("equations", "equations_noisy", "persistence")

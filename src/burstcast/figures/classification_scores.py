@@ -138,7 +138,7 @@ def _finish(
     if has_published:
         handles.append(published_handle())
     if len(handles) > 3:  # more would hide the curves
-        columns = len(handles) if panels.shape[1] > 1 else 2
+        columns = min(len(handles), 4) if panels.shape[1] > 1 else 2
         panels[0, 0].get_figure().legend(handles=handles, loc="outside upper center", ncols=columns)
     elif handles:
         panels[2, 0].legend(handles=handles, loc="best")

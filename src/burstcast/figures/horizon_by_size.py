@@ -45,7 +45,9 @@ def horizon_by_size(percentiles: pd.DataFrame, *, published: pd.DataFrame | None
     sizes = np.unique(networks["neurons"].dropna().to_numpy(dtype=np.float64))
     if published is not None:
         published = published[published["neurons"].isin(sizes)]
-    figure = new_figure(SINGLE_COLUMN, 2.4)
+    kinds = percentiles["forecaster"].nunique()
+    many = kinds > 4  # a legend of so many would hide the curves
+    figure = new_figure(SINGLE_COLUMN, 3.2 if many else 2.4)
     axes = figure.subplots()
     for validation in ordered_validations(networks["validation"].dropna()):
         style = validation_style(validation)
@@ -62,7 +64,9 @@ def horizon_by_size(percentiles: pd.DataFrame, *, published: pd.DataFrame | None
     axes.margins(x=0.06)
     axes.set_xlabel(NEURONS_LABEL)
     axes.set_ylabel(METRIC_LABELS["mean_horizon_lt"])
-    if handles:
+    if many:
+        figure.legend(handles=handles, loc="outside upper center", ncols=2)
+    elif handles:
         axes.legend(handles=handles, loc="best")
     say_where_empty([axes])
     return figure

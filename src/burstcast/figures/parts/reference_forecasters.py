@@ -1,7 +1,7 @@
-"""Forecasters that networks are compared with, in figures: in grey, whatever their kind."""
+"""Forecasters that networks are compared with, in figures: quiet lines, the same in all of them."""
 
 from collections.abc import Collection
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -9,13 +9,38 @@ from matplotlib.axes import Axes
 from burstcast.figures.parts.percentile_curves import select
 from burstcast.figures.parts.style import GREY
 
-_LABELS = {"equations": "equations, true state", "equations_noisy": "equations, noisy state"}
-_LINES = ((0, (1.0, 1.2)), (0, (4.0, 1.5)), (0, (4.0, 1.5, 1.0, 1.5)), (0, (8.0, 2.0)))
+_MAUVE = "#8A5A83"
+_PALE = "#A0A0A0"
+_DOTS, _DASHES, _LONG = (0.0, (1.0, 1.2)), (0.0, (4.0, 1.5)), (0.0, (8.0, 2.0))
+
+
+class _Look(NamedTuple):
+    label: str
+    color: str
+    linestyle: str | tuple[float, tuple[float, ...]]
+
+
+# The equations in grey, learnt ones in mauve, and in front of them where they do as well: solid or
+# with wide gaps where a filter comes first, dashed where they start from one observation.
+_LOOKS = {
+    "equations": _Look("equations, true state", GREY, _DOTS),
+    "equations_filtered": _Look("equations, filtered", GREY, "-"),
+    "equations_noisy": _Look("equations, noisy state", GREY, _DASHES),
+    "quadratic": _Look("learnt equations, noisy state", _MAUVE, (2.0, (1.5, 4.0))),
+    "quadratic_filtered": _Look("learnt equations, filtered", _MAUVE, (0.0, (4.0, 4.0))),
+    "analogues": _Look("analogues", _PALE, _DASHES),
+    "linear_inverse": _Look("linear inverse model", _PALE, _DOTS),
+    "persistence": _Look("persistence", _PALE, _LONG),
+}
 
 
 def forecaster_label(kind: str) -> str:
     """What figures call a kind of forecaster."""
-    return _LABELS.get(kind, kind.replace("_", " "))
+    return _look(kind).label
+
+
+def _look(kind: str) -> _Look:
+    return _LOOKS.get(kind, _Look(kind.replace("_", " "), GREY, _LONG))
 
 
 def draw_references(
@@ -25,7 +50,7 @@ def draw_references(
     x: str | None,
     leave_out: Collection[str] = (),
 ) -> None:
-    """Draw the forecasters that are no networks: the median of a metric in grey.
+    """Draw the forecasters that are no networks: the median of a metric as a quiet line.
 
     Parameters
     ----------
@@ -41,19 +66,12 @@ def draw_references(
     leave_out
         Kinds that are not drawn.
     """
-    # a kind has the same line in all figures of a campaign, whatever they leave out
-    kinds = sorted(set(percentiles["forecaster"].dropna()) - {"esn"})
-    for index, kind in enumerate(kinds):
+    kinds = set(percentiles["forecaster"].dropna()) - {"esn"}
+    for kind in [*(kind for kind in _LOOKS if kind in kinds), *sorted(kinds - set(_LOOKS))]:
         rows = select(percentiles, forecaster=kind, metric=metric)
         if kind in leave_out or rows.empty:
             continue
-        line: dict[str, Any] = {
-            "color": GREY,
-            "linestyle": _LINES[index % len(_LINES)],
-            "linewidth": 1.0,
-            "label": forecaster_label(kind),
-            "zorder": 1.5,
-        }
+        line: dict[str, Any] = {**_look(kind)._asdict(), "linewidth": 1.0, "zorder": 1.5}
         if x is None:
             axes.axhline(float(rows["p50"].iloc[0]), **line)
         else:
