@@ -123,6 +123,7 @@ _VALUES: dict[str, Any] = {
     "cases.Re400.recycle_validation.series": 3,
     "cases.Re400.lyapunov.published_exponent": 0.0174,
     "forecasters.esn.backend": "numba",
+    "forecasters.observation.noise": 0.01,
     "search.spectral_radius": [0.2, 1],
     "search.input_scaling": [0.2, 10],
     "search.tikhonov": [1e-6, 1e-9],
