@@ -4,11 +4,14 @@ The only place of the library that imports modules by name: whatever is found th
 wherever the code that a result depends on is listed.
 """
 
+import dataclasses
 import difflib
 import importlib
 import inspect
+import math
+import numbers
 import pkgutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from types import ModuleType
 from typing import TypeVar
 
@@ -50,3 +53,50 @@ def suggestion(name: str, candidates: Iterable[str]) -> str:
     """End of an error message: what an unknown name may have meant; empty if nothing is near."""
     closest = difflib.get_close_matches(str(name), list(candidates), n=1)
     return f" (did you mean {closest[0]!r}?)" if closest else ""
+
+
+def checked_numbers(
+    what: str, part: str, owner: type, values: Mapping[str, float]
+) -> dict[str, float]:
+    """Check the numbers that an object of a dataclass is made of; return them as floats.
+
+    Parameters
+    ----------
+    what
+        What is made, for messages: "system 'mfe'".
+    part
+        What its fields are called there: "parameter".
+    owner
+        The class.
+    values
+        By the names of its fields; those with a default may be left out.
+
+    Raises
+    ------
+    ValueError
+        If a field is unknown or missing, or a value is not a finite number.
+    TypeError
+        If the class is no dataclass.
+    """
+    if not dataclasses.is_dataclass(owner):
+        raise TypeError(f"{owner.__name__} must be a dataclass of its {part}s")
+    fields = [field for field in dataclasses.fields(owner) if field.init]
+    known = [field.name for field in fields]
+    for key in values:
+        if key not in known:
+            raise ValueError(
+                f"{what} has no {part} {key!r}{suggestion(key, known)}; "
+                f"its {part}s are {', '.join(known) or 'none'}"
+            )
+    for field in fields:
+        optional = (
+            field.default is not dataclasses.MISSING
+            or field.default_factory is not dataclasses.MISSING
+        )
+        if not optional and field.name not in values:
+            raise ValueError(f"{what} needs the {part} {field.name!r}")
+    for key, value in values.items():
+        is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        if not is_number or not math.isfinite(value):
+            raise ValueError(f"{part} {key!r} of {what} must be a finite number, not {value!r}")
+    return {key: float(value) for key, value in values.items()}

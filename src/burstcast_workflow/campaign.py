@@ -1,17 +1,19 @@
 """The campaign: cases, forecasters, who controls what, and the settings that stages read."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
 
 from burstcast import durations
+from burstcast.control.strategies.registry import strategy_class
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import module_of
 from burstcast_workflow.canonical import canonical, natural_order
 from burstcast_workflow.config.cases import block_cases, case_records
+from burstcast_workflow.control_plans import CONDITIONS, ControlPlan, block_plans, paper_plan
 from burstcast_workflow.identifiers import ForecasterName, parsed
 from burstcast_workflow.table_metrics import SUMMARIES
 
@@ -55,24 +57,41 @@ class CaseForecaster:
 
 @dataclass(frozen=True)
 class ControlRun:
-    """One run of control: who forecasts, how far ahead, and whether alarms are random.
+    """One run of control: which case, who forecasts, how, and whether alarms are random instead.
 
-    Random alarms belong to a forecaster, too: they come as often as its own.
+    Random alarms belong to a forecaster, too: they come as often as its own. A strategy that does
+    not forecast belongs to none.
     """
 
-    forecaster: CaseForecaster
-    prediction_time_lt: float
+    case: str
+    forecaster: CaseForecaster | None
+    plan: ControlPlan
     random: bool = False
 
     @property
     def rule(self) -> str:
         """Rule that makes it."""
+        if self.forecaster is None:
+            return "control_without_forecast"
         return "control_random" if self.random else "control"
 
     @property
-    def stem(self) -> str:
-        """Its files below the results directory, without their suffixes."""
-        return f"{self.forecaster.directory}/{self.rule}_PT{self.prediction_time_lt:g}"
+    def directory(self) -> str:
+        """Directory of its files below the results directory."""
+        kind = "control_random" if self.random else "control"
+        above = self.case if self.forecaster is None else self.forecaster.directory
+        return f"{above}/{kind}/{self.plan.identifier}"
+
+    @property
+    def identity(self) -> Settings:
+        """Rule and wildcards of its job, which its files say."""
+        whose = {"case": self.case} if self.forecaster is None else self.forecaster.identity
+        return {"rule": self.rule, **whose, "strategy": self.plan.identifier}
+
+    @property
+    def prediction_time_lt(self) -> float | None:
+        """Of the paper's strategy; None of others."""
+        return dict(self.plan.settings).get("prediction_time_lt")
 
 
 class Campaign:
@@ -159,21 +178,52 @@ class Campaign:
 
     @cached_property
     def control_runs(self) -> tuple[ControlRun, ...]:
-        """Who controls which case at which prediction time, and alarms at random beside it."""
+        """The paper's control: who controls which case how far ahead; random alarms beside it."""
         control = self.config["control"]
         runs = [
-            ControlRun(one, time)
+            ControlRun(one.case, one, paper_plan(time, control["window_lt"]))
             for one in self._chosen(control["forecasters"])
             if self.cases[one.case]["actuation"] is not None
             for time in self._control_times(one)
         ]
         if control["random_alarms"]:
             runs += [
-                ControlRun(run.forecaster, run.prediction_time_lt, random=True)
+                replace(run, random=True)
                 for run in runs
-                if run.forecaster.name.kind == "esn"
+                if run.forecaster is not None and run.forecaster.name.kind == "esn"
             ]
         return tuple(runs)
+
+    @cached_property
+    def strategy_runs(self) -> tuple[ControlRun, ...]:
+        """All control: the paper's, and that of the blocks of strategies, each run once."""
+        blocks = self.config["control"]["strategies"]
+        runs = [run for block in blocks for run in self._runs_of(block)]
+        return tuple(dict.fromkeys([*self.control_runs, *runs]))
+
+    def _runs_of(self, block: Mapping[str, Any]) -> Iterator[ControlRun]:
+        controlled = [case for case in self.case_names if self.cases[case]["actuation"] is not None]
+        wanted = block.get("cases") or controlled
+        chosen = self._chosen(block.get("forecasters") or {})
+        who: list[tuple[str, CaseForecaster | None]] = [
+            (one.case, one)
+            for one in chosen
+            if block.get("seeds") is None or (one.name.seed or 0) < block["seeds"]
+        ]
+        if not strategy_class(block["strategy"]).forecasts:
+            who = [(case, None) for case in controlled]
+        for case, forecaster in who:
+            if case in wanted and case in controlled:
+                for plan in block_plans(block):
+                    yield ControlRun(case, forecaster, plan)
+
+    @cached_property
+    def _plans(self) -> dict[str, ControlPlan]:
+        return {run.plan.identifier: run.plan for run in self.strategy_runs}
+
+    def plan(self, identifier: str) -> ControlPlan:
+        """The plan of control that is called so (a KeyError if there is none)."""
+        return self._plans[identifier]
 
     def _control_times(self, one: CaseForecaster) -> list[float]:
         control, sweep = self.config["control"], self.config["control"]["sweep"]
@@ -194,7 +244,8 @@ class Campaign:
         paths
             ``case.`` stands for the job's case, ``forecaster.options`` for its kind's settings
             without ``forecaster.divergence_bound``, which only those read who judge long forecasts
-            (None where the kind has none). Kinds that see the truth are given no noise.
+            (None where the kind has none), ``control.run`` for its plan of control. Kinds that see
+            the truth are given no noise.
         wildcards
             Of the job.
         values
@@ -215,6 +266,12 @@ class Campaign:
 
     def _setting(self, path: str, wildcards: Mapping[str, str]) -> Any:
         section, *rest = path.split(".")
+        if path == "control.run":
+            span_lt, noise = self.config["control"]["span_lt"], self.cases[wildcards["case"]]
+            run = self.plan(wildcards["strategy"]).record(span_lt, noise["training"]["noise"])
+            if _sees_truth(wildcards.get("forecaster", "esn")):
+                del run["noise"]
+            return run
         if section == "case":
             value: Any = self.cases[wildcards["case"]]
         elif section == "forecaster":
@@ -235,7 +292,8 @@ class Campaign:
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
         """Modules that a job reaches by a name, by the package whose registry finds them.
 
-        They are those of all cases and forecasters where the job belongs to none of them.
+        They are those of all cases and forecasters where the job belongs to none of them. Only
+        jobs of control have a strategy of control.
         """
         names = dict(wildcards.items())
         cases = [names["case"]] if "case" in names else list(self.case_names)
@@ -243,6 +301,7 @@ class Campaign:
             forecasters = [parsed(names["forecaster"])]
         else:
             forecasters = [one.name for one in self.forecasters]
+        strategy = [self.plan(names["strategy"]).strategy] if "strategy" in names else []
         strategies = names.get("strategies")
         validations = (
             strategies.split("+") if strategies else {one.validation for one in forecasters}
@@ -250,6 +309,7 @@ class Campaign:
         return {
             "burstcast.systems": sorted({self.cases[case]["system"] for case in cases}),
             "burstcast.forecasters": sorted({one.kind for one in forecasters}),
+            "burstcast.control.strategies": strategy,
             "burstcast.tuning.strategies": sorted(
                 module_of(name).rpartition(".")[2] for name in validations if name
             ),
@@ -270,20 +330,44 @@ class Campaign:
         ]
 
     def control_keys(self, runs: Iterable[ControlRun] | None = None) -> list[Settings]:
-        """Records for tables of control; random alarms have the keys of whom they stand in for."""
-        records = []
-        for run in self.control_runs if runs is None else runs:
-            (record,) = self.keys([run.forecaster])
-            keys = {**record["keys"], "prediction_time_lt": run.prediction_time_lt}
-            if run.random:
-                keys["forecaster"] = "random"
-            identity = {
-                "rule": run.rule,
-                **record["identity"],
-                "prediction_time_lt": run.prediction_time_lt,
+        """Records for tables of the paper's control, by prediction time.
+
+        Random alarms have the keys of whom they stand in for.
+        """
+        return [
+            {
+                "identity": run.identity,
+                "keys": {**self._keys_of(run), "prediction_time_lt": run.prediction_time_lt},
             }
-            records.append({"identity": identity, "keys": keys})
+            for run in (self.control_runs if runs is None else runs)
+        ]
+
+    def strategy_keys(self) -> list[Settings]:
+        """Records for tables of all control, with strategy, settings and conditions.
+
+        A setting that is none of a strategy's own is empty.
+        """
+        names = list(
+            dict.fromkeys(name for run in self.strategy_runs for name, _ in run.plan.settings)
+        )
+        records = []
+        for run in self.strategy_runs:
+            record = self.settings(
+                ["control.run"], {"case": run.case, "strategy": run.plan.identifier}, {}
+            )["control.run"]
+            keys = {
+                **self._keys_of(run),
+                "strategy": run.plan.strategy,
+                **{name: record["settings"].get(name) for name in names},
+                **{name: record[name] for name in CONDITIONS},
+            }
+            records.append({"identity": run.identity, "keys": keys})
         return records
+
+    def _keys_of(self, run: ControlRun) -> Settings:
+        name = ForecasterName("none") if run.forecaster is None else run.forecaster.name
+        keys = {"case": run.case, "reynolds": self.reynolds(run.case), **name.keys}
+        return {**keys, "forecaster": "random"} if run.random else keys
 
     def of_each_case(self, *paths: str) -> list[Settings]:
         """Settings of all cases, with whose they are and their key columns."""
@@ -303,6 +387,7 @@ class Campaign:
         names += ["hyperparameters"] if self.networks else []
         names += ["statistics"] if self.long_term_forecasters else []
         names += ["control"] if self.control_runs else []
+        names += ["control_strategies"] if self.strategy_runs else []
         return [
             *names,
             *(f"{name}_percentiles" for name in names if name in SUMMARIES),

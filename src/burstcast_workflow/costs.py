@@ -88,11 +88,20 @@ class _Job:
         self.members = self("forecasters.filter.members") if filtered else 1
         self.start_up = self.members * self.washout
         # of control: how far forecasts reach, how long flows go on, how often they are forecast
-        time = wildcards.get("prediction_time_lt", self("control.prediction_times_lt")[0])
         self.flows = max(0, min(self("control.flows"), self.series - self.training_series))
-        self.reach = self.steps("control.window_lt", more=float(time))
-        self.span = self.steps("control.span_lt")
-        self.alarms = self.span / max(1, self.steps("control.window_lt"))
+        run = self._plan_of_control(wildcards)
+        values = run["settings"]
+        spacing = values.get("decision_interval_lt", values.get("window_lt", 1.0))
+        reach = values.get("prediction_time_lt", 0.0) + values.get("window_lt", 0.0)
+        self.reach = self.steps(more=values.get("horizon_lt", reach))
+        self.span = self.steps(more=run["span_lt"] + run["quiet_lt"])
+        self.alarms = self.span / max(1, self.steps(more=spacing))
+
+    def _plan_of_control(self, wildcards: Mapping[str, str]) -> Any:
+        if "strategy" not in wildcards:
+            return {"settings": {}, "span_lt": 0.0, "quiet_lt": 0.0}
+        names = {"case": self.case, "strategy": wildcards["strategy"]}
+        return self.campaign.settings(["control.run"], names, {})["control.run"]
 
     def __call__(self, path: str) -> Any:
         """A setting by its path in the config."""
@@ -139,6 +148,7 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
     "integration": lambda job: (job.series, job.stride * (job.samples + job.transient)),
     "tangent": lambda job: (min(job("case.lyapunov.series"), job.series), job.stride * job.samples),
     "control_random": lambda job: (job.flows, 3 * job.stride * (job.reach + job.span)),
+    "control_without_forecast": lambda job: (job.flows, 3 * job.stride * job.span),
     # steps of a forecaster: a few forecasts, as for a figure, where it is not known better
     "closed_loop": lambda job: (64, job.start_up + job.steps("horizon.longest_lead_time_lt")),
     "forecast": _forecast,

@@ -45,8 +45,11 @@ def long_term_candidates(campaign: Campaign, case: str) -> list[CaseForecaster]:
 
 
 def _network_runs(campaign: Campaign) -> list[ControlRun]:
+    """The paper's control by networks."""
     return [
-        run for run in campaign.control_runs if run.forecaster.name.kind == "esn" and not run.random
+        run
+        for run in campaign.control_runs
+        if not run.random and run.forecaster is not None and run.forecaster.name.kind == "esn"
     ]
 
 
@@ -63,7 +66,11 @@ def control_example(campaign: Campaign) -> ControlRun | None:
 
 def _control_kind(campaign: Campaign, case: str) -> dict[str, Any]:
     """Size and validation strategy that the figures of control show for a case."""
-    names = [run.forecaster.name for run in _network_runs(campaign) if run.forecaster.case == case]
+    names = [
+        run.forecaster.name
+        for run in _network_runs(campaign)
+        if run.case == case and run.forecaster is not None
+    ]
     kinds = [{"neurons": name.neurons, "validation": name.validation} for name in names]
     wanted = {
         "neurons": campaign.config["figures"]["fixed_neurons"],
@@ -99,7 +106,7 @@ def _with_other_strategies(campaign: Campaign, case: str) -> list[str]:
 def _suppressed_event(campaign: Campaign, case: str) -> str:
     run = control_example(campaign)
     assert run is not None
-    return f"{run.forecaster.directory}/suppressed_event_PT{run.prediction_time_lt:g}.nc"
+    return f"{run.directory}/suppressed_event.nc"
 
 
 # What entries name: places below the results directory (several, where files are gathered), ...
@@ -164,12 +171,12 @@ def _with_long_term(campaign: Campaign) -> list[str]:
 
 def _control_example(campaign: Campaign) -> list[str]:
     run = control_example(campaign)
-    return [] if run is None else [run.forecaster.case]
+    return [] if run is None else [run.case]
 
 
 def _controlled(campaign: Campaign) -> list[str]:
     """Cases that networks control, the example's first if it is one of them."""
-    cases = dict.fromkeys(run.forecaster.case for run in _network_runs(campaign))
+    cases = dict.fromkeys(run.case for run in _network_runs(campaign))
     return sorted(cases, key=lambda case: case != campaign.example.case)
 
 

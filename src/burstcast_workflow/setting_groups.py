@@ -17,8 +17,7 @@ GROUPS = {
     "search.interval_lt search.tikhonov search.spectral_radius search.input_scaling",
     "FORECASTER": "SYSTEM TIME forecaster.options",
     "CONTROL": "SYSTEM TIME random_seed case.training.series case.event_threshold "
-    "case.laminarisation_threshold case.actuation washout_lt control.window_lt "
-    "control.flows control.span_lt",
+    "case.laminarisation_threshold case.actuation washout_lt control.flows control.run",
 }
 
 

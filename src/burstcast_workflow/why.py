@@ -39,7 +39,7 @@ _DIMENSIONS = {
     "validation": ("validation strategy", "validation strategies"),
     "strategies": ("set of validation strategies", "sets of validation strategies"),
     "seed": ("seed", "seeds"),
-    "prediction_time_lt": ("prediction time of control", "prediction times of control"),
+    "strategy": ("strategy of control", "strategies of control"),
     "table": ("table", "tables"),
     "figure": ("figure", "figures"),
 }

@@ -64,6 +64,9 @@ def flows_of(
         controlled=values,
         actuated=active,
         actuated_integration_steps=np.full(flows, 2 * (actuated[1] - actuated[0])),
+        switchings=np.zeros(flows, dtype=np.int64),
+        uncontrolled_energy=None,
+        controlled_energy=None,
         forecasts=forecasts,
         uncontrolled_states=None,
         controlled_states=None,
@@ -352,7 +355,15 @@ def turbulent_washouts(flows: int) -> FloatArray:
 
 @pytest.mark.long
 def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
-    timing = Timing(1.0, 1.0, 10.0, 1, 61, 4, 0.25)
+    timing = Timing(
+        prediction_time_lt=1.0,
+        window_lt=1.0,
+        span_lt=10.0,
+        washout=1,
+        steps_per_lyapunov_time=61,
+        sampling_stride=4,
+        time_step=0.25,
+    )
     washouts = turbulent_washouts(200)
     edges = np.linspace(0.012, 0.48, 101)
     forecaster = EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride)

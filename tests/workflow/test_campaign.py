@@ -110,10 +110,12 @@ def test_who_controls_in_the_paper():
     }
     equations = [run for run in runs if run.forecaster.name.kind == "equations"]
     assert len(equations) == 4 * 2
-    stems = {run.stem for run in runs}
-    assert "Re400/esn-N2000-RV-seed3/control_PT1" in stems
-    assert "Re400/esn-N2000-RV-seed3/control_random_PT1" in stems
-    assert "Re1000/equations/control_PT2" in stems
+    directories = {run.directory for run in runs}
+    paper = "prediction_triggered-prediction_time1-window1"
+    assert f"Re400/esn-N2000-RV-seed3/control/{paper}" in directories
+    assert f"Re400/esn-N2000-RV-seed3/control_random/{paper}" in directories
+    assert f"Re1000/equations/control/{paper.replace('time1', 'time2')}" in directories
+    assert PAPER.strategy_runs == runs
 
 
 def test_random_alarms_can_be_switched_off():
@@ -134,7 +136,7 @@ def test_the_sweep_adds_prediction_times_for_the_first_seeds():
 
 def test_a_case_without_actuation_is_not_controlled():
     found = campaign({"cases": {"Re600": {"actuation": None}}})
-    assert {run.forecaster.case for run in found.control_runs} == {"Re400", "Re800", "Re1000"}
+    assert {run.case for run in found.control_runs} == {"Re400", "Re800", "Re1000"}
 
 
 @pytest.mark.parametrize(
@@ -290,6 +292,7 @@ def test_modules_that_a_job_is_about(wildcards, kinds, strategies):
     assert PAPER.modules(wildcards) == {
         "burstcast.systems": ["mfe"],
         "burstcast.forecasters": kinds,
+        "burstcast.control.strategies": [],
         "burstcast.tuning.strategies": strategies,
     }
 
@@ -338,7 +341,8 @@ def test_keys_of_control_tell_random_alarms_apart():
     identities = [canonical_json(record["identity"]) for record in PAPER.control_keys()]
     assert len(set(identities)) == len(PAPER.control_runs)
     for record in PAPER.control_keys():
-        assert record["keys"]["prediction_time_lt"] == record["identity"]["prediction_time_lt"]
+        time = record["keys"]["prediction_time_lt"]
+        assert f"-prediction_time{time:g}-" in record["identity"]["strategy"]
 
 
 def test_settings_of_each_case():

@@ -17,6 +17,8 @@ from burstcast_workflow.jobs import length_checks
 
 ROOT = Path(__file__).parents[2]
 CHOICE = re.compile(r"(statistics|control)\.forecasters\.")
+WINDOWS = {"prediction_time_lt": [1], "window_lt": [1]}
+SEVEN = {"esn": {"neurons": [7]}}
 PRESETS = sorted((ROOT / "workflow" / "presets").glob("*.yaml"))
 
 
@@ -48,6 +50,12 @@ def problems(config):
     with pytest.raises(ConfigError) as caught:
         load(config)
     return caught.value.problems
+
+
+def reactive(**changes):
+    """A block of strategies of control."""
+    settings = {"level": [0.05], "decision_interval_lt": [0.25]}
+    return {"strategy": "reactive", "settings": settings, **changes}
 
 
 def only_problem(config):
@@ -244,7 +252,11 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
         (
             "seeds",
             1,
-            ["unknown setting seeds", "campaign[].forecasters.esn.seeds or control.sweep.seeds?"],
+            [
+                "unknown setting seeds",
+                "campaign[].forecasters.esn.seeds or control.sweep.seeds or ",
+                "control.strategies[].seeds?",
+            ],
         ),
         ("search.washout_lt", 1, ["unknown setting search.washout_lt", "did you mean washout_lt?"]),
         ("network", {}, ["unknown setting network"]),
@@ -388,6 +400,59 @@ def test_all_mistakes_are_told_at_once(config):
             ["statistics.forecasters.esn.validation has WFV", "RV, SSV"],
         ),
         ("control.sweep.cases", ["Re40"], ["control.sweep.cases", "did you mean Re400"]),
+        (
+            "control.strategies",
+            [{"strategy": "receding_horizn"}],
+            ["strategies[0].strategy is receding_horizn", "reactive, receding_horizon"],
+        ),
+        (
+            "control.strategies",
+            [{"strategy": "reactive"}],
+            ["control.strategies[0].settings", "needs the setting 'decision_interval_lt'"],
+        ),
+        (
+            "control.strategies",
+            [reactive(settings={"level": ["high"], "decision_interval_lt": [1]})],
+            ["control.strategies[0].settings.level[0] is the text 'high'", "a number"],
+        ),
+        (
+            "control.strategies",
+            [reactive(settings={"level": [0.05], "decision_interval_lt": [0.001]})],
+            ["case", "control.strategies[0]: the interval", "must last a step"],
+        ),
+        (
+            "control.strategies",
+            [reactive(cases=["Re40"])],
+            ["control.strategies[0].cases", "did you mean Re400"],
+        ),
+        (
+            "control.strategies",
+            [reactive(forecasters={"equations": {}})],
+            ["control.strategies[0].forecasters", "reactive asks no forecaster"],
+        ),
+        (
+            "control.strategies",
+            [reactive(strategy="prediction_triggered", settings=WINDOWS)],
+            ["control.strategies[0].forecasters names no kind", "asks forecasters"],
+        ),
+        (
+            "control.strategies",
+            [reactive(strategy="prediction_triggered", settings=WINDOWS, forecasters=SEVEN)],
+            ["control.strategies[].forecasters.esn.neurons has 7", "must be one of"],
+        ),
+        (
+            "control.strategies",
+            [
+                reactive(
+                    strategy="prediction_triggered",
+                    settings={**WINDOWS, "prediction_time_lt": [0.5]},
+                    forecasters={"equations": {}},
+                )
+            ],
+            ["control.strategies[0]: control is not defined", "before the alarm"],
+        ),
+        ("control.strategies", [reactive(strength=[0])], ["strength[0] is 0", "above 0"]),
+        ("control.strategies", [reactive(starts="loud")], ["starts", "quiet or unselected"]),
         ("cases.Re400.parameters", {"reynolds": 300}, ["Re400", "contradicts the name"]),
         ("cases.Re400.lyapunov.published_exponent", 2, ["Re400", "published_exponent", "step"]),
         ("cases.Re400.recycle_validation.intervals_per_series", 33, ["is 33", "only 32"]),

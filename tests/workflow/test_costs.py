@@ -20,6 +20,13 @@ PRESETS = sorted(path.stem for path in (ROOT / "workflow" / "presets").glob("*.y
 DATA = {"case": "Re400"}
 NETWORK = {"case": "Re400", "forecaster": "esn-N2000-RV-seed0"}
 SCAN = {"case": "Re400", "reservoir": "esn-N2000-seed0", "strategies": "RV+SSV"}
+
+
+def windows(prediction_time_lt) -> str:
+    """The paper's strategy at a prediction time."""
+    return f"prediction_triggered-prediction_time{prediction_time_lt}-window1"
+
+
 WILDCARDS = {
     "integration": DATA,
     "tangent": DATA,
@@ -28,7 +35,7 @@ WILDCARDS = {
     "search_points": NETWORK,
     "training": NETWORK,
     "closed_loop": NETWORK,
-    "control": {**NETWORK, "prediction_time_lt": "2"},
+    "control": {**NETWORK, "strategy": windows(2)},
     "gather": {},
     "bootstrap": {},
     "figure": {"figure": "by_reynolds", "of_case": ""},
@@ -177,8 +184,34 @@ def test_random_alarms_cost_the_flows_of_control_without_forecasts():
     flows = predicted("integration", "control_random", **WILDCARDS["control"]).seconds
     control = predicted("control", "control").seconds
     assert flows < control
-    far = predicted("integration", "control_random", **{**NETWORK, "prediction_time_lt": "12"})
+    costs = model(control__prediction_times_lt=[2, 12])
+    far = predicted("integration", "control_random", costs, **{**NETWORK, "strategy": windows(12)})
     assert far.seconds / flows == pytest.approx((12 + 1 + 20) / (2 + 1 + 20), rel=0.1)
+
+
+def test_decisions_cost_what_they_look_ahead_and_how_often():
+    settings = {"horizon_lt": [2, 4], "decision_interval_lt": [0.25, 0.5]}
+    block = {"strategy": "receding_horizon", "settings": settings, "forecasters": {"esn": {}}}
+    costs = model(control__strategies=[block])
+
+    def seconds(horizon, interval):
+        strategy = f"receding_horizon-decision_interval{interval}-horizon{horizon}"
+        return predicted("control", "control", costs, strategy=strategy).seconds
+
+    assert seconds(2, 0.25) / seconds(2, 0.5) == pytest.approx(2, rel=0.1)
+    assert seconds(4, 0.25) / seconds(2, 0.25) == pytest.approx(4.5 / 2.5, rel=0.1)
+    reactive = {"strategy": "reactive", "settings": {"level": [1], "decision_interval_lt": [1]}}
+    costs = model(control__strategies=[{**reactive, "span_lt": span} for span in (20, 200)])
+    short, long = (
+        predicted(
+            "integration",
+            "control_without_forecast",
+            costs,
+            strategy=f"reactive-decision_interval1-level1-span{span}",
+        ).seconds
+        for span in (20, 200)
+    )
+    assert 5 < long / short < 11
 
 
 def test_memory_holds_the_arrays():
@@ -210,8 +243,8 @@ def test_prediction_does_not_depend_on_what_was_asked_before():
     first, larger, again = (predicted("training", "train", costs, forecaster=n) for n in names)
     assert first == again != larger
     assert predicted("training", "train", forecaster=names[0]) == first
-    assert predicted("control", "control", costs, prediction_time_lt="1") != predicted(
-        "control", "control", costs, prediction_time_lt="2"
+    assert predicted("control", "control", costs, strategy=windows(1)) != predicted(
+        "control", "control", costs, strategy=windows(2)
     )
 
 

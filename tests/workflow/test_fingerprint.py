@@ -457,9 +457,11 @@ def test_every_script_carries_the_version_of_the_harness_and_nothing_else_of_it(
 
 @pytest.mark.parametrize("rule", ["control", "control_random", "suppressed_event"])
 def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
-    script = ROOT / "workflow" / "scripts" / "control" / f"{rule}.py"
-    modules = {entry.split("@")[0] for entry in fingerprint(script, ROOT / "src")}
+    strategy = {"burstcast.control.strategies": ["prediction_triggered"]}
+    entries = Sources(ROOT).fingerprint(f"control/{rule}.py", strategy)
+    modules = {entry.split("@")[0] for entry in entries}
     assert "burstcast.control.flows" in modules
+    assert "burstcast.control.decisions" not in modules
     for name in ("statistics.measures", "statistics.profiles", "systems.mfe_modes"):
         assert f"burstcast.{name}" not in modules
 

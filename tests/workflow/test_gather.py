@@ -86,7 +86,7 @@ def test_one_forecaster_asked_for_twice(tmp_path):
 
 def test_who_controls_is_told_apart_by_the_rule(tmp_path):
     identities = [
-        {"rule": rule, **forecaster(name=name), "prediction_time_lt": 1.5}
+        {"rule": rule, **forecaster(name=name), "strategy": "reactive-level0.06"}
         for rule, name in (
             ("control", "esn-N30-RV-seed0"),
             ("control_random", "esn-N30-RV-seed0"),

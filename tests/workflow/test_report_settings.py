@@ -188,7 +188,8 @@ def test_files_of_figures_are_those_of_the_example():
         "time_unit": "Re400/lyapunov.json",
     }
     assert found["suppressed_event"] == {
-        "event": "Re400/esn-N2000-RV-seed0/suppressed_event_PT2.nc"
+        "event": "Re400/esn-N2000-RV-seed0/control/"
+        "prediction_triggered-prediction_time2-window1/suppressed_event.nc"
     }
     assert found["horizon_schematic"] == {}
 
@@ -205,7 +206,7 @@ def test_stages_that_are_switched_off_have_no_tables():
     off = {"forecasters": {"esn": None, "equations": None}}
     without = campaign({"control": off, "statistics": off})
     assert set(PAPER.table_names) - set(without.table_names) == {
-        *("control", "control_percentiles"),
+        *("control", "control_percentiles", "control_strategies"),
         *("statistics", "statistics_percentiles"),
     }
 

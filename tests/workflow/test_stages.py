@@ -40,7 +40,7 @@ def wildcards_of(rule):
         "forecaster": "esn-N2000-RV-seed0",
         "reservoir": "esn-N2000-seed0",
         "strategies": "RV+SSV",
-        "prediction_time_lt": "1",
+        "strategy": "prediction_triggered-prediction_time1-window1",
         "table": "horizon",
     }
     return {name: found[name] for name in workflow().rules[rule].wildcard_names}
@@ -238,8 +238,8 @@ def test_a_figure_reads_what_it_declares_and_nothing_else(name):
 
 def test_what_is_read_is_found_through_helpers():
     found = reads_of(SCRIPTS / "control" / "control.py")
-    # in the script's class of control, its methods, and helpers of theirs
-    assert {"control.span_lt", "case.training.noise", "case.system", "forecaster.options"} <= found
+    # in what the script is handed to, and helpers of theirs
+    assert {"control.run.span_lt", "control.flows", "case.system", "forecaster.options"} <= found
 
 
 # -- forecasters -----------------------------------------------------------------------------------

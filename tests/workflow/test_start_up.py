@@ -32,6 +32,7 @@ WITHOUT_NETWORKS = [
     "tables/*.py",
     "data/*.py",
     "control/control_random.py",
+    "control/control_without_forecast.py",
 ]
 
 

@@ -63,7 +63,7 @@ wildcard_constraints:
     forecaster=r"[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*",
     reservoir=r"esn-N\d+-seed\d+",
     strategies=r"[A-Z]+(\+[A-Z]+)*",
-    prediction_time_lt=r"\d+(\.\d+)?",
+    strategy=r"[a-z][A-Za-z0-9_.+-]*",
     table="[a-z_]+",
 
 
@@ -109,9 +109,9 @@ def of_forecasters(name, forecasters=campaign.forecasters):
     return [f"{RESULTS}/{forecaster.directory}/{name}" for forecaster in forecasters]
 
 
-def of_control(suffix, runs=campaign.control_runs):
-    """The file of every run of control with that suffix."""
-    return [f"{RESULTS}/{run.stem}{suffix}" for run in runs]
+def of_control(name, runs=campaign.control_runs):
+    """The file called ``name`` of every run of control, of the paper's unless told otherwise."""
+    return [f"{RESULTS}/{run.directory}/{name}" for run in runs]
 
 
 # -- what a stage depends on and needs ---------------------------------------------------------------

@@ -1,22 +1,42 @@
-"""Control of extreme events, by any forecaster and by alarms at random."""
+"""Control of extreme events: strategies with a forecaster, without one, and at random."""
 
-CONTROL = f"{FORECASTER}/control_PT{{prediction_time_lt}}"
-RANDOM = f"{FORECASTER}/control_random_PT{{prediction_time_lt}}"
+
+def files_of_control(directory):
+    """What every run of control writes."""
+    names = {
+        "counts": "counts.json",
+        "histograms": "histograms.nc",
+        "flows": "flows.nc",
+    }
+    return {name: f"{directory}/{{strategy}}/{file}" for name, file in names.items()}
+
 
 stage(
     "control/control",
-    "control, so many Lyapunov times ahead",
+    "control",
     inputs=files("ensemble summary time_unit forecaster"),
-    outputs={"counts": f"{CONTROL}.json", "histograms": f"{CONTROL}.nc"},
-    settings="CONTROL OBSERVED case.controlled_density forecaster.options",
+    outputs=files_of_control(f"{FORECASTER}/control"),
+    settings="CONTROL case.controlled_density forecaster.options",
     cost="control",
+    cached=True,
+)
+stage(
+    "control/control_without_forecast",
+    "control without a forecast",
+    inputs=files("ensemble summary time_unit"),
+    outputs=files_of_control(f"{CASE}/control"),
+    settings="CONTROL case.controlled_density",
+    cost="integration",
     cached=True,
 )
 stage(
     "control/control_random",
     "actuation at random, as often as it",
-    inputs={**files("ensemble summary time_unit"), "rate": f"{CONTROL}.json"},
-    outputs={"counts": f"{RANDOM}.json", "histograms": f"{RANDOM}.nc"},
+    inputs={
+        **files("ensemble summary time_unit"),
+        "rate": f"{FORECASTER}/control/{{strategy}}/counts.json",
+    },
+    outputs=files_of_control(f"{FORECASTER}/control_random"),
     settings="CONTROL case.controlled_density",
     cost="integration",
     cached=True,
@@ -25,7 +45,7 @@ stage(
     "control/suppressed_event",
     "a suppressed event",
     inputs=files("ensemble summary time_unit forecaster"),
-    outputs={"event": f"{FORECASTER}/suppressed_event_PT{{prediction_time_lt}}.nc"},
-    settings="CONTROL OBSERVED forecaster.options",
+    outputs={"event": f"{FORECASTER}/control/{{strategy}}/suppressed_event.nc"},
+    settings="CONTROL forecaster.options",
     cost="control",
 )

@@ -61,16 +61,24 @@ stage(
 stage(
     "tables/control_table",
     "table of control",
-    inputs={"counts": of_control(".json")},
+    inputs={"counts": of_control("counts.json")},
     outputs={"table": f"{TABLES}/control.csv"},
     rows=campaign.control_keys(),
 )
 stage(
     "tables/control_density_table",
     "densities with and without control",
-    inputs={"histograms": of_control(".nc")},
+    inputs={"histograms": of_control("histograms.nc")},
     outputs={"table": f"{TABLES}/control_density.csv"},
     rows=campaign.control_keys(),
+)
+stage(
+    "tables/control_strategies_table",
+    "costs and gains of control",
+    inputs={"flows": of_control("flows.nc", campaign.strategy_runs)},
+    outputs={"table": in_report("control_strategies")},
+    settings="random_seed bootstrap",
+    rows=campaign.strategy_keys(),
 )
 stage(
     "tables/data_generation_parameters",
@@ -122,5 +130,5 @@ rule forecasters:
         of_forecasters("forecast.nc"),
         of_forecasters("horizon.nc"),
         of_forecasters("long_term.nc", campaign.long_term_forecasters),
-        of_control(".json"),
+        of_control("flows.nc", campaign.strategy_runs),
     localrule: True

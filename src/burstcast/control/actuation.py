@@ -13,7 +13,7 @@ import numpy as np
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.control.timing import Timing
-from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.base import DynamicalSystem, EnergyBudget
 
 
 @dataclass(frozen=True)
@@ -38,33 +38,49 @@ class Actuation:
     def interval(self, timing: Timing) -> tuple[int, int]:
         """First integration step after an alarm under actuation, and the first free one after it.
 
-        Integration step i after an alarm leads from i to i + 1 time steps after it. Durations are
-        rounded down to whole integration steps.
-
-        Raises
-        ------
-        ValueError
-            If the interval would begin before the alarm, as it does for the paper's control at
-            prediction times below one Lyapunov time, or is shorter than one step.
+        See `actuation_interval`.
         """
-        integration_steps = timing.steps_per_lyapunov_time * timing.sampling_stride
-        start = durations.steps(timing.prediction_time_lt + self.start_lt, integration_steps)
-        length = durations.steps(self.duration_lt, integration_steps)
-        if start < 0:
-            raise ValueError(
-                f"control is not defined for a prediction time of {timing.prediction_time_lt} "
-                f"Lyapunov times: the actuation starts {-self.start_lt} Lyapunov times before the "
-                f"window, which would be before the alarm"
-            )
-        if length < 1:
-            raise ValueError(f"an actuation of {self.duration_lt} Lyapunov times lasts no step")
-        return start, start + length
+        return actuation_interval(timing, self.start_lt, self.duration_lt)
+
+
+def actuation_interval(timing: Timing, start_lt: float, duration_lt: float) -> tuple[int, int]:
+    """First integration step after an alarm under actuation, and the first free one after it.
+
+    Integration step i after an alarm leads from i to i + 1 time steps after it. Durations are
+    rounded down to whole integration steps.
+
+    Parameters
+    ----------
+    timing
+        Where windows are.
+    start_lt, duration_lt
+        Of an `Actuation`.
+
+    Raises
+    ------
+    ValueError
+        If the interval would begin before the alarm, as it does for the paper's control at
+        prediction times below one Lyapunov time, or is shorter than one step.
+    """
+    integration_steps = timing.steps_per_lyapunov_time * timing.sampling_stride
+    start = durations.steps(timing.prediction_time_lt + start_lt, integration_steps)
+    length = durations.steps(duration_lt, integration_steps)
+    if start < 0:
+        raise ValueError(
+            f"control is not defined for a prediction time of {timing.prediction_time_lt} "
+            f"Lyapunov times: the actuation starts {-start_lt} Lyapunov times before the "
+            f"window, which would be before the alarm"
+        )
+    if length < 1:
+        raise ValueError(f"an actuation of {duration_lt} Lyapunov times lasts no step")
+    return start, start + length
 
 
 def actuated_system(
     system: DynamicalSystem,
     parameters: Mapping[str, float],
     force: Sequence[float] | None = None,
+    strength: float = 1.0,
 ) -> DynamicalSystem:
     """Equations under actuation: other parameters, an added force, or both.
 
@@ -76,19 +92,29 @@ def actuated_system(
         Parameters that actuation changes, and their values: ``{"reynolds": 2000.0}`` in the paper.
     force
         Constant force, one number per component, that is added to the right-hand side.
+    strength
+        Of the actuator, positive: parameters change by this share of the difference, and the force
+        is this share of ``force``. Between Reynolds numbers of 400 and 2000, a strength of 0.25 is
+        800.
 
     Raises
     ------
     ValueError
-        If the system has no such parameter, or nothing is changed.
+        If the system has no such parameter, nothing is changed, or the strength is not positive.
     """
     if not parameters and force is None:
         raise ValueError("an actuation changes a parameter of the equations or adds a force")
-    changed = _with_parameters(system, parameters) if parameters else system
-    return changed if force is None else ForcedSystem(changed, force)
+    if not strength > 0:
+        raise ValueError(f"the strength of an actuator must be positive, not {strength}")
+    changed = _with_parameters(system, parameters, strength) if parameters else system
+    if force is None:
+        return changed
+    return ForcedSystem(changed, [strength * component for component in force])
 
 
-def _with_parameters(system: DynamicalSystem, parameters: Mapping[str, float]) -> DynamicalSystem:
+def _with_parameters(
+    system: DynamicalSystem, parameters: Mapping[str, float], strength: float
+) -> DynamicalSystem:
     if not dataclasses.is_dataclass(system):
         raise ValueError("only the parameters of a system that is a dataclass can be changed")
     known = [field.name for field in dataclasses.fields(system) if field.init]
@@ -98,7 +124,11 @@ def _with_parameters(system: DynamicalSystem, parameters: Mapping[str, float]) -
             f"the actuation changes {', '.join(unknown)}, which the system does not have; "
             f"its parameters are {', '.join(known) or 'none'}"
         )
-    return dataclasses.replace(system, **dict(parameters))
+    changed = {}
+    for name, value in parameters.items():
+        own = getattr(system, name)
+        changed[name] = value if strength == 1 else own + strength * (value - own)
+    return dataclasses.replace(system, **changed)
 
 
 class ForcedSystem(DynamicalSystem):
@@ -143,3 +173,13 @@ class ForcedSystem(DynamicalSystem):
     def observable(self, state: FloatArray) -> FloatArray:
         """Observable of the system."""
         return self._system.observable(state)
+
+    def energy_budget(self, state: FloatArray) -> EnergyBudget | None:
+        """Budget of the system, with the work of the force in the input."""
+        budget = self._system.energy_budget(state)
+        if budget is None:
+            return None
+        work = budget.input
+        for component, row in zip(self._force, state, strict=True):
+            work = work + component * row
+        return EnergyBudget(work, budget.dissipation)

@@ -3,10 +3,90 @@
 Source: section "Control of extreme events" of the paper.
 """
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.dataset import Scales, observe
+from burstcast.systems.base import DynamicalSystem
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Durations that all strategies are given, whatever they make of them.
+
+    Attributes
+    ----------
+    washout
+        Inputs of the washout, in steps.
+    quiet_lt
+        The least that flows go on, in Lyapunov times after the first forecast, before their steps
+        count.
+    span_lt
+        How long each flow counts, in Lyapunov times.
+    delay_lt
+        From a decision to its effect, in Lyapunov times.
+    actuation_start_lt, actuation_duration_lt
+        What an alarm sets off where it has a window: start, from the window's first step, and
+        length, in Lyapunov times.
+    steps_per_lyapunov_time, sampling_stride, time_step
+        Steps of a forecast in a Lyapunov time, integration steps in one, and their length in time
+        units.
+    """
+
+    washout: int
+    quiet_lt: float
+    span_lt: float
+    delay_lt: float
+    actuation_start_lt: float
+    actuation_duration_lt: float
+    steps_per_lyapunov_time: int
+    sampling_stride: int
+    time_step: float
+
+    @property
+    def clock(self) -> Mapping[str, Any]:
+        """Fields of `burstcast.control.timing.Clock`."""
+        names = ("washout", "quiet_lt", "span_lt", "steps_per_lyapunov_time")
+        return {name: getattr(self, name) for name in (*names, "sampling_stride", "time_step")}
+
+
+@dataclass(frozen=True)
+class ControlExperiment:
+    """What strategies are compared on: flows, what may act on them, and what counts.
+
+    Attributes
+    ----------
+    system
+        The equations without actuation.
+    actuated_system
+        The equations under actuation (`burstcast.control.actuation.actuated_system`).
+    threshold
+        The event threshold, k_e.
+    series
+        Rows of the flows' series in the ensemble, from which their random numbers are named.
+    washouts
+        True states that the flows begin with, ``(flows, washout, dimension)``.
+    quiet_starts
+        Whether flows with an event before the steps that count are left out.
+    schedule
+        Durations.
+    root_seed, case
+        Names of random streams.
+    """
+
+    system: DynamicalSystem
+    actuated_system: DynamicalSystem
+    threshold: float
+    series: range
+    washouts: FloatArray
+    quiet_starts: bool
+    schedule: Schedule
+    root_seed: int
+    case: str
 
 
 def controlled_series(kept: int, training: int, wanted: int) -> range:

@@ -9,12 +9,27 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import Actuation
+from burstcast.control.followed import (
+    FollowedFlows,
+    actuated_samples,
+    concatenated,
+    counted_actuation,
+    energy_means,
+)
 from burstcast.control.monitors.base import Monitor
+from burstcast.control.states import (
+    check_given,
+    flow_batches,
+    observable_of,
+    quiet_flows,
+    stretches_ending_at,
+    uncontrolled_flows,
+)
 from burstcast.control.timing import Timing
 from burstcast.events import upward_crossings
 from burstcast.forecast.windows import crosses_in_window
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.integration import integrate, integrate_switched
+from burstcast.systems.integration import integrate_switched
 
 FLOWS_PER_BATCH = 1024
 """Flows that advance side by side: bounds the memory, changes no result."""
@@ -53,47 +68,20 @@ class Forecasts:
 
 
 @dataclass(frozen=True)
-class ControlledFlows:
-    """Flows with and without control, from the same states over the same steps.
+class ControlledFlows(FollowedFlows):
+    """Flows under prediction-triggered control, and the same flows without it.
 
     Attributes
     ----------
     timing
-        Which steps count.
-    threshold
-        The event threshold, k_e.
-    rows
-        Which of the given flows these are, ``(flows,)``.
-    left_out
-        How many of the given flows were not, since they had an event at the start.
-    uncontrolled, controlled
-        Observable, ``(flows, timing.length)``.
-    actuated
-        Whether the controlled flow came to each step under actuation, ``(flows, timing.length)``.
-    actuated_integration_steps
-        Integration steps under actuation among those that count, ``(flows,)``.
+        Which steps count, and where the windows are.
     forecasts
         What the monitor said, and what came of it. The last windows may reach beyond the last step
         of the flows: forecasts are made as long as an actuation could still begin before it.
-    uncontrolled_states, controlled_states
-        States, ``(flows, timing.length, dimension)``; None unless asked for.
     """
 
     timing: Timing
-    threshold: float
-    rows: IntArray
-    left_out: int
-    uncontrolled: FloatArray
-    controlled: FloatArray
-    actuated: BoolArray
-    actuated_integration_steps: IntArray
     forecasts: Forecasts
-    uncontrolled_states: FloatArray | None
-    controlled_states: FloatArray | None
-
-    def __len__(self) -> int:
-        """Return the number of flows."""
-        return len(self.rows)
 
 
 def run_controlled_flows(
@@ -105,6 +93,7 @@ def run_controlled_flows(
     threshold: float,
     *,
     noise: FloatArray | None = None,
+    quiet_starts: bool = True,
     keep_states: bool = False,
 ) -> ControlledFlows:
     """Follow flows under control, and the same flows without it.
@@ -114,8 +103,8 @@ def run_controlled_flows(
     the actuation's interval and under its own equations before and after it; that is the new truth.
     Where an actuation is still on at the next alarm, it stays on until the later of the two ends.
 
-    A flow with an event (observable at or above the threshold) up to the end of its first window,
-    while nothing could be done about it, is left out.
+    A flow with an event (observable at or above the threshold) before its steps count, while
+    nothing could be done about it, is left out, unless starts need not be quiet.
 
     Parameters
     ----------
@@ -136,6 +125,8 @@ def run_controlled_flows(
         What the monitor sees is the true state plus this, ``(flows, timing.length or more,
         dimension)``: a fixed function of the flow and the step, with and without control. None: the
         monitor sees the truth.
+    quiet_starts
+        Whether flows with an event before the steps that count are left out.
     keep_states
         Whether to return states. Since no flow depends on the others, the states of a few flows are
         those of a second call with these flows only.
@@ -147,38 +138,23 @@ def run_controlled_flows(
     FloatingPointError
         If a flow leaves the range of floating-point numbers.
     """
-    flows = len(washouts)
-    if washouts.shape != (flows, timing.washout, system.dimension):
-        raise ValueError(
-            f"the washouts must have the shape (flows, {timing.washout}, {system.dimension}), "
-            f"not {washouts.shape}"
-        )
-    if noise is not None and (
-        noise.ndim != 3
-        or (noise.shape[0], noise.shape[2]) != (flows, system.dimension)
-        or noise.shape[1] < timing.length
-    ):
-        raise ValueError(
-            f"the noise must have the shape ({flows}, {timing.length} or more, "
-            f"{system.dimension}), not {noise.shape}"
-        )
-    if actuation.system.dimension != system.dimension:
-        raise ValueError("the equations under actuation have another dimension")
+    check_given(system, actuation.system, washouts, timing, noise)
     batches = [
         _run_batch(
-            system, washouts, monitor, actuation, timing, threshold, noise, keep_states, rows
+            system,
+            washouts,
+            monitor,
+            actuation,
+            timing,
+            threshold,
+            noise,
+            quiet_starts,
+            keep_states,
+            rows,
         )
-        for rows in _batches(flows)
+        for rows in flow_batches(len(washouts), FLOWS_PER_BATCH)
     ]
     return _concatenate(batches)
-
-
-def _batches(flows: int) -> list[IntArray]:
-    # no flows at all are one empty batch
-    return [
-        np.arange(start, min(start + FLOWS_PER_BATCH, flows))
-        for start in range(0, max(flows, 1), FLOWS_PER_BATCH)
-    ]
 
 
 def _run_batch(
@@ -189,16 +165,20 @@ def _run_batch(
     timing: Timing,
     threshold: float,
     noise: FloatArray | None,
+    quiet_starts: bool,
     keep_states: bool,
     rows: IntArray,
 ) -> ControlledFlows:
     given = len(rows)
-    uncontrolled_states = _uncontrolled(system, washouts[rows], timing)
-    uncontrolled = _observable(system, uncontrolled_states)
-    quiet = (uncontrolled[:, : timing.counted_from + 1] < threshold).all(axis=1)
-    rows = rows[quiet]
-    uncontrolled = uncontrolled[quiet]
-    kept_uncontrolled_states = uncontrolled_states[quiet] if keep_states else None
+    uncontrolled_states = uncontrolled_flows(system, washouts[rows], timing)
+    uncontrolled = observable_of(system, uncontrolled_states)
+    if quiet_starts:
+        quiet = quiet_flows(uncontrolled, timing, threshold)
+        rows, uncontrolled = rows[quiet], uncontrolled[quiet]
+        uncontrolled_states = uncontrolled_states[quiet]
+    counted = slice(timing.counted_from + 1, timing.length)
+    uncontrolled_energy = energy_means(system, uncontrolled_states[:, counted])
+    kept_uncontrolled_states = uncontrolled_states if keep_states else None
     del uncontrolled_states
 
     running = _RunningFlows(system, washouts[rows], actuation, timing, threshold)
@@ -208,7 +188,7 @@ def _run_batch(
             observed = running.last_states(due)
             if noise is not None:
                 ends = running.clock[due]
-                observed = observed + _stretches_ending_at(noise, rows[due], ends, timing.washout)
+                observed = observed + stretches_ending_at(noise, rows[due], ends, timing.washout)
             alarm = monitor.alarms(
                 rows[due],
                 running.forecast_number[due],
@@ -217,31 +197,28 @@ def _run_batch(
             running.record_alarms(due, alarm)
         running.advance()
 
+    acting = running.acting
+    actuated = actuated_samples(acting, timing)
+    counted_integration_steps, switchings = counted_actuation(acting, timing)
+    controlled_states = running.states[:, : timing.length]
     return ControlledFlows(
         timing=timing,
         threshold=threshold,
         rows=rows,
         left_out=given - len(rows),
         uncontrolled=uncontrolled,
-        controlled=_observable(system, running.states[:, : timing.length]),
-        actuated=running.actuated_samples(),
-        actuated_integration_steps=running.actuated_integration_steps(),
-        forecasts=running.forecasts(),
+        controlled=observable_of(system, controlled_states),
+        actuated=actuated,
+        actuated_integration_steps=counted_integration_steps,
+        switchings=switchings,
+        uncontrolled_energy=uncontrolled_energy,
+        controlled_energy=energy_means(
+            system, controlled_states[:, counted], actuation.system, actuated[:, counted]
+        ),
         uncontrolled_states=kept_uncontrolled_states,
-        controlled_states=running.states[:, : timing.length].copy() if keep_states else None,
+        controlled_states=controlled_states.copy() if keep_states else None,
+        forecasts=running.forecasts(),
     )
-
-
-def _uncontrolled(system: DynamicalSystem, washouts: FloatArray, timing: Timing) -> FloatArray:
-    steps = timing.counted_until - timing.first_forecast
-    samples = integrate(
-        system,
-        np.ascontiguousarray(washouts[:, -1].T),
-        timing.time_step,
-        steps * timing.sampling_stride,
-        stride=timing.sampling_stride,
-    )
-    return np.concatenate([washouts[:, :-1], samples.transpose(2, 0, 1)], axis=1)
 
 
 class _RunningFlows:
@@ -257,6 +234,9 @@ class _RunningFlows:
     ----------
     states
         ``(flows, steps, dimension)``; known up to each flow's clock.
+    acting
+        Whether the integration step from i to i + 1 time steps after step 0 is under actuation,
+        ``(flows, integration steps)``.
     clock
         Step that each flow has reached, ``(flows,)``.
     forecast_number
@@ -288,8 +268,7 @@ class _RunningFlows:
         )
         self.states = np.empty((flows, steps, system.dimension))
         self.states[:, : timing.washout] = washouts
-        # entry i: whether the integration step from i to i + 1 time steps after step 0 is actuated
-        self._acting = np.zeros((flows, steps * stride), dtype=bool)
+        self.acting = np.zeros((flows, steps * stride), dtype=bool)
         self.clock = np.full(flows, timing.first_forecast, dtype=np.int64)
         self._stop = self.clock.copy()
 
@@ -316,7 +295,7 @@ class _RunningFlows:
 
     def last_states(self, flows: IntArray) -> FloatArray:
         """Return the true washouts that end now, ``(flows, washout, dimension)``."""
-        return _stretches_ending_at(self.states, flows, self.clock[flows], self._timing.washout)
+        return stretches_ending_at(self.states, flows, self.clock[flows], self._timing.washout)
 
     def record_alarms(self, due: IntArray, alarm: BoolArray) -> None:
         """Note what the monitor said of the flows that were due, and act on the alarms."""
@@ -331,11 +310,11 @@ class _RunningFlows:
             self._has_counterfactual[flow] = True
             self._counterfactual_states[flow, 0] = self.states[flow, step]
             # an earlier actuation that is still on stays on for the counterfactual, too
-            ahead = self._acting[flow, step * stride :][: self._counterfactual_acting.shape[1]]
+            ahead = self.acting[flow, step * stride :][: self._counterfactual_acting.shape[1]]
             self._counterfactual_acting[flow] = False
             self._counterfactual_acting[flow, : len(ahead)] = ahead
             start, stop = step * stride + np.array([self._actuation_start, self._actuation_stop])
-            self._acting[flow, start:stop] = True
+            self.acting[flow, start:stop] = True
 
     def advance(self) -> None:
         """Move all flows and their counterfactuals on, each up to its next stop at most."""
@@ -347,7 +326,7 @@ class _RunningFlows:
         ahead = np.arange(steps * stride)
         acting = np.concatenate(
             [
-                self._acting[flows[:, np.newaxis], now[:, np.newaxis] * stride + ahead],
+                self.acting[flows[:, np.newaxis], now[:, np.newaxis] * stride + ahead],
                 self._counterfactual_acting[
                     others[:, np.newaxis], since_alarm[:, np.newaxis] * stride + ahead
                 ],
@@ -389,7 +368,7 @@ class _RunningFlows:
         self._would_be_under_way[entry] = otherwise[timing.window_start] >= self._threshold
 
         ends = self.clock[flows]
-        since_alarm = _stretches_ending_at(self.states, flows, ends, timing.window_end + 1)
+        since_alarm = stretches_ending_at(self.states, flows, ends, timing.window_end + 1)
         observable = self._observable(since_alarm)
         above = observable >= self._threshold
         upward = upward_crossings(observable, self._threshold, axis=0)
@@ -402,7 +381,7 @@ class _RunningFlows:
 
     def _observable(self, states: FloatArray) -> FloatArray:
         """Observable of states with the components last, time first: ``(steps, flows)``."""
-        return _observable(self._system, states).T
+        return observable_of(self._system, states).T
 
     def forecasts(self) -> Forecasts:
         """All forecasts, flow by flow in the order of time."""
@@ -415,36 +394,6 @@ class _RunningFlows:
             would_be_under_way=self._would_be_under_way[made],
             reached=self._reached[made],
         )
-
-    def actuated_samples(self) -> BoolArray:
-        """Whether the flow came to each step under actuation, ``(flows, timing.length)``."""
-        stride = self._timing.sampling_stride
-        actuated = np.zeros((len(self.clock), self._timing.length), dtype=bool)
-        actuated[:, 1:] = self._acting[:, stride - 1 :: stride][:, : self._timing.length - 1]
-        return actuated
-
-    def actuated_integration_steps(self) -> IntArray:
-        """Integration steps under actuation among those that count, ``(flows,)``."""
-        timing = self._timing
-        counted = slice(
-            timing.counted_from * timing.sampling_stride,
-            timing.counted_until * timing.sampling_stride,
-        )
-        steps: IntArray = np.sum(self._acting[:, counted], axis=1, dtype=np.int64)
-        return steps
-
-
-def _stretches_ending_at(
-    series: FloatArray, rows: IntArray, ends: IntArray, length: int
-) -> FloatArray:
-    """Stretches of series that end at each row's own step, ``(rows, length, dimension)``."""
-    steps = ends[:, np.newaxis] + np.arange(1 - length, 1)
-    return np.asarray(series[rows[:, np.newaxis], steps])
-
-
-def _observable(system: DynamicalSystem, states: FloatArray) -> FloatArray:
-    """Observable of states with the components last, ``(flows, steps)``."""
-    return system.observable(np.ascontiguousarray(states.transpose(2, 0, 1)))
 
 
 def _concatenate_forecasts(parts: list[Forecasts]) -> Forecasts:
@@ -472,22 +421,7 @@ def _concatenate(batches: list[ControlledFlows]) -> ControlledFlows:
         for batch, offset in zip(batches, first[:-1], strict=True)
     ]
     return ControlledFlows(
+        **concatenated(batches),
         timing=batches[0].timing,
-        threshold=batches[0].threshold,
-        rows=np.concatenate([batch.rows for batch in batches]),
-        left_out=sum(batch.left_out for batch in batches),
-        uncontrolled=np.concatenate([batch.uncontrolled for batch in batches]),
-        controlled=np.concatenate([batch.controlled for batch in batches]),
-        actuated=np.concatenate([batch.actuated for batch in batches]),
-        actuated_integration_steps=np.concatenate(
-            [batch.actuated_integration_steps for batch in batches]
-        ),
         forecasts=_concatenate_forecasts(renumbered),
-        uncontrolled_states=_concatenate_states([batch.uncontrolled_states for batch in batches]),
-        controlled_states=_concatenate_states([batch.controlled_states for batch in batches]),
     )
-
-
-def _concatenate_states(parts: list[FloatArray | None]) -> FloatArray | None:
-    kept = [part for part in parts if part is not None]
-    return np.concatenate(kept) if kept else None

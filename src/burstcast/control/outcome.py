@@ -1,4 +1,4 @@
-"""What control achieved, counted so that nothing can hide.
+"""What prediction-triggered control achieved, counted so that nothing can hide.
 
 Source: section "Control of extreme events" of the paper.
 """
@@ -9,40 +9,31 @@ import numpy as np
 import numpy.typing as npt
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.control.counts import (
+    FlowCounts,
+    controlled_events,
+    count_flows,
+    laminarisation,
+    ratio,
+)
 from burstcast.control.flows import ControlledFlows, Forecasts
-from burstcast.events import upward_crossings
-from burstcast.statistics.densities import histogram
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """Counts over flows with and without control, over the same steps from the same states.
+@dataclass(frozen=True, kw_only=True)
+class Outcome(FlowCounts):
+    """Counts of prediction-triggered control: those of all strategies, and those of its windows.
 
-    An event is an upward crossing of the threshold. Events are counted from the first forecast of
-    each flow to its last step, steps and histograms over the steps that count (`Timing`). The
-    following always hold; ``given`` is the number of flows that `run_controlled_flows` was given:
+    The following always hold beside what holds for all strategies:
 
-    * given = flows + left_out + laminarised
     * forecasts = alarms + forecasts without an alarm
     * alarms = true_alarms + false_alarms
     * true_alarms = suppressed_events + unsuppressed_events
     * early_alarms <= false_alarms, delayed_events <= suppressed_events
     * events_controlled = missed_events + events_under_way + events_after_true_alarms
       + events_after_false_alarms + events_between_windows
-    * steps_controlled = steps_uncontrolled
-      = flows * steps per flow
-    * exceeding steps <= steps, actuated_integration_steps <= integration_steps
 
     Attributes
     ----------
-    flows
-        Flows that count.
-    left_out
-        Flows with an event before anything could be done about it.
-    laminarised
-        Flows that exceed the laminarisation threshold, with control or without it: they count in
-        neither sample. Of them, ``laminarised_controlled`` do so with control and
-        ``laminarised_uncontrolled`` without (some may do both).
     forecasts, alarms
         Forecasts that were made, and that raised an alarm.
     true_alarms
@@ -71,29 +62,8 @@ class Outcome:
         Events in a window for which an alarm was raised.
     events_between_windows
         Events in no forecast's window: between an alarm's window and the first one after it.
-    events_uncontrolled, events_controlled
-        All events without and with control.
-    steps
-        Steps that count, in each of the two samples.
-    steps_free
-        Of them, those that the controlled flow came to without actuation.
-    exceeding_uncontrolled, exceeding_controlled, exceeding_free
-        Steps at or above the threshold: without control, with control, and with control but outside
-        actuation.
-    integration_steps, actuated_integration_steps
-        Integration steps that count, and those of the controlled flows under actuation.
-    edges
-        Edges of the histograms' bins, ``(bins + 1,)``.
-    histogram_uncontrolled, histogram_controlled, histogram_free
-        Steps in each bin, ``(bins,)``, in the same three samples. Values outside the edges are in
-        no bin.
     """
 
-    flows: int
-    left_out: int
-    laminarised: int
-    laminarised_controlled: int
-    laminarised_uncontrolled: int
     forecasts: int
     alarms: int
     true_alarms: int
@@ -107,98 +77,31 @@ class Outcome:
     events_after_true_alarms: int
     events_after_false_alarms: int
     events_between_windows: int
-    events_uncontrolled: int
-    events_controlled: int
-    steps: int
-    steps_free: int
-    exceeding_uncontrolled: int
-    exceeding_controlled: int
-    exceeding_free: int
-    integration_steps: int
-    actuated_integration_steps: int
-    edges: FloatArray
-    histogram_uncontrolled: IntArray
-    histogram_controlled: IntArray
-    histogram_free: IntArray
-
-    @property
-    def exceedance_uncontrolled(self) -> float:
-        """Probability that the observable is at or above the threshold, without control."""
-        return _ratio(self.exceeding_uncontrolled, self.steps)
-
-    @property
-    def exceedance_controlled(self) -> float:
-        """The same with control, time under actuation included."""
-        return _ratio(self.exceeding_controlled, self.steps)
-
-    @property
-    def exceedance_free(self) -> float:
-        """The same with control, time under actuation left out."""
-        return _ratio(self.exceeding_free, self.steps_free)
-
-    @property
-    def reduction(self) -> float:
-        """Share of the exceedance that control removes; NaN if there is none."""
-        return 1.0 - _ratio(self.exceeding_controlled, self.exceeding_uncontrolled)
-
-    @property
-    def control_fraction(self) -> float:
-        """Share of the time that counts under actuation."""
-        return _ratio(self.actuated_integration_steps, self.integration_steps)
 
     @property
     def alarm_rate(self) -> float:
         """Share of the forecasts that raise an alarm."""
-        return _ratio(self.alarms, self.forecasts)
+        return ratio(self.alarms, self.forecasts)
 
 
 def count_outcome(
     flows: ControlledFlows, laminarisation_threshold: float | None, edges: FloatArray
 ) -> Outcome:
-    """Count what happened in the flows.
-
-    Parameters
-    ----------
-    flows
-        The flows.
-    laminarisation_threshold
-        A flow whose observable exceeds it, with or without control, counts in neither sample; None:
-        all flows count.
-    edges
-        Edges of the histograms' bins, increasing, ``(bins + 1,)``.
-    """
-    never = np.zeros(len(flows), dtype=bool)
-    laminar_controlled = laminar_uncontrolled = never
-    if laminarisation_threshold is not None:
-        laminar_controlled = flows.controlled.max(axis=1) > laminarisation_threshold
-        laminar_uncontrolled = flows.uncontrolled.max(axis=1) > laminarisation_threshold
-    counts = ~(laminar_controlled | laminar_uncontrolled)
-
-    timing = flows.timing
-    span = slice(timing.counted_from + 1, timing.counted_until + 1)
-    uncontrolled = flows.uncontrolled[counts, span]
-    controlled = flows.controlled[counts, span]
-    free = controlled[~flows.actuated[counts, span]]
-
+    """Count what happened in the flows (parameters as of `count_flows`)."""
+    counts = laminarisation(flows, laminarisation_threshold).neither
     forecasts = flows.forecasts
     scored = counts[forecasts.flow]
     true_alarm = forecasts.alarm & forecasts.would_cross & scored
     false_alarm = forecasts.alarm & ~forecasts.would_cross & scored
-    upward = upward_crossings(flows.controlled, flows.threshold) & counts[:, np.newaxis]
-    upward[:, : timing.first_forecast + 1] = False
+    upward = controlled_events(flows, counts)
     suppressed = true_alarm & ~forecasts.reached
-    upward_uncontrolled = upward_crossings(flows.uncontrolled, flows.threshold)[counts]
     window = _windows(flows)
 
     def events(kind: int) -> int:
         return int((upward & (window == kind)).sum())
 
     return Outcome(
-        flows=int(counts.sum()),
-        left_out=flows.left_out,
-        laminarised=int((~counts).sum()),
-        laminarised_controlled=int(laminar_controlled.sum()),
-        laminarised_uncontrolled=int(laminar_uncontrolled.sum()),
+        **count_flows(flows, laminarisation_threshold, edges),
         forecasts=int(scored.sum()),
         alarms=int((forecasts.alarm & scored).sum()),
         true_alarms=int(true_alarm.sum()),
@@ -212,19 +115,6 @@ def count_outcome(
         events_after_true_alarms=events(_TRUE_ALARM),
         events_after_false_alarms=events(_FALSE_ALARM),
         events_between_windows=events(_NO_WINDOW),
-        events_uncontrolled=int(upward_uncontrolled[:, timing.first_forecast + 1 :].sum()),
-        events_controlled=int(upward.sum()),
-        steps=controlled.size,
-        steps_free=free.size,
-        exceeding_uncontrolled=int((uncontrolled >= flows.threshold).sum()),
-        exceeding_controlled=int((controlled >= flows.threshold).sum()),
-        exceeding_free=int((free >= flows.threshold).sum()),
-        integration_steps=controlled.size * timing.sampling_stride,
-        actuated_integration_steps=int(flows.actuated_integration_steps[counts].sum()),
-        edges=edges,
-        histogram_uncontrolled=histogram(uncontrolled, edges).counts,
-        histogram_controlled=histogram(controlled, edges).counts,
-        histogram_free=histogram(free, edges).counts,
     )
 
 
@@ -267,10 +157,6 @@ def _crosses_between_windows(flows: ControlledFlows, upward: BoolArray) -> BoolA
         forecasts.flow[:, np.newaxis], forecasts.step[:, np.newaxis] + ahead
     ].any(axis=1)
     return crossed
-
-
-def _ratio(numerator: int, denominator: int) -> float:
-    return numerator / denominator if denominator else float("nan")
 
 
 @dataclass(frozen=True)

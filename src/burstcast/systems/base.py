@@ -1,9 +1,24 @@
 """The interface of a dynamical system: what the rest of the library asks of one."""
 
 import abc
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from burstcast.arrays import FloatArray
+
+
+class EnergyBudget(NamedTuple):
+    """What changes the energy E = (1/2) sum_i a_i^2 of states: dE/dt = input - dissipation.
+
+    Attributes
+    ----------
+    input
+        Work of the forces per unit of time, ``(...)``.
+    dissipation
+        What viscosity, or what stands for it, takes per unit of time, ``(...)``.
+    """
+
+    input: FloatArray
+    dissipation: FloatArray
 
 
 class DynamicalSystem(abc.ABC):
@@ -41,3 +56,11 @@ class DynamicalSystem(abc.ABC):
     @abc.abstractmethod
     def observable(self, state: FloatArray) -> FloatArray:
         """Observable whose extreme events are forecast, of shape ``(...)``."""
+
+    def energy_budget(self, state: FloatArray) -> EnergyBudget | None:
+        """Energy input and dissipation of states; None if the system does not tell them.
+
+        Optional: only what control costs asks for it. The energy is half the squared length of the
+        state, which the modes of a flow, being orthonormal, make its mean kinetic energy.
+        """
+        return None

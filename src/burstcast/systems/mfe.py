@@ -15,7 +15,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.base import DynamicalSystem, EnergyBudget
 
 _WALL_WAVENUMBER = math.pi / 2  # beta: half a wave between the walls
 
@@ -281,3 +281,18 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
         for row in state[1:]:
             energy = energy + row * row
         return 0.5 * energy
+
+    def energy_budget(self, state: FloatArray) -> EnergyBudget:
+        """Input of the body force and viscous dissipation, both of shape ``(...)``.
+
+        The amplitude equations times the amplitudes, summed: the quadratic terms are advection,
+        which only exchanges energy between the modes (sum_ijk T_ijk a_i a_j a_k = 0 for modes
+        without divergence and without flow through the walls), so that dk/dt = I - D with the
+        input I = (beta^2 / Re) a_1 of the force and the dissipation D = (1 / Re) sum_i d_i a_i^2,
+        where d_i is the mean squared gradient of mode i.
+        """
+        rates = -self._growth_rates(state.ndim - 1)
+        dissipation = rates[0] * np.square(state[0])
+        for rate, row in zip(rates[1:], state[1:], strict=True):
+            dissipation = dissipation + rate * row * row
+        return EnergyBudget(input=rates[0] * state[0], dissipation=dissipation)

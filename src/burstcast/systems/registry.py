@@ -5,12 +5,10 @@ be registered.
 """
 
 import dataclasses
-import math
-import numbers
 from collections.abc import Mapping
 
 import burstcast.systems
-from burstcast.discovery import concrete_classes, module_names, suggestion
+from burstcast.discovery import checked_numbers, concrete_classes, module_names, suggestion
 from burstcast.systems.base import DynamicalSystem
 
 
@@ -47,7 +45,7 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     if len(classes) > 1:
         names = ", ".join(system_class.__name__ for system_class in classes)
         raise TypeError(f"burstcast.systems.{name} must define one system, not several: {names}")
-    return classes[0](**_checked_parameters(name, classes[0], parameters))
+    return classes[0](**checked_numbers(f"system {name!r}", "parameter", classes[0], parameters))
 
 
 def parameters_of(system: DynamicalSystem) -> dict[str, float]:
@@ -63,32 +61,3 @@ def parameters_of(system: DynamicalSystem) -> dict[str, float]:
 def _systems_in(module_name: str) -> list[type[DynamicalSystem]]:
     # the interface is abstract
     return concrete_classes(burstcast.systems, module_name, DynamicalSystem)  # type: ignore[type-abstract]
-
-
-def _checked_parameters(
-    name: str, system_class: type[DynamicalSystem], parameters: Mapping[str, float]
-) -> dict[str, float]:
-    if not dataclasses.is_dataclass(system_class):
-        raise TypeError(f"{system_class.__name__} must be a dataclass of its parameters")
-    fields = [field for field in dataclasses.fields(system_class) if field.init]
-    known = [field.name for field in fields]
-    for key in parameters:
-        if key not in known:
-            raise ValueError(
-                f"system {name!r} has no parameter {key!r}{suggestion(key, known)}; "
-                f"its parameters are {', '.join(known) or 'none'}"
-            )
-    for field in fields:
-        optional = (
-            field.default is not dataclasses.MISSING
-            or field.default_factory is not dataclasses.MISSING
-        )
-        if not optional and field.name not in parameters:
-            raise ValueError(f"system {name!r} needs the parameter {field.name!r}")
-    for key, value in parameters.items():
-        is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-        if not is_number or not math.isfinite(value):
-            raise ValueError(
-                f"parameter {key!r} of system {name!r} must be a finite number, not {value!r}"
-            )
-    return {key: float(value) for key, value in parameters.items()}

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from burstcast import durations
+from burstcast.control.experiment import Schedule
+from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast_workflow.config.cases import block_cases, campaign_cases, case_name, case_record
@@ -15,6 +17,7 @@ from burstcast_workflow.config.kinds import RELATIONS, Section
 from burstcast_workflow.config.messages import model_problems, suggestion
 from burstcast_workflow.config.model import Case, Configuration
 from burstcast_workflow.config.places import Place
+from burstcast_workflow.control_plans import block_plans
 from burstcast_workflow.identifiers import parsed
 from burstcast_workflow.jobs.length_checks import check_learnt_equations, misfits
 
@@ -30,6 +33,7 @@ def contradictions(config: Settings) -> list[str]:
     problems = [
         *_related(config, Configuration),
         *_campaign(config),
+        *_strategies(config),
         *_figures(config),
     ]
     cases_of: dict[str, list[str]] = {}
@@ -85,9 +89,9 @@ def _related(settings: Settings, model: type[Section]) -> Iterator[str]:
 def _at(settings: Settings, name: str) -> Any:
     """Value of a setting; in the blocks of the campaign, all its values."""
     value: Any = settings
-    for count, part in enumerate(name.split(".")):
+    for count, part in enumerate(name.replace("[]", "").split(".")):
         if isinstance(value, list):
-            rest = ".".join(name.split(".")[count:])
+            rest = ".".join(name.replace("[]", "").split(".")[count:])
             found = [_at(block, rest) or [] for block in value]
             return sorted({item for items in found for item in items})
         value = value.get(part) if isinstance(value, Mapping) else None
@@ -127,6 +131,26 @@ def _campaign(config: Settings) -> Iterator[str]:
     for name in config["control"]["sweep"]["cases"]:
         if name not in used:
             yield f"control.sweep.cases: the campaign has no case {name}; {suggestion(name, used)}"
+
+
+def _strategies(config: Settings) -> Iterator[str]:
+    used = campaign_cases(config)
+    for index, block in enumerate(config["control"]["strategies"]):
+        place, name = f"control.strategies[{index}]", block["strategy"]
+        for case in block.get("cases", []):
+            if case not in used:
+                yield f"{place}.cases: the campaign has no case {case}; {suggestion(case, used)}"
+        kinds = block.get("forecasters") or {}
+        chosen = any(axes is not None for axes in kinds.values())
+        if strategy_class(name).forecasts and not chosen:
+            yield f"{place}.forecasters names no kind, but {name} asks forecasters"
+        if chosen and not strategy_class(name).forecasts:
+            yield f"{place}.forecasters: {name} asks no forecaster; leave it out"
+        for plan in block_plans(block):
+            try:
+                make_strategy(name, dict(plan.settings))
+            except ValueError as error:
+                yield f"{place}.settings: {error}"
 
 
 def _figures(config: Settings) -> Iterator[str]:
@@ -206,6 +230,7 @@ def _case(config: Settings, name: str) -> Iterator[str]:
                     check_learnt_equations(samples, steps, window_lt)
                 except ValueError as error:
                     yield str(error)
+            yield from _unfit_strategies(config, name, record, steps)
 
 
 def _kinds(config: Settings, name: str) -> set[str]:
@@ -226,6 +251,32 @@ def _filter(settings: Settings, record: Settings) -> Iterator[str]:
             f"forecasters.filter.members is {members}; it must be even, and at least twice the "
             f"components of a state: {2 * dimension} for the system {record['system']}"
         )
+
+
+def _unfit_strategies(config: Settings, name: str, record: Settings, steps: int) -> Iterator[str]:
+    """Settings of strategies that mean nothing with so many steps in a Lyapunov time."""
+    actuation, ensemble = record["actuation"], record["ensemble"]
+    for index, block in enumerate(config["control"]["strategies"]):
+        if actuation is None or name not in (block.get("cases") or [name]):
+            continue
+        for plan in block_plans(block):
+            try:
+                strategy = make_strategy(plan.strategy, dict(plan.settings))
+                strategy.check(
+                    Schedule(
+                        washout=max(1, durations.steps(config["washout_lt"], steps)),
+                        quiet_lt=plan.quiet_lt,
+                        span_lt=plan.span_lt or config["control"]["span_lt"],
+                        delay_lt=plan.delay_lt,
+                        actuation_start_lt=actuation["start_lt"],
+                        actuation_duration_lt=actuation["duration_lt"],
+                        steps_per_lyapunov_time=steps,
+                        sampling_stride=ensemble["sampling_stride"],
+                        time_step=ensemble["time_step"],
+                    )
+                )
+            except ValueError as error:
+                yield f"control.strategies[{index}]: {error}"
 
 
 def _system(name: str, record: Settings) -> Iterator[str]:

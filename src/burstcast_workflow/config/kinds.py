@@ -5,6 +5,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+from burstcast.control.strategies.registry import available_strategies as control_strategies
 from burstcast.tuning.strategies.registry import available_strategies
 
 T = TypeVar("T")
@@ -40,6 +41,13 @@ def _strategy(name: str) -> str:
     return name
 
 
+def _control_strategy(name: str) -> str:
+    if name not in control_strategies():
+        text = f"is {name}; the strategies of control are {', '.join(control_strategies())}"
+        raise PydanticCustomError("between", text)
+    return name
+
+
 _PAIR = Field(min_length=2, max_length=2)
 _RESERVED = "nan|NaN|inf|Inf|infinity|Infinity|true|True|false|False|tables|figures|logs|benchmarks"
 
@@ -59,6 +67,11 @@ Strategy = Annotated[
     str,
     AfterValidator(_strategy),
     Words(f"a validation strategy: {', '.join(available_strategies())}"),
+]
+ControlStrategyName = Annotated[
+    str,
+    AfterValidator(_control_strategy),
+    Words(f"a strategy of control: {', '.join(control_strategies())}"),
 ]
 NetworkName = Annotated[
     str,

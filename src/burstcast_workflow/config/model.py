@@ -10,6 +10,7 @@ from pydantic import Field
 
 from burstcast_workflow.config.kinds import (
     CaseName,
+    ControlStrategyName,
     Count,
     Directory,
     Distinct,
@@ -345,8 +346,49 @@ class Sweep(Section):
     seeds: Count = setting("networks of the first seeds")
 
 
+class StrategyBlock(Section):
+    """Control beyond the paper's: forecasters x settings of one strategy x conditions."""
+
+    strategy: ControlStrategyName = setting(
+        "the strategy, a module of burstcast.control.strategies"
+    )
+    settings: dict[ParameterName, Some[float]] = setting(
+        "its settings, several values each; names in _lt are in Lyapunov times", default={}
+    )
+    cases: Distinct[CaseName] = setting(
+        "cases that are controlled so; all if left out or empty", default=[]
+    )
+    forecasters: Choice | None = setting(
+        "forecasters that control so; none for a strategy that asks none", default=None
+    )
+    seeds: Annotated[Count | None, Words("a whole number above 0, or null")] = setting(
+        "networks of the first seeds; null for all", default=None
+    )
+    starts: Literal["quiet", "unselected"] = setting(
+        "whether flows with an event before their steps count are left out, or none is",
+        default="quiet",
+    )
+    quiet_lt: float = setting("the least time before the steps of a flow count", ge=0, default=0)
+    span_lt: Annotated[Positive | None, Words("a number above 0, or null")] = setting(
+        "how long each flow counts; null for control.span_lt", default=None
+    )
+    delay_lt: Some[Annotated[float, Field(ge=0)]] = setting(
+        "from a decision to its effect", default=[0]
+    )
+    strength: Some[Positive] = setting(
+        "of the actuator: the share of the case's actuation, changes and force, that it has",
+        "actuations",
+        default=[1],
+    )
+    noise: Some[Annotated[float, Field(ge=0)]] = setting(
+        "of what is observed; that of the training series if left out",
+        "standard deviations of each component",
+        default=[],
+    )
+
+
 class Control(Section):
-    """Prediction-triggered control."""
+    """Prediction-triggered control, and strategies beyond the paper's."""
 
     forecasters: Choice = setting("forecasters that control")
     prediction_times_lt: Distinct[Positive] = setting("prediction times")
@@ -357,6 +399,9 @@ class Control(Section):
         "whether alarms at random, as often as each network's own, are compared with it"
     )
     sweep: Sweep
+    strategies: list[StrategyBlock] = setting(
+        "control beyond the paper's: the union of these blocks"
+    )
 
 
 class Bootstrap(Section):

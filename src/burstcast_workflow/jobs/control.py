@@ -1,25 +1,28 @@
-"""What the control scripts share: the flows of a case, and the record of what control achieved."""
+"""What the control scripts share: the experiment of a case, and the record of what came of it."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.control.actuation import Actuation, actuated_system
-from burstcast.control.experiment import controlled_series, observation_noise
-from burstcast.control.flows import ControlledFlows, run_controlled_flows
-from burstcast.control.monitors.base import Monitor
-from burstcast.control.monitors.forecast import ForecastMonitor
-from burstcast.control.outcome import Outcome, count_outcome
+from burstcast.control.actuation import actuated_system
+from burstcast.control.counts import FlowCounts
+from burstcast.control.experiment import (
+    ControlExperiment,
+    Schedule,
+    controlled_series,
+    observation_noise,
+)
+from burstcast.control.followed import FollowedFlows
+from burstcast.control.records import Span, record_flows
 from burstcast.control.scores import SCORES
-from burstcast.control.timing import Timing
+from burstcast.control.strategies.base import ControlStrategy
+from burstcast.control.strategies.registry import make_strategy
+from burstcast.control.timing import Clock
 from burstcast.dataset import component_scales
-from burstcast.forecasters.base import Forecaster
-from burstcast.systems.base import DynamicalSystem
 from burstcast_workflow.harness.storage import (
     Variable,
     read_json,
@@ -31,120 +34,113 @@ from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
+Settings = Mapping[str, Any]
 
-@dataclass(frozen=True)
-class ControlSetting:
-    """A case under control at one prediction time: equations, actuation, timing, flows.
 
-    Attributes
-    ----------
-    settings
-        Of the job.
-    system, actuation, timing
-        Of the controlled flows.
-    series
-        Rows of the flows' series in the ensemble.
-    washouts
-        True states that the flows begin with, ``(flows, washout, dimension)``.
-    training_states
-        Of the training series, ``(series, time, dimension)``.
+def control_strategy(settings: Settings) -> ControlStrategy:
+    """The strategy of a job."""
+    return make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
+
+
+def control_experiment(
+    settings: Settings, ensemble: str, summary: str, time_unit: str | Sequence[str]
+) -> ControlExperiment:
+    """What the strategy of a job is tried on, from the job's settings and inputs.
+
+    Quiet flows begin with the first states of the kept series, unselected ones with the last:
+    what follows them has had no say in what is kept.
     """
-
-    settings: Mapping[str, Any]
-    system: DynamicalSystem
-    actuation: Actuation
-    timing: Timing
-    series: range
-    washouts: FloatArray
-    training_states: FloatArray
-
-    @classmethod
-    def read(
-        cls,
-        settings: Mapping[str, Any],
-        ensemble: str,
-        summary: str,
-        time_unit: str | Sequence[str],
-    ) -> "ControlSetting":
-        """Build from a job's settings and inputs."""
-        system, steps = system_of(settings), lyapunov_time(settings, time_unit)
-        record = settings["case.actuation"]
-        timing = Timing(
-            prediction_time_lt=settings["prediction_time_lt"],
-            window_lt=settings["control.window_lt"],
-            span_lt=settings["control.span_lt"],
-            washout=durations.steps(settings["washout_lt"], steps),
+    system, steps = system_of(settings), lyapunov_time(settings, time_unit)
+    actuation = settings["case.actuation"]
+    washout = durations.steps(settings["washout_lt"], steps)
+    training = settings["case.training.series"]
+    kept = read_json(summary)["series_kept"]
+    series = controlled_series(kept, training, settings["control.flows"])
+    states = read_rows(ensemble, "state", series.start, series.stop)
+    quiet = settings["control.run.starts"] == "quiet"
+    return ControlExperiment(
+        system=system,
+        actuated_system=actuated_system(
+            system,
+            actuation["parameters"],
+            actuation["force"],
+            settings["control.run.strength"],
+        ),
+        threshold=settings["case.event_threshold"],
+        series=series,
+        washouts=np.ascontiguousarray(states[:, :washout] if quiet else states[:, -washout:]),
+        quiet_starts=quiet,
+        schedule=Schedule(
+            washout=washout,
+            quiet_lt=settings["control.run.quiet_lt"],
+            span_lt=settings["control.run.span_lt"],
+            delay_lt=settings["control.run.delay_lt"],
+            actuation_start_lt=actuation["start_lt"],
+            actuation_duration_lt=actuation["duration_lt"],
             steps_per_lyapunov_time=steps,
             sampling_stride=settings["case.ensemble.sampling_stride"],
             time_step=settings["case.ensemble.time_step"],
-        )
-        training = settings["case.training.series"]
-        kept = read_json(summary)["series_kept"]
-        series = controlled_series(kept, training, settings["control.flows"])
-        states = read_rows(ensemble, "state", series.start, series.stop)
-        return cls(
-            settings=settings,
-            system=system,
-            actuation=Actuation(
-                system=actuated_system(system, record["parameters"], record["force"]),
-                start_lt=record["start_lt"],
-                duration_lt=record["duration_lt"],
-            ),
-            timing=timing,
-            series=series,
-            washouts=np.ascontiguousarray(states[:, : timing.washout]),
-            training_states=read_rows(ensemble, "state", 0, training),
-        )
-
-    def forecast_monitor(self, forecaster: Forecaster) -> ForecastMonitor:
-        """Monitor that raises an alarm if a forecast crosses the event threshold."""
-        threshold = self.settings["case.event_threshold"]
-        return ForecastMonitor(forecaster, self.system.observable, self.timing, threshold)
-
-    def noise(self) -> FloatArray:
-        """Observation noise of each flow at each step, ``(flows, steps, dimension)``."""
-        return observation_noise(
-            self.series,
-            self.timing.length,
-            self.settings["case.training.noise"],
-            component_scales(self.training_states),
-            self.settings["random_seed"],
-            self.settings["case"],
-        )
-
-    def run(
-        self,
-        monitor: Monitor,
-        *,
-        noisy: bool,
-        rows: slice = slice(None),
-        keep_states: bool = False,
-    ) -> ControlledFlows:
-        """Follow the flows (or some of them) with and without control."""
-        return run_controlled_flows(
-            self.system,
-            self.washouts[rows],
-            monitor,
-            self.actuation,
-            self.timing,
-            self.settings["case.event_threshold"],
-            noise=self.noise()[rows] if noisy else None,
-            keep_states=keep_states,
-        )
-
-    def outcome(self, flows: ControlledFlows) -> Outcome:
-        """Count what control achieved."""
-        return count_outcome(
-            flows,
-            self.settings["case.laminarisation_threshold"],
-            edges_of(self.settings["case.controlled_density"]),
-        )
+        ),
+        root_seed=settings["random_seed"],
+        case=settings["case"],
+    )
 
 
-def write_outcome(
-    counts_file: str, histograms: str, outcome: Outcome, provenance: Mapping[str, str]
+def control_noise(
+    settings: Settings, ensemble: str, experiment: ControlExperiment, timing: Clock
+) -> FloatArray:
+    """Observation noise of each flow at each step, ``(flows, steps, dimension)``."""
+    training_states = read_rows(ensemble, "state", 0, settings["case.training.series"])
+    return observation_noise(
+        experiment.series,
+        timing.length,
+        settings["control.run.noise"],
+        component_scales(training_states),
+        experiment.root_seed,
+        experiment.case,
+    )
+
+
+def write_control(
+    files: tuple[str, str, str],
+    strategy: ControlStrategy,
+    experiment: ControlExperiment,
+    followed: FollowedFlows,
+    settings: Settings,
+    provenance: Mapping[str, str],
 ) -> None:
-    """Write the counts and scores as JSON, the histograms as NetCDF."""
+    """Write what came of it: counts (JSON), histograms and records of the flows (NetCDF)."""
+    counts, histograms, flows = files
+    laminarisation_threshold = settings["case.laminarisation_threshold"]
+    edges = edges_of(settings["case.controlled_density"])
+    outcome = strategy.outcome(followed, laminarisation_threshold, edges)
+    _write_counts(counts, outcome, provenance)
+    _write_histograms(histograms, outcome, provenance)
+    timing = followed.timing
+    records = record_flows(followed, laminarisation_threshold)
+    span = Span(
+        steps=timing.span_steps,
+        integration_steps=timing.span_steps * timing.sampling_stride,
+        steps_at_risk=timing.counted_until - timing.first_forecast,
+        steps_per_lyapunov_time=timing.steps_per_lyapunov_time,
+    )
+    described = {
+        field.name: Variable(
+            ("flow",), getattr(records, field.name), "1", field.name.replace("_", " ")
+        )
+        for field in dataclasses.fields(records)
+    }
+    series = Variable(
+        ("flow",), experiment.series.start + records.row, "1", "row of the series in the ensemble"
+    )
+    write_netcdf(
+        flows,
+        {"series": series, **described},
+        {**provenance, **dataclasses.asdict(span)},
+    )
+
+
+def _write_counts(path: str, outcome: FlowCounts, provenance: Mapping[str, str]) -> None:
     counts = {
         field.name: getattr(outcome, field.name)
         for field in dataclasses.fields(outcome)
@@ -152,9 +148,12 @@ def write_outcome(
     }
     scores = {name: getattr(outcome, name) for name in SCORES}
     defined = {name: value if np.isfinite(value) else None for name, value in scores.items()}
-    write_json(counts_file, {**counts, **defined, "provenance": dict(provenance)})
+    write_json(path, {**counts, **defined, "provenance": dict(provenance)})
+
+
+def _write_histograms(path: str, outcome: FlowCounts, provenance: Mapping[str, str]) -> None:
     write_netcdf(
-        histograms,
+        path,
         {
             "edge": Variable(("edge",), outcome.edges, "1", "edges of the bins"),
             **{

@@ -57,8 +57,12 @@ READS = {
     "control/esn": f"{_CONTROL} case.training.noise {_NETWORK}",
     "control/equations": _CONTROL,
     "control_random/esn": _CONTROL,
+    "control_without_forecast": _CONTROL.replace("control.window_lt", ""),
     "statistics_table": f"{_SYSTEM} statistics.profile_points",
     "control_table": "",
+    # the columns of the strategies' settings are in its rows
+    "control_strategies_table": """random_seed bootstrap.* case.training.noise
+        control.window_lt control.span_lt""",
     "dataset_table": _TIME,
     "hyperparameters_table": "",
     "horizon_table": "",
@@ -91,8 +95,11 @@ COMES_FROM = {
     "control/esn": "simulate train",
     "control/equations": "simulate fit/equations",
     "control_random/esn": "simulate control/esn",
+    "control_without_forecast": "simulate",
     "statistics_table": "reference_statistics long_term/esn",
     "control_table": "control/esn control/equations control_random/esn",
+    "control_strategies_table": """control/esn control/equations control_random/esn
+        control_without_forecast""",
     "dataset_table": "simulate events lyapunov",
     "hyperparameters_table": "search",
     "horizon_table": "horizon/esn horizon/equations horizon/equations_noisy",
@@ -111,6 +118,7 @@ COMES_FROM = {
     "latex/horizon": "horizon_table",
     "latex/statistics": "statistics_table",
     "latex/control": "control_table",
+    "latex/control_strategies": "control_strategies_table",
     "latex/data_generation_parameters": "data_generation_parameters",
     "latex/network_hyperparameters": "network_hyperparameters",
     **{
@@ -153,6 +161,14 @@ FOUND_BY_NAME = {
     ),
 }
 FORECASTERS_BY_NAME = "burstcast.forecasters.registry", "burstcast.forecasters."
+# Strategies of control are those of the job.
+STRATEGIES_BY_NAME = "burstcast.control.strategies.registry", "burstcast.control.strategies."
+STRATEGIES = {
+    "control/esn": ("prediction_triggered", "receding_horizon"),
+    "control/equations": ("prediction_triggered",),
+    "control_random/esn": ("prediction_triggered",),
+    "control_without_forecast": ("reactive",),
+}
 # Their scripts run for one kind only, and the name of their job does not say it.
 JOBS_OF_NETWORKS = ("scan", "search", "train")
 

@@ -13,12 +13,14 @@ from helpers_rebuilds import ROOT, TINY
 
 # Jobs of each network, and of those networks that control; tables that have rows of forecasters.
 OF_NETWORKS = {"scan", "search", "train", "forecast/esn", "horizon/esn", "long_term/esn"}
-OF_CONTROLLING_NETWORKS = {"control/esn", "control_random/esn", "control_table"}
+TABLES_OF_CONTROL = {"control_table", "control_strategies_table"}
+OF_CONTROLLING_NETWORKS = {"control/esn", "control_random/esn", *TABLES_OF_CONTROL}
 TABLES_OF_FORECASTERS = {"classification_table", "horizon_table"}
 TABLES_OF_NETWORKS = {*TABLES_OF_FORECASTERS, "hyperparameters_table"}
 TABLES = {
     *TABLES_OF_NETWORKS,
-    *("statistics_table", "control_table", "dataset_table", "data_generation_parameters"),
+    *TABLES_OF_CONTROL,
+    *("statistics_table", "dataset_table", "data_generation_parameters"),
     "network_hyperparameters",
 }
 
@@ -143,6 +145,19 @@ _VALUES: dict[str, Any] = {
     "control.forecasters.equations_noisy": {},
     "statistics.forecasters.equations": {},
     "control.sweep.cases": ["Re400"],
+    "control.strategies": [
+        {
+            "strategy": "receding_horizon",
+            "settings": {"horizon_lt": [1], "decision_interval_lt": [0.5]},
+            "forecasters": {"esn": {"neurons": [40], "validation": ["RV"]}, "equations": {}},
+        },
+        {
+            "strategy": "reactive",
+            "settings": {"level": [0.05], "decision_interval_lt": [0.5]},
+            "starts": "unselected",
+            "delay_lt": [0.5],
+        },
+    ],
     "control.sweep.prediction_times_lt": [1, 2],
     "bootstrap.confidence": 0.9,
     "figures.example_case": "Re400",  # the only one there is: the same again
@@ -176,16 +191,21 @@ _EXPECTED: dict[str, set[str]] = {
     | {"statistics_table"}
     | OF_CONTROLLING_NETWORKS,
     "campaign.0.forecasters.esn.validation": TABLES_OF_NETWORKS,
-    "campaign.0.forecasters.equations": TABLES_OF_FORECASTERS | {"control_table"},
+    "campaign.0.forecasters.equations": TABLES_OF_FORECASTERS | TABLES_OF_CONTROL,
     "campaign.0.forecasters.equations_noisy": TABLES_OF_FORECASTERS,
     "statistics.forecasters.esn.validation": {"long_term/esn", "statistics_table"},
     "statistics.forecasters.equations": {"long_term/equations", "statistics_table"},
     "control.forecasters.esn.neurons": OF_CONTROLLING_NETWORKS,
     "control.forecasters.esn.validation": OF_CONTROLLING_NETWORKS,
-    "control.forecasters.equations": {"control_table"},
-    "control.forecasters.equations_noisy": {"control/equations_noisy", "control_table"},
+    "control.forecasters.equations": TABLES_OF_CONTROL,
+    "control.forecasters.equations_noisy": {"control/equations_noisy", *TABLES_OF_CONTROL},
     "control.prediction_times_lt": OF_CONTROLLING_NETWORKS | {"control/equations"},
-    "control.random_alarms": {"control_table"},
+    "control.random_alarms": TABLES_OF_CONTROL,
+    "control.strategies": {
+        "control/equations",
+        "control_without_forecast",
+        "control_strategies_table",
+    },
     "control.sweep.cases": OF_CONTROLLING_NETWORKS | {"control/equations"},
 }
 # Choices that the preset leaves out, which become {}.

@@ -23,7 +23,7 @@ _FORECASTER = re.compile(
     r"(?P<case>[^/]+)/(?P<kind>[a-z_]+)"
     r"(-N(?P<neurons>\d+)-(?P<validation>[A-Z]+)-seed(?P<seed>\d+))?"
 )
-_CONTROL = re.compile(r"control(_(?P<who>[a-z]+))?_PT(?P<time>[\d.]+)\.json")
+_CONTROL = re.compile(r"prediction_triggered-prediction_time(?P<time>[\d.]+)-window[\d.]+")
 
 
 def variables(path: Path) -> dict[str, Any]:
@@ -219,14 +219,15 @@ class Recomputation:
     def control(self) -> pd.DataFrame:
         """Shares of time recomputed from the counts of each run."""
         rows = []
-        for path in sorted(self.results.glob("**/control*_PT*.json")):
-            name = _CONTROL.fullmatch(path.name)
-            assert name
-            keys = self.keys(path)
-            if name["who"]:
-                keys["forecaster"] = name["who"]
+        for path in sorted(self.results.glob("*/*/control*/*/counts.json")):
+            name = _CONTROL.fullmatch(path.parent.name)
+            if not name:  # beyond the paper's control
+                continue
+            keys = self.keys(path.parents[1])
+            if path.parents[1].name == "control_random":
+                keys["forecaster"] = "random"
             counts = json.loads(path.read_text())
-            edge = variables(path.with_suffix(".nc"))["edge"]
+            edge = variables(path.with_name("histograms.nc"))["edge"]
             assert len(edge) == self.records[keys["case"]]["controlled_density"]["bins"] + 1
             without = counts["exceeding_uncontrolled"] / counts["steps"]
             with_it = counts["exceeding_controlled"] / counts["steps"]

@@ -124,6 +124,28 @@ class NeverMonitor(Monitor):
     def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
         return np.zeros(len(rows), dtype=bool)
 '''
+ALWAYS = '''"""Always on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from burstcast.control.deciding import DecidingStrategy
+from burstcast.control.experiment import ControlExperiment
+from burstcast.control.monitors.base import Monitor
+from burstcast.control.monitors.observed import ObservedMonitor
+from burstcast.forecasters.base import Forecaster
+
+
+@dataclass(frozen=True)
+class Always(DecidingStrategy):
+    """Acts all the time."""
+
+    forecasts: ClassVar[bool] = False
+
+    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
+        return ObservedMonitor(experiment.system.observable, float("-inf"))
+'''
 LAST_SERIES = '''"""Validation on the end of the last series."""
 
 from burstcast.tuning.strategies.base import Block, Fold, ValidationPlan, ValidationStrategy
@@ -217,6 +239,13 @@ WITHOUT_EFFECT = [
     ),
     Edit("a new forecaster", f"{LIBRARY}/forecasters/persistence.py", "", PERSISTENCE),
     Edit("a new monitor", f"{LIBRARY}/control/monitors/never.py", "", NEVER),
+    Edit("a new strategy of control", f"{LIBRARY}/control/strategies/always.py", "", ALWAYS),
+    Edit(
+        "a strategy of control that nobody uses",
+        f"{LIBRARY}/control/strategies/random_decisions.py",
+        '"random decisions"',
+        '"decisions at random"',
+    ),
     Edit("a new strategy", f"{LIBRARY}/tuning/strategies/last_series.py", "", LAST_SERIES),
     Edit("a new system", f"{LIBRARY}/systems/decay.py", "", DECAY),
     Edit(
@@ -252,6 +281,7 @@ GATHERED = """classification_table horizon_table
     latex/classification latex/classification_* latex/horizon latex/horizon_*
     figure/classification_scores figure/horizon_by_size"""
 GATHERED_CONTROL = """control_table control_density_table percentiles/control
+    control_strategies_table latex/control_strategies
     latex/control latex/control_percentiles figure/control_tradeoff figure/control_density"""
 GATHERED_NETWORKS = f"""{GATHERED} {GATHERED_CONTROL}
     hyperparameters_table percentiles/hyperparameters latex/hyperparameters*
@@ -263,6 +293,15 @@ OF_NETWORKS = """scan/* search/* train/* */esn-*
     figure/suppressed_event"""
 
 WITH_EFFECT = [
+    (
+        Edit(
+            "a strategy of control",
+            f"{LIBRARY}/control/strategies/receding_horizon.py",
+            "experiment.threshold - self.margin",
+            "experiment.threshold - 2.0 * self.margin",
+        ),
+        "control/*/receding_horizon-* control_strategies_table latex/control_strategies",
+    ),
     (
         Edit(
             "head of a column",
@@ -359,6 +398,7 @@ def test_one_more_seed_in_a_block_of_its_own(project):
 # -- no job depends on a setting that it does not read ---------------------------------------------
 
 _EXAMPLE = "Re400/esn-N40-RV-seed0"
+_WINDOWS = "prediction_triggered-prediction_time1-window1"
 # Figures that say so where there is nothing to show, by the variable that is empty then.
 NOTHING_TO_SHOW = {
     "prediction_schematic": (f"{_EXAMPLE}/examples.nc", "outcome"),
@@ -366,8 +406,8 @@ NOTHING_TO_SHOW = {
     "horizon_evaluations": (f"{_EXAMPLE}/examples.nc", "evaluation_lead_time_lt"),
     "midplane_planes": (f"{_EXAMPLE}/flow_event.nc", "mark"),
     "vorticity_isosurfaces": (f"{_EXAMPLE}/flow_event.nc", "mark"),
-    "control_schematic": (f"{_EXAMPLE}/suppressed_event_PT1.nc", "mark"),
-    "suppressed_event": (f"{_EXAMPLE}/suppressed_event_PT1.nc", "mark"),
+    "control_schematic": (f"{_EXAMPLE}/control/{_WINDOWS}/suppressed_event.nc", "mark"),
+    "suppressed_event": (f"{_EXAMPLE}/control/{_WINDOWS}/suppressed_event.nc", "mark"),
 }
 
 

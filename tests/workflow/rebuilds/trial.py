@@ -19,6 +19,8 @@ from dependencies import (
     FOUND_BY_NAME,
     HARNESS,
     JOBS_OF_NETWORKS,
+    STRATEGIES,
+    STRATEGIES_BY_NAME,
     VERSION_OF_HARNESS,
     and_what_follows,
     may_be_found_otherwise,
@@ -142,6 +144,9 @@ class Laboratory:
         if registry in loaded:
             kind = "esn" if job in JOBS_OF_NETWORKS else job.partition("/")[2]
             by_name.add(f"{prefix}{kind}")
+        registry, prefix = STRATEGIES_BY_NAME
+        if registry in loaded:
+            by_name.update(f"{prefix}{name}" for name in STRATEGIES.get(job, ()))
         return loaded.union(*(self.loaded[name] for name in by_name))
 
     def _edit_that_runs(self, path: str) -> tuple[CodeEdit, dict[str, str]]:

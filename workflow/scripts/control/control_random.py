@@ -1,11 +1,17 @@
 """Actuate the flow of a case at random, as often as a forecaster did."""
 
 from burstcast.control.monitors.random import RandomMonitor, random_draws
+from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.identifiers import parsed
-from burstcast_workflow.jobs.control import ControlSetting, write_outcome
+from burstcast_workflow.jobs.control import (
+    control_experiment,
+    control_noise,
+    control_strategy,
+    write_control,
+)
 
 
 def control_random(
@@ -16,21 +22,30 @@ def control_random(
     rate: str,
     counts: str,
     histograms: str,
+    flows: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
     """Write what control achieved."""
-    setting = ControlSetting.read(settings, ensemble, summary, time_unit)
+    experiment = control_experiment(settings, ensemble, summary, time_unit)
+    strategy = control_strategy(settings)
+    assert isinstance(strategy, PredictionTriggered)
+    timing = strategy.timing(experiment.schedule)
     draws = random_draws(
-        setting.series,
-        setting.timing.most_forecasts,
-        settings["random_seed"],
-        settings["case"],
+        experiment.series,
+        timing.most_forecasts,
+        experiment.root_seed,
+        experiment.case,
         parsed(settings["forecaster"]).seed or 0,
     )
     alarm_rate = read_json(rate)["alarm_rate"] or 0.0
-    flows = setting.run(RandomMonitor(alarm_rate, draws), noisy=False)
-    write_outcome(counts, histograms, setting.outcome(flows), provenance)
+    followed = strategy.follow(
+        experiment,
+        RandomMonitor(alarm_rate, draws),
+        noise=control_noise(settings, ensemble, experiment, timing),
+    )
+    files = counts, histograms, flows
+    write_control(files, strategy, experiment, followed, settings, provenance)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,19 @@
 """Follow the flow whose suppressed event shows best what control by a forecaster does."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.control.example import suppressed_event_times
-from burstcast.control.flows import ControlledFlows
-from burstcast.control.outcome import SuppressedEvent, largest_suppressed_event
+from burstcast.control.outcome import largest_suppressed_event
+from burstcast.control.strategies.prediction_triggered import PredictionTriggered
+from burstcast.control.timing import Timing
 from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, write_netcdf
-from burstcast_workflow.jobs.control import ControlSetting
+from burstcast_workflow.jobs.control import control_experiment, control_noise, control_strategy
 from burstcast_workflow.jobs.forecasters import read_forecaster
 
 BEFORE_LT = 1.0
@@ -29,14 +32,20 @@ def suppressed_event(
     provenance: Provenance,
 ) -> None:
     """Write the observable with and without control, and the states at four times."""
-    setting = ControlSetting.read(settings, ensemble, summary, time_unit)
+    experiment = control_experiment(settings, ensemble, summary, time_unit)
+    strategy = control_strategy(settings)
+    assert isinstance(strategy, PredictionTriggered)
     who = read_forecaster(forecaster, settings, time_unit)
-    monitor, noisy = setting.forecast_monitor(who), not who.sees_truth
+    timing, dimension = strategy.timing(experiment.schedule), experiment.system.dimension
+    noise = None
+    if not who.sees_truth:
+        noise = control_noise(settings, ensemble, experiment, timing)
+    monitor = strategy.monitor(experiment, [who])
     chosen = largest_suppressed_event(
-        setting.run(monitor, noisy=noisy), settings["case.laminarisation_threshold"]
+        strategy.follow(experiment, monitor, noise=noise),
+        settings["case.laminarisation_threshold"],
     )
-    timing, dimension = setting.timing, setting.system.dimension
-    start, stop = setting.actuation.interval(timing)
+    start, stop = strategy.actuation(experiment).interval(timing)
     # in integration steps
     unit = timing.steps_per_lyapunov_time * timing.sampling_stride
     if chosen is None:
@@ -44,7 +53,13 @@ def suppressed_event(
         uncontrolled = controlled = forecast = np.empty((0, dimension))
     else:
         only = slice(chosen.row, chosen.row + 1)
-        flow = setting.run(monitor, noisy=noisy, rows=only, keep_states=True)
+        flow_noise = None if noise is None else noise[only]
+        flow = strategy.follow(
+            replace(experiment, washouts=experiment.washouts[only]),
+            monitor,
+            noise=flow_noise,
+            keep_states=True,
+        )
         times = suppressed_event_times(
             flow.uncontrolled[0, chosen.alarm_step :],
             settings["case.event_threshold"],
@@ -63,9 +78,11 @@ def suppressed_event(
         controlled = flow.controlled_states[0, first : last + 1]
         forecast = np.full_like(controlled, np.nan)
         ahead = slice(1 - steps[0], 1 - steps[0] + timing.window_end)
-        forecast[ahead] = _forecast(setting, who, flow, chosen)
-    observable = setting.system.observable
-    name = setting.system.observable_name
+        forecast[ahead] = _forecast(
+            who, timing, flow.controlled_states[0], flow_noise, chosen.alarm_step
+        )
+    observable = experiment.system.observable
+    name = experiment.system.observable_name
     write_netcdf(
         event,
         {
@@ -99,22 +116,22 @@ def suppressed_event(
         },
         {
             **provenance,
-            "series": -1 if chosen is None else setting.series[chosen.row],
+            "series": -1 if chosen is None else experiment.series[chosen.row],
             "alarm_step": -1 if chosen is None else chosen.alarm_step,
         },
     )
 
 
 def _forecast(
-    setting: ControlSetting, forecaster: Forecaster, flow: ControlledFlows, chosen: SuppressedEvent
+    forecaster: Forecaster,
+    timing: Timing,
+    states: FloatArray,
+    noise: FloatArray | None,
+    now: int,
 ) -> FloatArray:
-    """Forecast that raised the alarm, up to the end of its window."""
-    timing, now = setting.timing, chosen.alarm_step
+    """Forecast of one flow that was made at a step, up to the end of its window."""
     washout = slice(now + 1 - timing.washout, now + 1)
-    assert flow.controlled_states is not None
-    observed = flow.controlled_states[0, washout]
-    if not forecaster.sees_truth:
-        observed = observed + setting.noise()[chosen.row, washout]
+    observed = states[washout] if noise is None else states[washout] + noise[0, washout]
     memory = forecaster.start(np.ascontiguousarray(observed[:, :, np.newaxis]))
     forecast, _ = forecaster.advance(memory, timing.window_end)
     return forecast[:, :, 0]

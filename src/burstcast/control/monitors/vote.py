@@ -1,0 +1,47 @@
+"""The monitor that asks several: an alarm where enough of them raise one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.control.monitors.base import Monitor
+
+
+@dataclass(frozen=True)
+class VoteMonitor(Monitor):
+    """Raises an alarm if a share of its members does: the alarm probability of a committee.
+
+    Attributes
+    ----------
+    members
+        One at least.
+    share
+        Of the members, in (0, 1]: 0.5 of ten are five or more.
+    """
+
+    members: Sequence[Monitor]
+    share: float
+
+    def __post_init__(self) -> None:
+        """Check members and share.
+
+        Raises
+        ------
+        ValueError
+            If there is no member, or the share is not in (0, 1].
+        """
+        if not self.members:
+            raise ValueError("a vote needs one member at least")
+        if not 0 < self.share <= 1:
+            raise ValueError(f"the share of a vote must lie in (0, 1], not {self.share}")
+
+    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+        """Count the members' alarms (see `Monitor.alarms`)."""
+        votes = np.zeros(len(rows), dtype=np.int64)
+        for member in self.members:
+            votes += member.alarms(rows, forecast_number, washout)
+        # a share such as 0.7 of ten misses seven by rounding error only
+        alarms: BoolArray = votes >= self.share * len(self.members) - 1e-9
+        return alarms

@@ -1,0 +1,279 @@
+"""What control did to each flow, and what that says of all flows: costs and gains with intervals.
+
+Flows are what is independent: intervals are percentile bootstraps over flows, the flow with control
+always together with the one without it. Flows that laminarise, with control or without it, count
+in neither sample of the observable (as in the paper), but in the hazard of laminarisation.
+
+Where no flow has any exceedance left, a bootstrap knows no upper bound. By the rule of three, no
+more than a share 1 - (1 - c)^(1/n) (3/n at c = 0.95) of all flows can exceed at all, with
+confidence c; the bound takes it that those flows exceed as the uncontrolled ones do that exceed.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.control.followed import EnergyMeans, FollowedFlows
+from burstcast.events import upward_crossings
+
+
+@dataclass(frozen=True)
+class FlowRecords:
+    """What happened in each flow, ``(flows,)`` each.
+
+    Steps and integration steps are those that count (`burstcast.control.timing.Clock`).
+
+    Attributes
+    ----------
+    row
+        Which of the given flows it is.
+    exceeding_uncontrolled, exceeding_controlled
+        Steps at or above the event threshold.
+    events_uncontrolled, events_controlled
+        Upward crossings of the threshold that end in a step that counts.
+    actuated_integration_steps
+        Integration steps under actuation.
+    switchings
+        How often the actuation was switched on.
+    laminar_step_uncontrolled, laminar_step_controlled
+        Steps from the first forecast to the first one beyond the laminarisation threshold; -1 if
+        there is none up to the last step that counts.
+    input_uncontrolled, input_controlled
+        Mean energy input; NaN for a system that does not tell it.
+    dissipation_uncontrolled, dissipation_controlled
+        Mean dissipation; likewise.
+    """
+
+    row: IntArray
+    exceeding_uncontrolled: IntArray
+    exceeding_controlled: IntArray
+    events_uncontrolled: IntArray
+    events_controlled: IntArray
+    actuated_integration_steps: IntArray
+    switchings: IntArray
+    laminar_step_uncontrolled: IntArray
+    laminar_step_controlled: IntArray
+    input_uncontrolled: FloatArray
+    input_controlled: FloatArray
+    dissipation_uncontrolled: FloatArray
+    dissipation_controlled: FloatArray
+
+
+def record_flows(flows: FollowedFlows, laminarisation_threshold: float | None) -> FlowRecords:
+    """Reduce flows to what happened in each of them."""
+    timing = flows.timing
+    counted = slice(timing.counted_from + 1, timing.counted_until + 1)
+    from_start = slice(timing.first_forecast, timing.counted_until + 1)
+
+    def exceeding(observable: FloatArray) -> IntArray:
+        return np.asarray((observable[:, counted] >= flows.threshold).sum(axis=1))
+
+    def events(observable: FloatArray) -> IntArray:
+        return np.asarray(upward_crossings(observable, flows.threshold)[:, counted].sum(axis=1))
+
+    def laminar_step(observable: FloatArray) -> IntArray:
+        if laminarisation_threshold is None:
+            return np.full(len(flows), -1, dtype=np.int64)
+        beyond = observable[:, from_start] > laminarisation_threshold
+        return np.where(beyond.any(axis=1), beyond.argmax(axis=1), -1)
+
+    def means(energy: EnergyMeans | None) -> tuple[FloatArray, FloatArray]:
+        unknown = np.full(len(flows), np.nan)
+        return (unknown, unknown) if energy is None else (energy.input, energy.dissipation)
+
+    input_uncontrolled, dissipation_uncontrolled = means(flows.uncontrolled_energy)
+    input_controlled, dissipation_controlled = means(flows.controlled_energy)
+    return FlowRecords(
+        row=flows.rows,
+        exceeding_uncontrolled=exceeding(flows.uncontrolled),
+        exceeding_controlled=exceeding(flows.controlled),
+        events_uncontrolled=events(flows.uncontrolled),
+        events_controlled=events(flows.controlled),
+        actuated_integration_steps=flows.actuated_integration_steps,
+        switchings=flows.switchings,
+        laminar_step_uncontrolled=laminar_step(flows.uncontrolled),
+        laminar_step_controlled=laminar_step(flows.controlled),
+        input_uncontrolled=input_uncontrolled,
+        input_controlled=input_controlled,
+        dissipation_uncontrolled=dissipation_uncontrolled,
+        dissipation_controlled=dissipation_controlled,
+    )
+
+
+@dataclass(frozen=True)
+class Span:
+    """How long flows count, and how long they are at risk of laminarisation.
+
+    Attributes
+    ----------
+    steps, integration_steps
+        That count, in each flow.
+    steps_at_risk
+        From the first forecast to the last step that counts.
+    steps_per_lyapunov_time
+        Steps in a Lyapunov time.
+    """
+
+    steps: int
+    integration_steps: int
+    steps_at_risk: int
+    steps_per_lyapunov_time: int
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A score with its confidence interval; NaN where it is not defined.
+
+    Attributes
+    ----------
+    value, low, high
+        The score of all flows, and the ends of the interval.
+    """
+
+    value: float
+    low: float
+    high: float
+
+
+SCORES = (
+    "exceedance_uncontrolled",
+    "exceedance_controlled",
+    "relative_exceedance",
+    "control_fraction",
+    "switchings_per_lyapunov_time",
+    "events_per_lyapunov_time_uncontrolled",
+    "events_per_lyapunov_time_controlled",
+    "input_uncontrolled",
+    "input_controlled",
+    "relative_input",
+    "dissipation_uncontrolled",
+    "dissipation_controlled",
+    "relative_dissipation",
+    "laminarisation_hazard_uncontrolled",
+    "laminarisation_hazard_controlled",
+)
+"""What control costs and gains, in the order of `score_flows`.
+
+Exceedances are shares of the time; ``relative_exceedance`` is the share of the uncontrolled
+exceedance that is left, 1 - reduction. ``control_fraction`` is the share of the time under
+actuation. Hazards are laminarisations per Lyapunov time of the flows that are not laminar yet.
+"""
+
+
+def score_flows(
+    records: FlowRecords,
+    span: Span,
+    resamples: int,
+    confidence: float,
+    generator: np.random.Generator,
+) -> dict[str, Interval]:
+    """Score flows by what control costs and gains, with intervals over flows.
+
+    Parameters
+    ----------
+    records
+        Of flows that ran for the same time.
+    span
+        That time.
+    resamples
+        Bootstrap samples.
+    confidence
+        Of the intervals, in (0, 1).
+    generator
+        Source of the resamples.
+
+    Returns
+    -------
+    By the names in `SCORES`.
+    """
+    flows = len(records.row)
+    weights = np.ones((resamples + 1, flows))
+    if flows:
+        weights[1:] = generator.multinomial(flows, np.full(flows, 1 / flows), size=resamples)
+    values = _scores(records, span, weights)
+    tail = (1 - confidence) / 2
+    intervals = {}
+    for name in SCORES:
+        value, resampled = values[name][0], values[name][1:]
+        defined = resampled[np.isfinite(resampled)]
+        low, high = np.quantile(defined, [tail, 1 - tail]) if defined.size else (np.nan, np.nan)
+        intervals[name] = Interval(float(value), float(low), float(high))
+    return {**intervals, **_bounds_of_nothing(records, span, confidence, intervals)}
+
+
+def _neither(records: FlowRecords) -> BoolArray:
+    """Flows that laminarise neither with control nor without it."""
+    return (records.laminar_step_uncontrolled < 0) & (records.laminar_step_controlled < 0)
+
+
+def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> Mapping[str, FloatArray]:
+    """Scores of weighted flows, ``(resamples,)`` each; weights are ``(resamples, flows)``."""
+    counts = _neither(records).astype(np.float64)
+    weighted = weights * counts
+    number = weighted.sum(axis=1)
+    lyapunov_times = span.steps / span.steps_per_lyapunov_time
+
+    def mean(values: npt.NDArray[np.generic]) -> FloatArray:
+        # flows that do not count may have values that are not defined
+        kept = np.where(counts > 0, values, 0.0)
+        return _quotient((weighted * kept).sum(axis=1), number)
+
+    scores: dict[str, FloatArray] = {}
+    for who in ("uncontrolled", "controlled"):
+        scores[f"exceedance_{who}"] = mean(getattr(records, f"exceeding_{who}")) / span.steps
+        events = mean(getattr(records, f"events_{who}"))
+        scores[f"events_per_lyapunov_time_{who}"] = events / lyapunov_times
+        for name in ("input", "dissipation"):
+            scores[f"{name}_{who}"] = mean(getattr(records, f"{name}_{who}"))
+        step = getattr(records, f"laminar_step_{who}")
+        at_risk = np.where(step < 0, span.steps_at_risk, step) / span.steps_per_lyapunov_time
+        scores[f"laminarisation_hazard_{who}"] = _quotient(
+            (weights * (step >= 0)).sum(axis=1), (weights * at_risk).sum(axis=1)
+        )
+    for name in ("exceedance", "input", "dissipation"):
+        scores[f"relative_{name}"] = _quotient(
+            scores[f"{name}_controlled"], scores[f"{name}_uncontrolled"]
+        )
+    scores["control_fraction"] = mean(records.actuated_integration_steps) / span.integration_steps
+    scores["switchings_per_lyapunov_time"] = mean(records.switchings) / lyapunov_times
+    return scores
+
+
+def _bounds_of_nothing(
+    records: FlowRecords, span: Span, confidence: float, intervals: Mapping[str, Interval]
+) -> dict[str, Interval]:
+    """Upper bounds where nothing happened in any flow (see the module)."""
+    found = {}
+    counts = _neither(records)
+    flows = int(counts.sum())
+    share = 1 - (1 - confidence) ** (1 / flows) if flows else math.nan
+    for who in ("uncontrolled", "controlled"):
+        name = f"laminarisation_hazard_{who}"
+        if intervals[name].value == 0:
+            risk = len(records.row) * span.steps_at_risk / span.steps_per_lyapunov_time
+            found[name] = Interval(0.0, 0.0, -math.log(1 - confidence) / risk)
+    exceeding = records.exceeding_uncontrolled[counts]
+    if intervals["exceedance_controlled"].value == 0 and exceeding.any():
+        typical = float(exceeding[exceeding > 0].mean()) / span.steps
+        uncontrolled = intervals["exceedance_uncontrolled"].value
+        found["exceedance_controlled"] = Interval(0.0, 0.0, min(1.0, share * typical))
+        found["relative_exceedance"] = Interval(0.0, 0.0, share * typical / uncontrolled)
+        events = records.events_uncontrolled[counts][exceeding > 0].mean()
+        per_time = float(events) * span.steps_per_lyapunov_time / span.steps
+        found["events_per_lyapunov_time_controlled"] = Interval(0.0, 0.0, share * per_time)
+    return found
+
+
+def _quotient(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
+    """Quotients; NaN where there is nothing to divide by."""
+    result = np.full(np.broadcast(numerator, denominator).shape, np.nan)
+    np.divide(numerator, denominator, out=result, where=denominator != 0)
+    return result
+
+
+RECORDS = tuple(field.name for field in fields(FlowRecords))
+"""Names of what is recorded of each flow."""

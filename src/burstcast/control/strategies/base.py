@@ -1,0 +1,100 @@
+"""What a strategy of control is: when it looks, who decides, and what a decision sets off.
+
+A strategy is one module of this package with one concrete subclass of `ControlStrategy`, a frozen
+dataclass whose fields are its settings, numbers all of them. It is found by the module's name;
+nothing has to be registered.
+"""
+
+import abc
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+from burstcast.arrays import FloatArray
+from burstcast.control.counts import FlowCounts
+from burstcast.control.experiment import ControlExperiment, Schedule
+from burstcast.control.followed import FollowedFlows
+from burstcast.control.monitors.base import Monitor
+from burstcast.control.timing import Clock
+from burstcast.forecasters.base import Forecaster
+
+
+class ControlStrategy(abc.ABC):
+    """How flows are controlled, whoever forecasts."""
+
+    forecasts: ClassVar[bool]
+    """Whether it asks forecasters: some strategies do without."""
+
+    @abc.abstractmethod
+    def timing(self, schedule: Schedule) -> Clock:
+        """When it looks, and which steps count.
+
+        Raises
+        ------
+        ValueError
+            If a setting does not fit.
+        """
+
+    def check(self, schedule: Schedule) -> None:
+        """Check all that can be checked before there are flows.
+
+        Raises
+        ------
+        ValueError
+            If a setting does not fit.
+        """
+        self.timing(schedule)
+
+    @abc.abstractmethod
+    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
+        """Who raises alarms.
+
+        Parameters
+        ----------
+        experiment
+            What is controlled.
+        forecasters
+            One, or those of a committee; none where the strategy does not forecast.
+
+        Raises
+        ------
+        ValueError
+            If a setting does not fit.
+        """
+
+    @abc.abstractmethod
+    def follow(
+        self,
+        experiment: ControlExperiment,
+        monitor: Monitor,
+        *,
+        noise: FloatArray | None,
+        keep_states: bool = False,
+    ) -> FollowedFlows:
+        """Follow the flows with and without control.
+
+        Parameters
+        ----------
+        experiment
+            What is controlled.
+        monitor
+            Who raises alarms: `monitor`, or another that stands in for it.
+        noise
+            What is observed is the true state plus this, ``(flows, steps, dimension)``; None: the
+            truth.
+        keep_states
+            Whether to return states.
+        """
+
+    @abc.abstractmethod
+    def outcome(
+        self, flows: Any, laminarisation_threshold: float | None, edges: FloatArray
+    ) -> FlowCounts:
+        """Count what happened in flows that it followed.
+
+        Parameters
+        ----------
+        flows
+            Of `follow`.
+        laminarisation_threshold, edges
+            As of `burstcast.control.counts.count_flows`.
+        """

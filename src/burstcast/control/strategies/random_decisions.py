@@ -1,0 +1,42 @@
+"""Decisions at random: what an actuator achieves that acts without knowing anything."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.control.deciding import DecidingStrategy
+from burstcast.control.experiment import ControlExperiment
+from burstcast.control.monitors.base import Monitor
+from burstcast.control.monitors.random import RandomMonitor
+from burstcast.forecasters.base import Forecaster
+
+
+@dataclass(frozen=True)
+class RandomDecisions(DecidingStrategy):
+    """Acts until the next decision with a given probability, each decision by itself.
+
+    Attributes
+    ----------
+    probability
+        Of acting: the share of time under actuation that is to be expected.
+    """
+
+    forecasts: ClassVar[bool] = False
+
+    probability: float
+
+    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
+        """Alarms at random: each flow has a stream of its own."""
+        decisions = self.timing(experiment.schedule).decisions
+        draws = [
+            random_streams.stream(
+                experiment.root_seed, "random decisions", experiment.case, row
+            ).random(decisions)
+            for row in experiment.series
+        ]
+        return RandomMonitor(
+            self.probability, np.array(draws).reshape(len(experiment.series), decisions)
+        )

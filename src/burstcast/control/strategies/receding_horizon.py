@@ -1,0 +1,61 @@
+"""Receding-horizon control: look again and again, act only while the forecast holds an event.
+
+Every decision looks a horizon ahead, as model predictive control does (e.g. Rawlings, Mayne &
+Diehl, "Model Predictive Control", 2017), with a trivial optimisation: the actuator is on or off,
+and it is on only if the flow would otherwise have an event. No window and no pause leaves anything
+uncovered: the next decision corrects the last.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from burstcast.control.deciding import DecidingStrategy
+from burstcast.control.experiment import ControlExperiment, Schedule
+from burstcast.control.monitors.base import Monitor
+from burstcast.control.monitors.horizon import HorizonMonitor
+from burstcast.control.monitors.vote import VoteMonitor
+from burstcast.control.timing import DecisionTiming
+from burstcast.forecasters.base import Forecaster
+
+
+@dataclass(frozen=True)
+class RecedingHorizon(DecidingStrategy):
+    """Acts until the next decision while the forecast reaches the threshold in the horizon.
+
+    Attributes
+    ----------
+    horizon_lt
+        How far each forecast looks ahead, in Lyapunov times; one step at least.
+    margin
+        By how much less than the event threshold counts as an event in a forecast, in units of the
+        observable; a negative one asks for more.
+    vote_share
+        Of several forecasters, the share that must forecast an event: the alarm probability at
+        which a committee acts.
+    """
+
+    forecasts: ClassVar[bool] = True
+
+    horizon_lt: float
+    margin: float = 0.0
+    vote_share: float = 0.5
+
+    def horizon(self, timing: DecisionTiming) -> int:
+        """Steps that a decision looks ahead."""
+        return timing.steps(self.horizon_lt)
+
+    def check(self, schedule: Schedule) -> None:
+        """Check that decisions have an interval, and forecasts a length."""
+        if self.horizon(self.timing(schedule)) < 1:
+            raise ValueError(f"a horizon of {self.horizon_lt} Lyapunov times lasts no step")
+
+    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
+        """Alarms where forecasts hold an event."""
+        horizon = self.horizon(self.timing(experiment.schedule))
+        observable = experiment.system.observable
+        members = [
+            HorizonMonitor(forecaster, observable, horizon, experiment.threshold - self.margin)
+            for forecaster in forecasters
+        ]
+        return members[0] if len(members) == 1 else VoteMonitor(members, self.vote_share)

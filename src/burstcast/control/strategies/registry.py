@@ -1,0 +1,64 @@
+"""Strategies of control by name: the module ``burstcast.control.strategies.<name>`` holds one.
+
+A new strategy is one new module with one concrete subclass of `ControlStrategy` in it; nothing has
+to be registered.
+"""
+
+from collections.abc import Mapping
+
+import burstcast.control.strategies
+from burstcast.control.strategies.base import ControlStrategy
+from burstcast.discovery import checked_numbers, concrete_classes, module_names, suggestion
+
+_OTHERS = ("base", "registry")
+
+
+def available_strategies() -> list[str]:
+    """Names of all the strategies, sorted."""
+    return [name for name in module_names(burstcast.control.strategies) if name not in _OTHERS]
+
+
+def strategy_class(name: str) -> type[ControlStrategy]:
+    """Find the class of a strategy: "receding_horizon", ...
+
+    Raises
+    ------
+    ValueError
+        If there is no such strategy.
+    TypeError
+        If its module does not define just one.
+    """
+    available = available_strategies()
+    if name not in available:
+        raise ValueError(
+            f"unknown strategy of control {name!r}{suggestion(name, available)}; "
+            f"the available strategies are {', '.join(available)}"
+        )
+    classes = concrete_classes(burstcast.control.strategies, name, ControlStrategy)  # type: ignore[type-abstract]
+    if len(classes) != 1:
+        names = ", ".join(found.__name__ for found in classes) or "none"
+        raise TypeError(f"burstcast.control.strategies.{name} must define one, not {names}")
+    return classes[0]
+
+
+def make_strategy(name: str, settings: Mapping[str, float]) -> ControlStrategy:
+    """Make the strategy ``name`` with these settings.
+
+    Parameters
+    ----------
+    name
+        Name of a module of `burstcast.control.strategies`.
+    settings
+        Values of the fields of its class; those with a default may be left out.
+
+    Raises
+    ------
+    ValueError
+        If there is no such strategy; if a setting is unknown, missing or not a finite number; or
+        if the strategy itself rejects a value.
+    TypeError
+        If the module does not define just one strategy.
+    """
+    found = strategy_class(name)
+    values = checked_numbers(f"strategy of control {name!r}", "setting", found, settings)
+    return found(**values)

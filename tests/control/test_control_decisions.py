@@ -1,0 +1,312 @@
+"""Decisions at equal intervals: the flows, what is observed, and how good decisions were."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers_control import Rotor, TableMonitor, table_monitor, washouts_of
+from helpers_decisions import plain_decisions
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from burstcast.arrays import FloatArray
+from burstcast.control import decisions as decisions_module
+from burstcast.control.actuation import actuated_system
+from burstcast.control.decision_outcome import count_decisions
+from burstcast.control.decisions import DecidedFlows, run_decided_flows
+from burstcast.control.monitors.horizon import HorizonMonitor
+from burstcast.control.timing import DecisionTiming
+from burstcast.forecasters.equations import EquationsFromTruth
+from burstcast.systems.integration import integrate
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+FLOW = MoehlisFaisstEckhardt(reynolds=400.0)
+RAISED = actuated_system(FLOW, {"reynolds": 2000.0})
+TIMING = DecisionTiming(
+    interval_lt=0.25,
+    delay_lt=0.0,
+    span_lt=3.0,
+    quiet_lt=1.0,
+    washout=5,
+    steps_per_lyapunov_time=20,
+    sampling_stride=4,
+    time_step=0.25,
+)
+
+
+def turbulent_washouts(flows: int, timing: DecisionTiming) -> FloatArray:
+    state = np.zeros((9, flows))
+    state[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
+    state[3] += 0.01 * np.random.default_rng(5).random(flows)
+    developed = integrate(FLOW, state, 0.25, 1200, stride=1200)[-1]
+    samples = integrate(FLOW, developed, 0.25, (timing.washout - 1) * 4, stride=4)
+    return np.ascontiguousarray(samples.transpose(2, 0, 1))
+
+
+def perfect(threshold: float, horizon: int) -> HorizonMonitor:
+    return HorizonMonitor(EquationsFromTruth(FLOW, 0.25, 4), FLOW.observable, horizon, threshold)
+
+
+def never(flows: int, timing: DecisionTiming) -> TableMonitor:
+    return table_monitor(np.zeros((flows, timing.decisions), dtype=bool))
+
+
+@st.composite
+def timings(draw: st.DrawFn) -> DecisionTiming:
+    return DecisionTiming(
+        interval_lt=draw(st.sampled_from([0.25, 0.5, 1.0])),
+        delay_lt=draw(st.sampled_from([0.0, 0.25, 0.6, 2.0])),
+        span_lt=draw(st.sampled_from([1.0, 2.5])),
+        quiet_lt=draw(st.sampled_from([0.0, 0.5, 2.0])),
+        washout=draw(st.integers(1, 4)),
+        steps_per_lyapunov_time=draw(st.integers(4, 9)),
+        sampling_stride=draw(st.integers(1, 3)),
+        time_step=0.3,
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(timings(), st.integers(1, 12), st.integers(0, 2**32 - 1))
+def test_flows_are_those_of_a_plain_loop_bit_for_bit(
+    timing: DecisionTiming, horizon: int, seed: int
+) -> None:
+    generator = np.random.default_rng(seed)
+    system, actuated = Rotor(0.3), Rotor(0.9)
+    washouts = washouts_of(system, generator.normal(size=(2, 5)), timing)
+    table = generator.random((5, timing.decisions)) < 0.4
+    monitor = table_monitor(table)
+    flows = run_decided_flows(
+        system, washouts, monitor, actuated, timing, 0.9, horizon=horizon, keep_states=True
+    )
+    assert flows.controlled_states is not None
+    assert flows.left_out == 5 - len(flows)
+    ahead = flows.decisions.event_ahead
+    assert ahead is not None
+    for flow, row in enumerate(flows.rows):
+        plain = plain_decisions(
+            system,
+            actuated,
+            washouts[row],
+            lambda number, seen, row=row: bool(table[row, number]),
+            timing,
+            0.9,
+            horizon,
+        )
+        np.testing.assert_array_equal(flows.controlled_states[flow], plain.controlled)
+        np.testing.assert_array_equal(flows.controlled[flow], plain.controlled[:, 0])
+        assert flows.decisions.on[flow].tolist() == plain.on == table[row].tolist()
+        assert ahead[flow].tolist() == plain.event_ahead
+        assert flows.decisions.washout_actuated[flow].tolist() == plain.washout_actuated
+        stride = timing.sampling_stride
+        counted = plain.acting[timing.counted_from * stride : timing.counted_until * stride]
+        assert flows.actuated_integration_steps[flow] == sum(counted)
+        rises = [
+            now and not before for before, now in zip([False, *counted], counted, strict=False)
+        ]
+        assert flows.switchings[flow] == sum(rises)
+        into_step = plain.acting[stride - 1 :: stride][: timing.length - 1]
+        assert flows.actuated[flow, 1:].tolist() == into_step
+        for number in range(timing.decisions):
+            now = timing.first_forecast + number * timing.interval
+            np.testing.assert_array_equal(
+                monitor.seen[int(row), number], plain.controlled[now + 1 - timing.washout : now + 1]
+            )
+    # flows that were left out, and those that were not
+    assert len(flows) == sum(
+        float(np.max(integrated)) < 0.9
+        for integrated in (
+            integrate(
+                system,
+                np.ascontiguousarray(washout[0][:, np.newaxis]),
+                timing.time_step,
+                timing.counted_from * timing.sampling_stride,
+                stride=timing.sampling_stride,
+            )[:, 0]
+            for washout in washouts
+        )
+    )
+
+
+def test_a_decision_that_is_never_made_leaves_the_flow_alone() -> None:
+    washouts = turbulent_washouts(3, TIMING)
+    flows = run_decided_flows(FLOW, washouts, never(3, TIMING), RAISED, TIMING, np.inf)
+    np.testing.assert_array_equal(flows.controlled, flows.uncontrolled)
+    assert not flows.switchings.any()
+    assert flows.decisions.event_ahead is None
+
+
+def test_always_on_is_the_flow_under_actuation() -> None:
+    washouts = turbulent_washouts(2, TIMING)
+    monitor = table_monitor(np.ones((2, TIMING.decisions), dtype=bool))
+    flows = run_decided_flows(FLOW, washouts, monitor, RAISED, TIMING, np.inf, keep_states=True)
+    steps = TIMING.counted_until - TIMING.first_forecast
+    expected = integrate(RAISED, washouts[:, -1].T.copy(), 0.25, steps * 4, stride=4)
+    assert flows.controlled_states is not None
+    np.testing.assert_array_equal(
+        flows.controlled_states[:, TIMING.first_forecast :], expected.transpose(2, 0, 1)
+    )
+    assert flows.switchings.tolist() == [1, 1]
+    # the first washout is free, the second reaches back to the first decision
+    assert flows.decisions.washout_actuated[0].tolist() == [False] + [True] * (TIMING.decisions - 1)
+
+
+def test_a_delay_puts_off_what_was_decided() -> None:
+    """Decisions of the late actuator act when those of the prompt one did, a delay later."""
+    washouts = turbulent_washouts(2, TIMING)
+    late = replace(TIMING, delay_lt=0.5)  # two intervals
+    table = np.random.default_rng(1).random((2, TIMING.decisions)) < 0.5
+    table[:, :2] = False
+    shifted = table[:, 2:]
+    prompt = run_decided_flows(FLOW, washouts, table_monitor(table), RAISED, TIMING, np.inf)
+    delayed = run_decided_flows(FLOW, washouts, table_monitor(shifted), RAISED, late, np.inf)
+    assert late.decisions == TIMING.decisions - 2
+    np.testing.assert_array_equal(prompt.controlled, delayed.controlled)
+    np.testing.assert_array_equal(prompt.actuated, delayed.actuated)
+
+
+def test_noise_is_what_the_monitor_sees_and_no_more() -> None:
+    washouts = turbulent_washouts(3, TIMING)
+    noise = np.random.default_rng(2).normal(size=(3, TIMING.length, 9))
+    table = np.random.default_rng(3).random((3, TIMING.decisions)) < 0.5
+    plain, noisy = table_monitor(table), table_monitor(table)
+    without = run_decided_flows(FLOW, washouts, plain, RAISED, TIMING, np.inf)
+    with_noise = run_decided_flows(FLOW, washouts, noisy, RAISED, TIMING, np.inf, noise=noise)
+    np.testing.assert_array_equal(with_noise.controlled, without.controlled)
+    for (row, number), seen in noisy.seen.items():
+        now = TIMING.first_forecast + number * TIMING.interval
+        expected = plain.seen[row, number] + noise[row, now + 1 - TIMING.washout : now + 1]
+        np.testing.assert_array_equal(seen, expected)
+
+
+def assert_same(left: DecidedFlows, right: DecidedFlows) -> None:
+    for name in ("rows", "uncontrolled", "controlled", "actuated", "switchings"):
+        np.testing.assert_array_equal(getattr(left, name), getattr(right, name), err_msg=name)
+    for name in ("on", "event_ahead", "washout_actuated"):
+        np.testing.assert_array_equal(
+            getattr(left.decisions, name), getattr(right.decisions, name), err_msg=name
+        )
+    for name in ("uncontrolled_energy", "controlled_energy"):
+        energies = getattr(left, name), getattr(right, name)
+        np.testing.assert_array_equal(energies[0].input, energies[1].input)
+        np.testing.assert_array_equal(energies[0].dissipation, energies[1].dissipation)
+
+
+def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> None:
+    washouts = turbulent_washouts(7, TIMING)
+    noise = np.random.default_rng(2).normal(scale=1e-3, size=(7, TIMING.length, 9))
+    monitor = perfect(0.07, 20)
+
+    def followed() -> DecidedFlows:
+        return run_decided_flows(
+            FLOW, washouts, monitor, RAISED, TIMING, 0.07, noise=noise, horizon=20
+        )
+
+    together = followed()
+    assert together.decisions.on.any()
+    assert 0 < len(together) < 7
+    monkeypatch.setattr(decisions_module, "FLOWS_PER_BATCH", 2)
+    assert_same(together, followed())
+
+
+def test_a_perfect_forecaster_decides_rightly_and_leaves_no_event() -> None:
+    timing = replace(TIMING, steps_per_lyapunov_time=61, span_lt=5.0, quiet_lt=2.0, washout=1)
+    horizon = 122
+    washouts = turbulent_washouts(40, timing)
+    flows = run_decided_flows(
+        FLOW, washouts, perfect(0.1, horizon), RAISED, timing, 0.1, horizon=horizon
+    )
+    assert (flows.uncontrolled[:, timing.counted_from :] >= 0.1).any(axis=1).sum() > 5
+    assert flows.controlled[:, timing.counted_from :].max() < 0.1
+    outcome = count_decisions(flows, None, np.array([0.0, 0.1, 0.5]))
+    assert outcome.alarms == outcome.free_true_alarms + outcome.actuated_true_alarms > 0
+    assert outcome.free_missed == outcome.actuated_missed == 0
+    assert outcome.free_false_alarms == outcome.actuated_false_alarms == 0
+    assert outcome.free_quiet + outcome.actuated_quiet + outcome.alarms == outcome.decisions
+    assert outcome.exceeding_controlled == outcome.events_controlled == 0
+    assert outcome.exceedance_uncontrolled > 0
+    assert outcome.reduction == 1
+
+
+def test_the_eight_kinds_of_decisions_are_counted_apart() -> None:
+    """A rotor that is decided on by a table: each decision falls in the kind of its own flow."""
+    timing = replace(TIMING, quiet_lt=0.0, washout=3)
+    generator = np.random.default_rng(0)
+    system = Rotor(0.3)
+    washouts = washouts_of(system, 0.6 * generator.normal(size=(2, 8)), timing)
+    table = generator.random((8, timing.decisions)) < 0.4
+    flows = run_decided_flows(
+        system,
+        washouts,
+        table_monitor(table),
+        Rotor(0.5),
+        timing,
+        0.7,
+        quiet_starts=False,
+        horizon=3,
+    )
+    assert (len(flows), flows.left_out) == (8, 0)
+    outcome = count_decisions(flows, None, np.array([0.0, 1.0]))
+    found = dict.fromkeys(
+        (f"{w}_{k}" for w in ("free", "actuated") for k in ("true_alarms", "false_alarms")), 0
+    ) | dict.fromkeys((f"{w}_{k}" for w in ("free", "actuated") for k in ("missed", "quiet")), 0)
+    names = {
+        (True, True): "true_alarms",
+        (True, False): "false_alarms",
+        (False, True): "missed",
+        (False, False): "quiet",
+    }
+    for row in range(8):
+        plain = plain_decisions(
+            system,
+            Rotor(0.5),
+            washouts[row],
+            lambda number, seen, row=row: bool(table[row, number]),
+            timing,
+            0.7,
+            3,
+        )
+        for on, ahead, behind in zip(
+            plain.on, plain.event_ahead, plain.washout_actuated, strict=True
+        ):
+            found[f"{'actuated' if behind else 'free'}_{names[on, ahead]}"] += 1
+    assert {name: getattr(outcome, name) for name in found} == found
+    assert min(found.values()) > 0
+    assert sum(found.values()) == outcome.decisions == 8 * timing.decisions
+
+
+def test_starts_that_need_not_be_quiet_leave_no_flow_out() -> None:
+    washouts = turbulent_washouts(2, TIMING)
+    quiet = run_decided_flows(FLOW, washouts, never(2, TIMING), RAISED, TIMING, 0.0)
+    assert (len(quiet), quiet.left_out) == (0, 2)
+    flows = run_decided_flows(
+        FLOW, washouts, never(2, TIMING), RAISED, TIMING, 0.0, quiet_starts=False
+    )
+    assert (len(flows), flows.left_out) == (2, 0)
+    nothing = run_decided_flows(FLOW, washouts[:0], never(0, TIMING), RAISED, TIMING, 0.1)
+    assert (len(nothing), nothing.left_out) == (0, 0)
+
+
+def test_wrong_shapes_are_refused() -> None:
+    washouts = turbulent_washouts(2, TIMING)
+    monitor = never(2, TIMING)
+    with pytest.raises(ValueError, match="washouts must have the shape"):
+        run_decided_flows(FLOW, washouts[:, 1:], monitor, RAISED, TIMING, 0.1)
+    noise = np.zeros((2, TIMING.length - 1, 9))
+    with pytest.raises(ValueError, match="noise must have the shape"):
+        run_decided_flows(FLOW, washouts, monitor, RAISED, TIMING, 0.1, noise=noise)
+    with pytest.raises(ValueError, match="another dimension"):
+        run_decided_flows(FLOW, washouts, monitor, Rotor(1.0), TIMING, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"interval_lt": 0.01}, "interval between two decisions"),
+        ({"delay_lt": -0.1}, "delay must not be negative"),
+        ({"quiet_lt": -0.1}, "begin after the first"),
+        ({"span_lt": 0.0}, "last a step"),
+    ],
+)
+def test_timings_that_mean_nothing_are_refused(change: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        replace(TIMING, **change)  # type: ignore[arg-type]

@@ -1,0 +1,262 @@
+"""What control costs and gains, by hand, and its intervals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.integrate
+from test_control_decisions import FLOW, RAISED, TIMING, turbulent_washouts
+
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.control.actuation import actuated_system
+from burstcast.control.decisions import DecidedFlows, Decisions
+from burstcast.control.followed import EnergyMeans, energy_means
+from burstcast.control.records import SCORES, FlowRecords, Interval, Span, record_flows, score_flows
+from burstcast.control.timing import DecisionTiming
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+# the first forecast at step 0, steps 3 to 8 count; two steps in a Lyapunov time
+CLOCK = DecisionTiming(
+    interval_lt=0.5,
+    span_lt=3.0,
+    quiet_lt=1.0,
+    washout=1,
+    steps_per_lyapunov_time=2,
+    sampling_stride=2,
+    time_step=0.1,
+)
+SPAN = Span(steps=6, integration_steps=12, steps_at_risk=8, steps_per_lyapunov_time=2)
+
+
+def flows_of(uncontrolled: list[list[float]], controlled: list[list[float]]) -> DecidedFlows:
+    flows = len(controlled)
+    nothing = np.zeros((flows, CLOCK.decisions), dtype=bool)
+    return DecidedFlows(
+        timing=CLOCK,
+        threshold=1.0,
+        rows=5 + np.arange(flows),
+        left_out=0,
+        uncontrolled=np.array(uncontrolled),
+        controlled=np.array(controlled),
+        actuated=np.zeros((flows, CLOCK.length), dtype=bool),
+        actuated_integration_steps=3 + np.arange(flows),
+        switchings=1 + np.arange(flows),
+        uncontrolled_energy=EnergyMeans(np.full(flows, 2.0), np.full(flows, 4.0)),
+        controlled_energy=EnergyMeans(1.0 + np.arange(flows), np.full(flows, 3.0)),
+        uncontrolled_states=None,
+        controlled_states=None,
+        decisions=Decisions(nothing, None, nothing),
+    )
+
+
+def series(*above: int, level: float = 1.0) -> list[float]:
+    return [level if step in above else 0.0 for step in range(9)]
+
+
+def test_records_count_what_counts() -> None:
+    assert (CLOCK.counted_from, CLOCK.counted_until) == (2, 8)
+    flows = flows_of(
+        [series(2, 3, 4, 8), series(0, 7, level=3.0)], [series(3, 8), series(5, level=3.0)]
+    )
+    records = record_flows(flows, 2.0)
+    assert records.row.tolist() == [5, 6]
+    # step 2 does not count, but the crossing at step 3 is none since it was above at step 2
+    assert records.exceeding_uncontrolled.tolist() == [3, 1]
+    assert records.events_uncontrolled.tolist() == [1, 1]
+    assert records.exceeding_controlled.tolist() == [2, 1]
+    assert records.events_controlled.tolist() == [2, 1]
+    assert records.laminar_step_uncontrolled.tolist() == [-1, 0]
+    assert records.laminar_step_controlled.tolist() == [-1, 5]
+    nobody = record_flows(flows, None)
+    assert nobody.laminar_step_uncontrolled.tolist() == [-1, -1]
+
+
+def score(records: FlowRecords, seed: int = 0, resamples: int = 400) -> dict[str, Interval]:
+    return score_flows(records, SPAN, resamples, 0.95, np.random.default_rng(seed))
+
+
+def test_scores_of_two_flows_by_hand() -> None:
+    flows = flows_of(
+        [series(3, 4, 5), series(6), series(8, level=3.0)], [series(3), series(), series()]
+    )
+    scores = score(record_flows(flows, 2.0))
+    assert tuple(scores) == SCORES
+    # the third flow laminarises without control: it counts in neither sample
+    value = {name: interval.value for name, interval in scores.items()}
+    assert value["exceedance_uncontrolled"] == pytest.approx(4 / 12)
+    assert value["exceedance_controlled"] == pytest.approx(1 / 12)
+    assert value["relative_exceedance"] == pytest.approx(1 / 4)
+    assert value["control_fraction"] == pytest.approx((3 + 4) / 24)
+    assert value["switchings_per_lyapunov_time"] == pytest.approx((1 + 2) / 6)
+    assert value["events_per_lyapunov_time_uncontrolled"] == pytest.approx(2 / 6)
+    assert value["events_per_lyapunov_time_controlled"] == pytest.approx(1 / 6)
+    assert value["input_uncontrolled"] == 2
+    assert value["input_controlled"] == pytest.approx(1.5)
+    assert value["relative_input"] == pytest.approx(0.75)
+    assert value["relative_dissipation"] == pytest.approx(0.75)
+    # one laminarisation at step 8, the others at risk for 8 steps: 24 steps, 12 Lyapunov times
+    assert value["laminarisation_hazard_uncontrolled"] == pytest.approx(1 / 12)
+    assert value["laminarisation_hazard_controlled"] == 0
+    for name, interval in scores.items():
+        assert interval.low <= interval.value <= interval.high, name
+
+
+def random_records(flows: int, seed: int, controlled: float) -> FlowRecords:
+    generator = np.random.default_rng(seed)
+    nothing = np.zeros(flows, dtype=np.int64)
+    return FlowRecords(
+        row=np.arange(flows),
+        exceeding_uncontrolled=generator.binomial(6, 0.3, flows),
+        exceeding_controlled=generator.binomial(6, controlled, flows),
+        events_uncontrolled=generator.binomial(2, 0.3, flows),
+        events_controlled=generator.binomial(2, controlled, flows),
+        actuated_integration_steps=generator.binomial(12, 0.1, flows),
+        switchings=generator.binomial(2, 0.1, flows),
+        laminar_step_uncontrolled=nothing - 1,
+        laminar_step_controlled=nothing - 1,
+        input_uncontrolled=generator.normal(2.0, 0.1, flows),
+        input_controlled=generator.normal(1.0, 0.1, flows),
+        dissipation_uncontrolled=generator.normal(2.0, 0.1, flows),
+        dissipation_controlled=generator.normal(1.0, 0.1, flows),
+    )
+
+
+def test_intervals_are_as_wide_as_the_standard_error_says() -> None:
+    records = random_records(2000, 1, 0.05)
+    scores = score(records, resamples=2000)
+    error = records.exceeding_controlled.std(ddof=1) / 6 / np.sqrt(2000)
+    interval = scores["exceedance_controlled"]
+    assert interval.high - interval.low == pytest.approx(2 * 1.96 * error, rel=0.06)
+    # paired: control that changes nothing leaves all of it, without any doubt
+    same = replace(records, exceeding_controlled=records.exceeding_uncontrolled)
+    assert score(same)["relative_exceedance"] == Interval(1, 1, 1)
+
+
+def test_intervals_cover_as_often_as_they_say() -> None:
+    covered = 0
+    for seed in range(300):
+        interval = score(random_records(60, seed, 0.1), seed, 200)["exceedance_controlled"]
+        covered += interval.low <= 0.1 <= interval.high
+    assert 0.89 < covered / 300 < 0.985
+
+
+def test_where_nothing_is_left_the_rule_of_three_bounds_it() -> None:
+    records = random_records(1000, 3, 0.0)
+    scores = score(records)
+    # three flows in a thousand, which exceed as long as those do that exceed without control
+    exceeding = records.exceeding_uncontrolled
+    typical = exceeding[exceeding > 0].mean() / 6
+    left = scores["exceedance_controlled"]
+    assert (left.value, left.low) == (0, 0)
+    assert left.high == pytest.approx(0.003 * typical, rel=4e-3)
+    assert scores["relative_exceedance"].high == pytest.approx(
+        left.high / scores["exceedance_uncontrolled"].value
+    )
+    assert scores["events_per_lyapunov_time_controlled"].high > 0
+    # three laminarisations in the whole time at risk
+    hazard = scores["laminarisation_hazard_controlled"]
+    assert hazard.high == pytest.approx(3 / (1000 * 4), rel=4e-3)
+
+
+def test_no_flow_at_all_has_no_scores() -> None:
+    empty = record_flows(flows_of([series()], [series()]), None)
+    none = FlowRecords(**{name: value[:0] for name, value in vars(empty).items()})
+    assert all(np.isnan(interval.value) for interval in score(none).values())
+
+
+# -- the energy budget -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("reynolds", [400.0, 2000.0])
+def test_energy_changes_by_input_less_dissipation(reynolds: float) -> None:
+    """d/dt of the kinetic energy along the right-hand side: the quadratic terms exchange only."""
+    system = MoehlisFaisstEckhardt(reynolds)
+    state = np.random.default_rng(0).normal(size=(9, 500))
+    budget = system.energy_budget(state)
+    change = (state * system.right_hand_side(state)).sum(axis=0)
+    np.testing.assert_allclose(budget.input - budget.dissipation, change, atol=1e-13)
+    # at rest at the laminar state: k = 0.5 and input equals dissipation, beta^2 / Re
+    laminar = system.energy_budget(system.laminar_state[:, np.newaxis])
+    assert laminar.input == pytest.approx(np.pi**2 / 4 / reynolds)
+    assert laminar.dissipation == laminar.input
+
+
+def test_the_budget_of_a_flow_closes_over_time() -> None:
+    """Energy at the end less that at the start is the integral of input less dissipation."""
+    start = turbulent_washouts(20, TIMING)[:, -1].T.copy()
+    samples = integrate(FLOW, start, 0.25, 4000)
+    budget = FLOW.energy_budget(np.ascontiguousarray(samples.transpose(1, 0, 2)))
+    gained = scipy.integrate.simpson(budget.input - budget.dissipation, dx=0.25, axis=0)
+    energy = FLOW.observable(samples.transpose(1, 0, 2))
+    np.testing.assert_allclose(gained, energy[-1] - energy[0], atol=1e-6)
+    spent = np.trapezoid(budget.dissipation, dx=0.25, axis=0)
+    assert (spent > 100 * np.abs(gained - energy[-1] + energy[0])).all()
+
+
+def test_a_force_adds_its_work_to_the_input() -> None:
+    force = [0.001, 0, -0.002, 0, 0, 0, 0, 0, 0.0]
+    forced = actuated_system(FLOW, {"reynolds": 800.0}, force)
+    state = np.random.default_rng(0).normal(size=(9, 50))
+    budget = forced.energy_budget(state)
+    assert budget is not None
+    change = (state * forced.right_hand_side(state)).sum(axis=0)
+    np.testing.assert_allclose(budget.input - budget.dissipation, change, atol=1e-13)
+
+
+def test_a_system_without_a_budget_has_no_energies() -> None:
+    lorenz = Lorenz63()
+    assert lorenz.energy_budget(np.ones((3, 2))) is None
+    assert actuated_system(lorenz, {}, [1.0, 0, 0]).energy_budget(np.ones((3, 2))) is None
+    assert energy_means(lorenz, np.ones((2, 4, 3))) is None
+
+
+def test_steps_under_actuation_have_the_budget_of_the_actuation() -> None:
+    states = np.random.default_rng(0).normal(size=(3, 8, 9))
+    actuated = np.random.default_rng(1).random((3, 8)) < 0.5
+
+    def by_hand(name: str) -> FloatArray:
+        means = []
+        for flow in range(3):
+            values = [
+                getattr((RAISED if on else FLOW).energy_budget(state[:, np.newaxis]), name)[0]
+                for state, on in zip(states[flow], actuated[flow], strict=True)
+            ]
+            means.append(np.mean(values))
+        return np.array(means)
+
+    found = energy_means(FLOW, states, RAISED, actuated)
+    assert found is not None
+    np.testing.assert_allclose(found.input, by_hand("input"), rtol=1e-13)
+    np.testing.assert_allclose(found.dissipation, by_hand("dissipation"), rtol=1e-13)
+    free: BoolArray = np.zeros((3, 8), dtype=bool)
+    alone, never = energy_means(FLOW, states), energy_means(FLOW, states, RAISED, free)
+    assert alone is not None
+    assert never is not None
+    np.testing.assert_array_equal(alone.input, never.input)
+
+
+# -- strength --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("strength", "reynolds"), [(1.0, 2000.0), (0.5, 1200.0), (0.25, 800.0), (0.125, 600.0)]
+)
+def test_strength_is_a_share_of_the_change(strength: float, reynolds: float) -> None:
+    assert actuated_system(FLOW, {"reynolds": 2000.0}, None, strength) == replace(
+        FLOW, reynolds=reynolds
+    )
+    force = np.arange(9.0)
+    state = np.random.default_rng(0).normal(size=(9, 4))
+    pushed = actuated_system(FLOW, {}, list(force), strength)
+    np.testing.assert_array_equal(
+        pushed.right_hand_side(state),
+        FLOW.right_hand_side(state) + (strength * force)[:, np.newaxis],
+    )
+
+
+@pytest.mark.parametrize("strength", [0.0, -1.0, np.nan])
+def test_an_actuator_without_strength_is_refused(strength: float) -> None:
+    with pytest.raises(ValueError, match="strength"):
+        actuated_system(FLOW, {"reynolds": 2000.0}, None, strength)
