@@ -4,8 +4,9 @@ Source: section "Echo State Networks" of the paper. All series are driven side b
 states are summed up panel by panel as they come: they are never all in memory.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -130,3 +131,32 @@ def train(
 ) -> Readout:
     """Readout of a network trained on the whole of the series (paper, ridge regression)."""
     return solve_ridge(collect(dynamics, training, washout=washout).moments, tikhonov)
+
+
+def train_leaving_one_out(
+    dynamics: Dynamics, training: TrainingSeries, *, washout: int, tikhonov: float
+) -> Iterator[Readout]:
+    """Readouts trained on all series but one, for each series in turn.
+
+    Moments are sums over the series: one open loop serves all readouts, and each takes one ridge
+    regression. What the readout forecasts of the series left out is honest, but for what the series
+    has told of the hyperparameters and of the range that inputs are divided by.
+
+    Raises
+    ------
+    ValueError
+        If there is a single series: nothing would be left.
+    """
+    if training.series < 2:
+        raise ValueError("leaving one series out takes two training series at least")
+    moments = [
+        collect(
+            dynamics,
+            TrainingSeries(training.observed[row : row + 1], training.input_range),
+            washout=washout,
+        ).moments
+        for row in range(training.series)
+    ]
+    for row in range(training.series):
+        others = moments[:row] + moments[row + 1 :]
+        yield solve_ridge(reduce(Moments.merge, others), tikhonov)

@@ -7,7 +7,7 @@ of `Forecaster` in it; its name is the module's.
 """
 
 import abc
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
@@ -81,6 +81,30 @@ class Forecaster(abc.ABC):
         NotImplementedError
             If the kind is made otherwise: networks have a search for hyperparameters.
         """
+
+    def leave_one_out(
+        self, training: FloatArray, case: ForecastingCase, washout: int
+    ) -> Iterator[Self]:
+        """Forecasters that have learnt from all training series but one, for each one in turn.
+
+        Their forecasts of the series left out are honest: probabilities are calibrated with them.
+
+        Parameters
+        ----------
+        training, case
+            As `fit` was given them.
+        washout
+            Steps at the beginning of each series that training leaves out.
+
+        Raises
+        ------
+        ValueError
+            If there is a single series: nothing would be left.
+        """
+        if len(training) < 2:
+            raise ValueError("leaving one series out takes two training series at least")
+        for row in range(len(training)):
+            yield self.fit(np.delete(training, row, axis=0), case)
 
     @abc.abstractmethod
     def record(self) -> ForecasterRecord:

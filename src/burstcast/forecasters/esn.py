@@ -1,6 +1,7 @@
 """The echo state network as a forecaster."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -10,6 +11,7 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import ReservoirSeed
+from burstcast.esn.training import TrainingSeries, train_leaving_one_out
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 
 
@@ -42,6 +44,20 @@ class NetworkForecaster(Forecaster):
             Always; see `burstcast.tuning` and `burstcast.esn.training.train`.
         """
         raise NotImplementedError("networks are trained with hyperparameters that a search finds")
+
+    def leave_one_out(
+        self, training: FloatArray, case: ForecastingCase, washout: int
+    ) -> Iterator[Self]:
+        """Train the readout again without each series (see `Forecaster.leave_one_out`)."""
+        network = self.network
+        readouts = train_leaving_one_out(
+            network.dynamics,
+            TrainingSeries(training, network.input_range),
+            washout=washout,
+            tikhonov=network.readout.tikhonov,
+        )
+        for readout in readouts:
+            yield replace(self, network=replace(network, readout=readout))
 
     def record(self) -> ForecasterRecord:
         """Readout, normalisation, and what the reservoir is made from: no big matrices."""

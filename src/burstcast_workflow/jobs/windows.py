@@ -3,6 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
+from burstcast.arrays import BoolArray
+from burstcast.forecast.windows import WindowSummaries
+from burstcast_workflow.harness.storage import Variable, write_netcdf
+
 
 def windows_of(settings: Mapping[str, Any]) -> tuple[float, int]:
     """Length of a window in Lyapunov times, and how many there are."""
@@ -10,3 +14,29 @@ def windows_of(settings: Mapping[str, Any]) -> tuple[float, int]:
     longest = settings["classification.longest_prediction_time_lt"]
     reach = longest + settings["classification.window_lt"]
     return resolution, round(reach / resolution) - 1
+
+
+def write_forecasts(
+    path: str,
+    summaries: WindowSummaries,
+    diverged: BoolArray,
+    name: str,
+    provenance: Mapping[str, str],
+) -> None:
+    """Write forecasts of the observable of that name, reduced to windows."""
+    write_netcdf(
+        path,
+        {
+            "first": Variable(
+                ("point", "window"),
+                summaries.first,
+                "1",
+                f"forecast {name} at the first step of each window",
+            ),
+            "largest": Variable(
+                ("point", "window"), summaries.largest, "1", f"largest forecast {name} in a window"
+            ),
+            "diverged": Variable(("point",), diverged, "1", "whether the forecast has diverged"),
+        },
+        provenance,
+    )

@@ -5,11 +5,11 @@ import numpy as np
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import Variable, read_netcdf, write_netcdf
+from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
-from burstcast_workflow.jobs.windows import windows_of
+from burstcast_workflow.jobs.windows import windows_of, write_forecasts
 
 
 def forecast_evaluation_set(
@@ -33,23 +33,7 @@ def forecast_evaluation_set(
         seen(who, points["washout"], points["true_state"][:, np.newaxis]),
         boundaries,
     )
-    name = system.observable_name
-    write_netcdf(
-        forecast,
-        {
-            "first": Variable(
-                ("point", "window"),
-                summaries.first,
-                "1",
-                f"forecast {name} at the first step of each window",
-            ),
-            "largest": Variable(
-                ("point", "window"), summaries.largest, "1", f"largest forecast {name} in a window"
-            ),
-            "diverged": Variable(("point",), diverged, "1", "whether the forecast has diverged"),
-        },
-        provenance,
-    )
+    write_forecasts(forecast, summaries, diverged, system.observable_name, provenance)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,96 @@
+"""Calibration: from what is forecast to how often events followed it in forecasts of the past.
+
+Isotonic regression: the best non-decreasing map in the sense of least squares, found by pooling
+adjacent violators (Ayer et al., Annals of Mathematical Statistics 26, 1955; for forecasts Zadrozny
+& Elkan, KDD 2002), and linear between the values that it knows. Ten training series hold few
+events, so that frequencies of rare values are mostly chance: where the forecast is a probability
+already, it counts as a number of forecasts that came true as it said (a beta prior at each value).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.forecast.classification import ratio
+from burstcast.probability.outcomes import Outcomes
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A map from forecast values to probabilities, linear between its knots, constant beyond.
+
+    Attributes
+    ----------
+    values
+        Knots, rising, ``(knots,)``.
+    probabilities
+        Probability of an event at each of them, never falling, ``(knots,)``.
+    """
+
+    values: FloatArray
+    probabilities: FloatArray
+
+    def __call__(self, values: FloatArray) -> FloatArray:
+        """Probability of an event for each forecast value."""
+        return np.asarray(np.interp(values, self.values, self.probabilities))
+
+
+UNCALIBRATED = Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+"""Takes a share of votes for a probability as it is."""
+
+
+def pool_adjacent_violators(values: FloatArray, weights: FloatArray) -> FloatArray:
+    """Non-decreasing sequence nearest to values, by weighted least squares.
+
+    Parameters
+    ----------
+    values, weights
+        ``(count,)``; weights are positive.
+
+    Returns
+    -------
+    ``(count,)``: neighbours that violate the order share their weighted mean.
+    """
+    means: list[float] = []
+    sizes: list[float] = []
+    lengths: list[int] = []
+    for value, weight in zip(values.tolist(), weights.tolist(), strict=True):
+        mean, size, length = value, weight, 1
+        while means and means[-1] >= mean:
+            whole = sizes[-1] + size
+            mean = (sizes.pop() * means.pop() + size * mean) / whole
+            size, length = whole, length + lengths.pop()
+        means.append(mean)
+        sizes.append(size)
+        lengths.append(length)
+    return np.repeat(np.array(means), lengths)
+
+
+def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
+    """Calibrate by isotonic regression of the outcomes on the forecast values.
+
+    Parameters
+    ----------
+    outcomes
+        ``(levels,)``, with one forecast at least.
+    prior
+        As how many forecasts each value counts that came true as often as it says. The values must
+        be probabilities then. 0: the regression alone; infinitely many: the values as they are.
+
+    Raises
+    ------
+    ValueError
+        If there are no forecasts, or the prior is negative.
+    """
+    if outcomes.levels.size == 0:
+        raise ValueError("there is no forecast to calibrate with: no starting point counts")
+    if not prior >= 0:
+        raise ValueError(f"a prior counts as 0 forecasts or more, not as {prior}")
+    weights = outcomes.points + prior
+    frequency = ratio(outcomes.events + prior * outcomes.levels, weights)
+    fitted = pool_adjacent_violators(frequency, weights)
+    # the ends of each constant stretch tell the same
+    ends = np.concatenate([[True], np.diff(fitted) != 0, [True]])
+    knots = ends[:-1] | ends[1:]
+    return Calibration(outcomes.levels[knots], fitted[knots])

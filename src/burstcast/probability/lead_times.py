@@ -1,0 +1,157 @@
+"""How long before each event it was warned of.
+
+Forecasts are made at starting points along a series; each raises alarms for several windows ahead.
+A starting point is right about an event if one of its alarms is for a window that holds it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast import durations
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.forecast.starting_points import SeriesPoints
+
+
+@dataclass(frozen=True)
+class LeadTimes:
+    """How long before each event it was warned of, in steps; arrays of shape ``(events,)``.
+
+    Events that no starting point could have warned of are left out.
+
+    Attributes
+    ----------
+    series
+        Row of each event's series.
+    stayed
+        From the first starting point from which on all were right, up to the event; 0 if the last
+        one before it was not.
+    first
+        From the first starting point that was right at all; 0 if there was none.
+    possible
+        From the first starting point that could have been right.
+    """
+
+    series: IntArray
+    stayed: IntArray
+    first: IntArray
+    possible: IntArray
+
+
+def lead_times(
+    alarms: BoolArray,
+    windows: Sequence[tuple[int, int]],
+    points: SeriesPoints,
+    scored: BoolArray,
+    events: SeriesPoints,
+) -> LeadTimes:
+    """Measure how long before each event it was warned of.
+
+    Going back from an event, the starting points end where the observed washout already holds an
+    event (the one before is under way), or where no window reaches any more.
+
+    Parameters
+    ----------
+    alarms
+        Whether each starting point raises an alarm for each window, ``(points, windows)``.
+    windows
+        First and last step of each window after the starting point. An event is in it if it crosses
+        the threshold after the first step and not after the last one.
+    points
+        Starting points; those of a series in the order of time.
+    scored
+        Those at which no event is under way, ``(points,)``.
+    events
+        Starts of the events (`burstcast.forecast.starting_points.crossing_points`).
+    """
+    begins, ends = np.array(windows, dtype=np.int64).reshape(-1, 2).T
+    found = []
+    for row in np.unique(events.series).tolist():
+        here = np.flatnonzero(points.series == row)
+        for event in events.step[events.series == row].tolist():
+            lead = event - points.step[here]
+            inside = (begins < lead[:, np.newaxis]) & (lead[:, np.newaxis] <= ends)
+            # from the event backwards, up to the first point at which another is under way
+            able = np.flatnonzero(inside.any(axis=1))[::-1]
+            free = np.logical_and.accumulate(scored[here[able]])
+            able = able[free]
+            if able.size == 0:
+                continue
+            right = (alarms[here[able]] & inside[able]).any(axis=1)
+            leads = lead[able]
+            stayed = np.logical_and.accumulate(right)
+            found.append(
+                (
+                    row,
+                    int(leads[stayed].max(initial=0)),
+                    int(leads[right].max(initial=0)),
+                    int(leads.max()),
+                )
+            )
+    columns = np.array(found, dtype=np.int64).reshape(-1, 4).T
+    return LeadTimes(*columns)
+
+
+@dataclass(frozen=True)
+class SeriesRatio:
+    """A score that is the ratio of two sums over series.
+
+    Attributes
+    ----------
+    metric
+        Its name.
+    lead_time_lt
+        Lead time that it belongs to, in Lyapunov times; None: to none.
+    numerator, denominator
+        By series, ``(series,)``.
+    """
+
+    metric: str
+    lead_time_lt: float | None
+    numerator: FloatArray
+    denominator: FloatArray
+
+
+def lead_time_scores(
+    found: LeadTimes, series: int, lead_times_lt: Sequence[float], steps_per_lyapunov_time: int
+) -> list[SeriesRatio]:
+    """Scores of lead times.
+
+    Parameters
+    ----------
+    found
+        Of the events of all series.
+    series
+        Number of series.
+    lead_times_lt
+        Lead times for which the share of the events is told that were warned of by then.
+    steps_per_lyapunov_time
+        Steps of a forecast in a Lyapunov time.
+
+    Returns
+    -------
+    ``mean_lead_time_lt``, ``mean_first_alarm_lt`` and ``mean_possible_lead_time_lt``, over the
+    events, in Lyapunov times (`LeadTimes`); ``missed_fraction``, of events that the last starting
+    point before them was not right about; and for each lead time ``warned_fraction``: of the events
+    that could be warned of so early, those whose alarm came and stayed.
+    """
+
+    def by_series(values: FloatArray | BoolArray) -> FloatArray:
+        return np.bincount(found.series, weights=values.astype(np.float64), minlength=series)
+
+    events = by_series(np.ones(len(found.series)))
+    scores = [
+        SeriesRatio(metric, None, by_series(steps / steps_per_lyapunov_time), events)
+        for metric, steps in (
+            ("mean_lead_time_lt", found.stayed),
+            ("mean_first_alarm_lt", found.first),
+            ("mean_possible_lead_time_lt", found.possible),
+        )
+    ]
+    scores.append(SeriesRatio("missed_fraction", None, by_series(found.stayed == 0), events))
+    for lead_time_lt in lead_times_lt:
+        steps = durations.steps(lead_time_lt, steps_per_lyapunov_time)
+        warned, able = by_series(found.stayed >= steps), by_series(found.possible >= steps)
+        scores.append(SeriesRatio("warned_fraction", lead_time_lt, warned, able))
+    return scores

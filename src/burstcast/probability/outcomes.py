@@ -1,0 +1,116 @@
+"""What happened, by the probability that was forecast: all that scores of probabilities need.
+
+Forecasts are counted by series, so that intervals of scores resample whole series: starting points
+of one series are not independent. Scores are functions of the counts summed over series.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Outcomes:
+    """Counts of forecasts by the value that was forecast.
+
+    Attributes
+    ----------
+    levels
+        Distinct values that were forecast, rising, ``(levels,)``: probabilities, or any score that
+        rises with the probability.
+    points
+        Forecasts of each level, ``(..., levels)``: by series, summed over series, or by resample.
+    events
+        How many of them an event followed, likewise.
+    """
+
+    levels: FloatArray
+    points: IntArray
+    events: IntArray
+
+    def total(self) -> "Outcomes":
+        """Sum over all series."""
+        return Outcomes(self.levels, self.points.sum(axis=-2), self.events.sum(axis=-2))
+
+    def resampled(self, weights: IntArray) -> "Outcomes":
+        """Sums over resampled series.
+
+        Parameters
+        ----------
+        weights
+            How often each series is in each resample, ``(resamples, series)``.
+        """
+        # counts are whole numbers below 2^53: exact, and the product is that of BLAS
+        factors = weights.astype(np.float64)
+        return Outcomes(
+            self.levels,
+            np.rint(factors @ self.points).astype(np.int64),
+            np.rint(factors @ self.events).astype(np.int64),
+        )
+
+    def at(self, values: FloatArray) -> "Outcomes":
+        """Tell the same with other values for the levels, equal ones as one level.
+
+        Parameters
+        ----------
+        values
+            New value of each level, never falling, ``(levels,)``.
+
+        Raises
+        ------
+        ValueError
+            If they fall.
+        """
+        if (np.diff(values) < 0).any():
+            raise ValueError("values that fall would change the order of the forecasts")
+        levels, first = np.unique(values, return_index=True)
+        if not levels.size:
+            return Outcomes(levels, self.points, self.events)
+        return Outcomes(
+            levels,
+            np.add.reduceat(self.points, first, axis=-1),
+            np.add.reduceat(self.events, first, axis=-1),
+        )
+
+
+def outcomes_by_series(
+    forecast: FloatArray, happened: BoolArray, scored: BoolArray, series: IntArray, count: int
+) -> Outcomes:
+    """Count the outcomes of forecasts in each series.
+
+    Parameters
+    ----------
+    forecast
+        Probability or score of each starting point, ``(points,)``.
+    happened
+        Whether an event followed, ``(points,)``.
+    scored
+        Points that count, ``(points,)``.
+    series
+        Row of each point's series, ``(points,)``, from 0.
+    count
+        Number of series.
+
+    Returns
+    -------
+    Counts of shape ``(count, levels)``.
+
+    Raises
+    ------
+    ValueError
+        If a value of a point that counts is not finite.
+    """
+    values, rows, true = forecast[scored], series[scored], happened[scored]
+    if not np.isfinite(values).all():
+        raise ValueError("a probability or score is not finite")
+    levels, column = np.unique(values, return_inverse=True)
+    shape = (count, levels.size)
+    cell = rows * levels.size + column
+
+    def tally(cells: IntArray) -> IntArray:
+        found = np.bincount(cells, minlength=shape[0] * shape[1]).astype(np.int64)
+        return found.reshape(shape)
+
+    return Outcomes(levels, tally(cell), tally(cell[true]))

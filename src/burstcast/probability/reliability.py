@@ -1,0 +1,65 @@
+"""The reliability diagram, with bars that tell how far chance alone would move its points.
+
+Source: Broecker & Smith, "Increasing the reliability of reliability diagrams", Weather and
+Forecasting 22 (2007). Their consistency bars resample the forecasts and draw outcomes as likely as
+the forecasts say: what a reliable forecaster would show. Here whole series are resampled.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.probability.brier import Binned, binned
+from burstcast.probability.intervals import percentile_interval
+from burstcast.probability.outcomes import Outcomes
+
+
+@dataclass(frozen=True)
+class ReliabilityDiagram:
+    """How often events followed the probabilities of each bin; arrays of shape ``(bins,)``.
+
+    Attributes
+    ----------
+    whole
+        The forecasts in each bin.
+    low, high
+        Consistency bars: where the frequency of a reliable forecaster would lie.
+    """
+
+    whole: Binned
+    low: FloatArray
+    high: FloatArray
+
+
+def reliability_diagram(
+    outcomes: Outcomes,
+    bins: int,
+    weights: IntArray,
+    confidence: float,
+    generator: np.random.Generator,
+) -> ReliabilityDiagram:
+    """Reliability diagram with consistency bars.
+
+    Parameters
+    ----------
+    outcomes
+        By series, ``(series, levels)``.
+    bins
+        Number of equally wide bins of the probability.
+    weights
+        Of the series in each resample (`burstcast.probability.intervals.series_weights`).
+    confidence
+        Probability that a bar covers.
+    generator
+        Draws the outcomes of a reliable forecaster.
+    """
+    resampled = outcomes.resampled(weights)
+    drawn = generator.binomial(resampled.points, outcomes.levels)
+    frequency = binned(Outcomes(outcomes.levels, resampled.points, drawn), bins).frequency
+    bars = [percentile_interval(frequency[:, column], confidence) for column in range(bins)]
+    return ReliabilityDiagram(
+        whole=binned(outcomes.total(), bins),
+        low=np.array([low for low, _ in bars]),
+        high=np.array([high for _, high in bars]),
+    )

@@ -1,0 +1,45 @@
+"""All scores of probabilities at one prediction time, by name."""
+
+from burstcast.arrays import FloatArray
+from burstcast.probability.alarms import average_precision, counts_at, roc_area
+from burstcast.probability.brier import (
+    base_rate,
+    brier_score,
+    brier_skill,
+    calibration_error,
+    decomposition,
+)
+from burstcast.probability.outcomes import Outcomes
+
+
+def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[str, FloatArray]:
+    """Score probabilities, and the alarms that they raise.
+
+    Parameters
+    ----------
+    outcomes
+        Summed over series, ``(levels,)``; of many resamples, ``(resamples, levels)``.
+    threshold
+        Probability from which on an alarm is raised.
+    bins
+        Number of bins of the decomposition and of the calibration error.
+
+    Returns
+    -------
+    Scores of shape ``()`` or ``(resamples,)``; NaN where undefined.
+    """
+    parts, counts = decomposition(outcomes, bins), counts_at(outcomes, threshold)
+    return {
+        "base_rate": base_rate(outcomes),
+        "brier_score": brier_score(outcomes),
+        "brier_skill": brier_skill(outcomes),
+        "reliability": parts.reliability,
+        "resolution": parts.resolution,
+        "uncertainty": parts.uncertainty,
+        "calibration_error": calibration_error(outcomes, bins),
+        "roc_area": roc_area(outcomes),
+        "average_precision": average_precision(outcomes),
+        "precision": counts.precision,
+        "recall": counts.recall,
+        "f_score": counts.f_score,
+    }

@@ -1,0 +1,229 @@
+"""What the stages of probabilities share: forecasts of all who raise alarms, and calibrations."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.forecast.windows import WindowSummaries, crosses
+from burstcast.probability.calibration import Calibration
+from burstcast.probability.intervals import series_weights
+from burstcast.probability.outcomes import Outcomes, outcomes_by_series
+from burstcast.probability.votes import share_of_votes
+from burstcast_workflow.harness.storage import read_json, read_netcdf
+from burstcast_workflow.jobs.gather import files_of_cases, gathered
+
+Settings = Mapping[str, Any]
+Record = Mapping[str, Any]
+
+CALIBRATED, VOTES = "calibrated", "votes"
+"""What tables call calibrated probabilities, and shares of votes as they are."""
+
+
+@dataclass(frozen=True)
+class ForecastPoints:
+    """Starting points of a case, what followed, and what was forecast.
+
+    Attributes
+    ----------
+    data
+        Variables of the points (`burstcast_workflow.jobs.point_sets`).
+    forecasts
+        Window summaries by the identifier of the forecaster.
+    windows, resolution_lt
+        How many windows make up a prediction window, and how long each is in Lyapunov times.
+    """
+
+    data: Mapping[str, Any]
+    forecasts: Mapping[str, WindowSummaries]
+    windows: int
+    resolution_lt: float
+
+    @property
+    def series(self) -> int:
+        """Number of series."""
+        return int(self.data["series"].max()) + 1
+
+    def scored(self, event_threshold: float) -> BoolArray:
+        """Points at which no event is under way."""
+        return np.asarray(self.data["washout_maximum"] < event_threshold)
+
+    def values(
+        self, alarm: Record, prediction_time_lt: float, event_threshold: float
+    ) -> FloatArray:
+        """What an alarm is raised by: a share of votes, or a baseline's score; ``(points,)``."""
+        if alarm["members"]:
+            members = [self.forecasts[name] for name in alarm["members"]]
+            first = self._first(prediction_time_lt)
+            return share_of_votes(members, first, self.windows, event_threshold)
+        now: FloatArray = self.data["observable_now"]
+        return now if alarm["alarm"] == "observable_now" else np.zeros(len(now))
+
+    def happened(self, prediction_time_lt: float, event_threshold: float) -> BoolArray:
+        """Points that an event follows, ``(points,)``."""
+        truth = WindowSummaries(self.data["first"], self.data["largest"])
+        return crosses(truth, self._first(prediction_time_lt), self.windows, event_threshold)
+
+    def outcomes(
+        self, alarm: Record, prediction_time_lt: float, event_threshold: float
+    ) -> Outcomes:
+        """Outcomes by the values that alarms are raised by, ``(series, levels)``."""
+        return outcomes_by_series(
+            self.values(alarm, prediction_time_lt, event_threshold),
+            self.happened(prediction_time_lt, event_threshold),
+            self.scored(event_threshold),
+            self.data["series"],
+            self.series,
+        )
+
+    def _first(self, prediction_time_lt: float) -> int:
+        return round(prediction_time_lt / self.resolution_lt) - 1
+
+
+def forecast_points(
+    settings: Settings, point_set: str, forecasts: Mapping[str, str]
+) -> ForecastPoints:
+    """Read the points of a case, and the forecasts from them by the forecaster's identifier."""
+    resolution = settings["classification.resolution_lt"]
+    names = ("series", "step", "observable_now", "washout_maximum", "first", "largest")
+    found = {name: read_netcdf(path, "first", "largest") for name, path in forecasts.items()}
+    return ForecastPoints(
+        read_netcdf(point_set, *names),
+        {name: WindowSummaries(data["first"], data["largest"]) for name, data in found.items()},
+        round(settings["classification.window_lt"] / resolution),
+        resolution,
+    )
+
+
+@dataclass(frozen=True)
+class AlarmRule:
+    """How an alarm is raised: a calibration, and the probability from which on it is.
+
+    Attributes
+    ----------
+    calibration
+        From what is forecast to the probability.
+    threshold
+        Probability.
+    """
+
+    calibration: Calibration
+    threshold: float
+
+    def record(self) -> dict[str, Any]:
+        """What `read_rule` makes the same rule from."""
+        return {
+            "values": self.calibration.values.tolist(),
+            "probabilities": self.calibration.probabilities.tolist(),
+            "threshold": self.threshold,
+        }
+
+
+def read_rule(record: Record) -> AlarmRule:
+    """Make a rule from its record."""
+    calibration = Calibration(np.array(record["values"]), np.array(record["probabilities"]))
+    return AlarmRule(calibration, record["threshold"])
+
+
+@dataclass(frozen=True)
+class CaseProbabilities:
+    """Forecasts of a case's test series, with what was chosen on the calibration series.
+
+    Attributes
+    ----------
+    case, event_threshold
+        The case.
+    steps_per_lyapunov_time
+        Of the case.
+    points
+        Of the evaluation set.
+    rules
+        Records of rules by alarm, factor of the event threshold, prediction time, calibration.
+    alarms
+        Records of all who raise alarms.
+    random_seed, resamples
+        Of the bootstrap.
+    """
+
+    case: str
+    event_threshold: float
+    steps_per_lyapunov_time: int
+    points: ForecastPoints
+    rules: Mapping[str, Mapping[str, Mapping[str, Mapping[str, Record]]]]
+    alarms: Sequence[Record]
+    random_seed: int
+    resamples: int
+
+    def rule(self, alarm: Record, prediction_time_lt: float, factor: float = 1.0) -> AlarmRule:
+        """How an alarm is raised: by calibrated probabilities."""
+        by_name = self.rules[alarm["alarm"]][f"{factor:g}"][f"{prediction_time_lt:g}"]
+        return read_rule(by_name[CALIBRATED])
+
+    def probabilities(
+        self, alarm: Record, prediction_time_lt: float, factor: float = 1.0
+    ) -> Iterator[tuple[str, Outcomes, float]]:
+        """Outcomes by probability and series: of calibrated probabilities, and of votes.
+
+        Yields
+        ------
+        `CALIBRATED` or `VOTES`, outcomes, and the probability from which on alarms are raised.
+        """
+        raw = self.points.outcomes(alarm, prediction_time_lt, factor * self.event_threshold)
+        by_name = self.rules[alarm["alarm"]][f"{factor:g}"][f"{prediction_time_lt:g}"]
+        for name, record in by_name.items():
+            rule = read_rule(record)
+            yield name, raw.at(rule.calibration(raw.levels)), rule.threshold
+
+    def weights(self, prediction_time_lt: float) -> IntArray:
+        """Weights of the series in each resample: the same for all who are compared."""
+        generator = self.stream("bootstrap", prediction_time_lt)
+        return series_weights(self.points.series, self.resamples, generator)
+
+    def stream(
+        self, purpose: str, prediction_time_lt: float, *names: str
+    ) -> np.random.Generator:
+        """Source of random numbers for one prediction time."""
+        return random_streams.stream(
+            self.random_seed, purpose, self.case, str(float(prediction_time_lt)), *names
+        )
+
+
+def cases_with_probabilities(
+    settings: Settings,
+    forecasts: Sequence[str],
+    evaluation_sets: Sequence[str],
+    calibrations: Sequence[str],
+) -> Iterator[CaseProbabilities]:
+    """Read case by case what tables of probabilities are made from.
+
+    Parameters
+    ----------
+    settings
+        With ``rows`` of the forecasters, ``cases`` and ``alarms``.
+    forecasts, evaluation_sets, calibrations
+        Inputs of the job, in any order.
+    """
+    paths = gathered(settings["rows"], forecasts)
+    sets = files_of_cases(settings["cases"], evaluation_sets)
+    chosen = files_of_cases(settings["cases"], calibrations)
+    for record in settings["cases"]:
+        case = record["identity"]["case"]
+        of_case = {
+            one["identity"]["forecaster"]: path
+            for one, path in paths
+            if one["identity"]["case"] == case
+        }
+        calibration = read_json(chosen[case])
+        yield CaseProbabilities(
+            case=case,
+            event_threshold=record["settings"]["case.event_threshold"],
+            steps_per_lyapunov_time=calibration["steps_per_lyapunov_time"],
+            points=forecast_points(settings, sets[case], of_case),
+            rules=calibration["alarms"],
+            alarms=[alarm for alarm in settings["alarms"] if alarm["case"] == case],
+            random_seed=settings["random_seed"],
+            resamples=settings["bootstrap.resamples"],
+        )

@@ -1,0 +1,59 @@
+"""Calibrate the probabilities of all who raise alarms in a case, and choose their thresholds."""
+
+from typing import Any
+
+from burstcast.probability.alarms import best_threshold
+from burstcast.probability.calibration import UNCALIBRATED, isotonic
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.probabilities import CALIBRATED, VOTES, AlarmRule, forecast_points
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+
+def calibrate(
+    *,
+    calibration_set: str,
+    forecasts: list[str],
+    time_unit: str | list[str],
+    calibration: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write calibrations and thresholds by alarm, event threshold and prediction time."""
+    files = gathered(settings["rows"], forecasts)
+    points = forecast_points(
+        settings, calibration_set, {one["identity"]["forecaster"]: path for one, path in files}
+    )
+    alarms: dict[str, Any] = {}
+    for alarm in settings["alarms"]:
+        # the sweep of the event threshold is for those who are compared
+        factors = settings["probability.threshold_factors"] if alarm["compared"] else []
+        for factor in sorted({1.0, *factors}):
+            event_threshold = factor * settings["case.event_threshold"]
+            by_factor = alarms.setdefault(alarm["alarm"], {}).setdefault(f"{factor:g}", {})
+            for time in settings["classification.prediction_times_lt"]:
+                outcomes = points.outcomes(alarm, time, event_threshold).total()
+                if alarm["members"]:
+                    prior = settings["probability.prior_forecasts"]
+                    maps = {CALIBRATED: isotonic(outcomes, prior), VOTES: UNCALIBRATED}
+                else:  # what a baseline is raised by is no probability
+                    maps = {CALIBRATED: isotonic(outcomes)}
+                by_factor[f"{time:g}"] = rules = {}
+                for name, found in maps.items():
+                    levels = outcomes.at(found(outcomes.levels))
+                    threshold = best_threshold(levels.levels, levels.points)
+                    rules[name] = AlarmRule(found, threshold).record()
+    write_json(
+        calibration,
+        {
+            "steps_per_lyapunov_time": lyapunov_time(settings, time_unit),
+            "alarms": alarms,
+            "provenance": provenance,
+        },
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, calibrate)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,51 @@
+"""Forecast the calibration set out of sample; keep only the window summaries."""
+
+import numpy as np
+
+from burstcast import durations
+from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.probability.out_of_sample import leave_one_out_summaries
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.jobs.data import observed_rows, training_states
+from burstcast_workflow.jobs.forecasters import forecasting_case, read_forecaster, seen
+from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.windows import windows_of, write_forecasts
+
+
+def forecast_calibration_set(
+    *,
+    ensemble: str,
+    forecaster: str,
+    calibration_set: str,
+    time_unit: str | list[str],
+    forecast: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Forecast each training series without what it has taught, or other series as they are."""
+    system, steps = system_of(settings), lyapunov_time(settings, time_unit)
+    boundaries = window_boundaries(*windows_of(settings), steps)
+    who = read_forecaster(forecaster, settings, time_unit)
+    points = read_netcdf(calibration_set, "series", "washout", "true_state")
+    given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
+    if settings["probability.calibration_series"]:
+        summaries, diverged = forecast_summaries(who, system.observable, given, boundaries)
+    else:
+        summaries, diverged = leave_one_out_summaries(
+            who,
+            observed_rows(settings, ensemble, 0, training_states(settings, ensemble)),
+            forecasting_case(settings, time_unit),
+            durations.steps(settings["washout_lt"], steps),
+            system.observable,
+            given,
+            points["series"],
+            boundaries,
+        )
+    write_forecasts(forecast, summaries, diverged, system.observable_name, provenance)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, forecast_calibration_set)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,38 @@
+"""Lay out the starting points that probabilities are calibrated on: never in the test series."""
+
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.data import kept_series
+from burstcast_workflow.jobs.length_checks import check_kept_series
+from burstcast_workflow.jobs.point_sets import write_point_set
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+
+def calibration_set_of_case(
+    *,
+    ensemble: str,
+    time_unit: str | list[str],
+    calibration_set: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write points in the training series, or in series that are neither training nor test."""
+    training, test = settings["case.training.series"], settings["case.test_series"]
+    more = settings["probability.calibration_series"]
+    needs = {"training.series": training, "test_series": test}
+    check_kept_series(
+        kept_series(ensemble), {**needs, "probability.calibration_series": more} if more else needs
+    )
+    write_point_set(
+        calibration_set,
+        settings,
+        ensemble,
+        range(training + test, training + test + more) if more else range(training),
+        settings["probability.start_spacing_lt"],
+        lyapunov_time(settings, time_unit),
+        provenance,
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, calibration_set_of_case)  # noqa: F821 - Snakemake puts it there
