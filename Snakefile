@@ -14,6 +14,7 @@ include: "workflow/rules/data.smk"
 include: "workflow/rules/forecasters.smk"
 include: "workflow/rules/evaluation.smk"
 include: "workflow/rules/control.smk"
+include: "workflow/rules/probabilities.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 
@@ -25,5 +26,6 @@ rule all:
         # something up to date depends on
         rules.forecasters.input,
         rules.tables.input,
+        rules.probabilities.input,
         rules.figures.input,
     localrule: True

@@ -1,4 +1,4 @@
-"""Who raises alarms: every forecaster, committees of networks, and what needs no forecast at all."""
+"""Who raises alarms: every forecaster, committees of networks, and what needs no forecast."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -62,7 +62,7 @@ def alarms_of(campaign: Campaign, case: str) -> list[Alarm]:
 
 
 def alarm_records(campaign: Campaign, cases: Iterable[str]) -> list[dict[str, Any]]:
-    """Records for jobs: alarms of cases, their key columns, and the identifiers of their members."""
+    """Records for jobs: alarms of cases, their members' identifiers, and their key columns."""
     return [
         {
             "case": alarm.case,

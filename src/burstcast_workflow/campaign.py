@@ -24,6 +24,8 @@ _UNORDERED = (
     ("classification", "prediction_times_lt"),
     ("control", "prediction_times_lt"),
     ("figures", "reynolds_prediction_times_lt"),
+    ("probability", "cost_loss_ratios"),
+    ("probability", "threshold_factors"),
     ("search", "tikhonov"),
 )
 NOISE = "case.training.noise"

@@ -123,6 +123,13 @@ def _forecast(job: _Job) -> tuple[float, float]:
     return _test_series(job.campaign, job.case) * starts, job.start_up + reach
 
 
+def _calibration_forecast(job: _Job) -> tuple[float, float]:
+    reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
+    starts = job.starts("probability.start_spacing_lt", reach)
+    series = job("probability.calibration_series") or job.training_series
+    return series * starts, job.washout + reach
+
+
 def _test_series(campaign: Campaign, case: str) -> float:
     record = campaign.cases[case]
     left: int = record["ensemble"]["series"] - record["training"]["series"]
@@ -152,6 +159,7 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
     # steps of a forecaster: a few forecasts, as for a figure, where it is not known better
     "closed_loop": lambda job: (64, job.start_up + job.steps("horizon.longest_lead_time_lt")),
     "forecast": _forecast,
+    "calibration_forecast": _calibration_forecast,
     "horizon": _horizon,
     "long_term": _long_term,
     "control": lambda job: (job.flows, job.alarms * (job.start_up + job.reach)),
@@ -184,6 +192,17 @@ def _closed_loop(job: _Job, kind: str = "closed_loop") -> _Account:
     held += (job.members > 1) * min(count, 1000) * 8 * job.members * job.dimension
     start_up = _COMPILED if job.members > 1 else _PLAIN
     return start_up, {"integration step": count * steps * job.stride}, held
+
+
+def _leave_one_out(job: _Job) -> _Account:
+    """Forecasts of the calibration set, by forecasters trained without each of its series."""
+    start_up, work, held = _closed_loop(job, "calibration_forecast")
+    if job("probability.calibration_series"):
+        return start_up, work, held
+    _, training, moments = _training(job, solves=job.training_series)
+    work = {unit: work.get(unit, 0) + training.get(unit, 0) for unit in {**work, **training}}
+    # the moments of each series, and those of all but one
+    return start_up, work, held + moments + (job.training_series + 1) * job.neurons**2
 
 
 def _control(job: _Job) -> _Account:
@@ -238,6 +257,7 @@ _CLASSES: dict[str, Callable[[_Job], _Account]] = {
     "search_points": lambda job: _search(job, job("search.bayesian_points"), bayesian=True),
     "training": _training,
     "closed_loop": _closed_loop,
+    "leave_one_out": _leave_one_out,
     "control": _control,
     # small files of all forecasters into a table; the same with intervals of scores
     "gather": lambda job: (_PLAIN, {"file": len(job.campaign.forecasters)}, 20 / _MIB_PER_NUMBER),

@@ -11,6 +11,9 @@ GROUPS = {
     "WINDOWS": "classification.resolution_lt classification.window_lt "
     "classification.longest_prediction_time_lt",
     "HORIZON": "horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance",
+    # what scores of probabilities are made with
+    "SCORED": "random_seed bootstrap classification.prediction_times_lt "
+    "classification.window_lt classification.resolution_lt",
     "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
     "forecasters.esn.backend",
     "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "

@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+from burstcast_workflow.alarms import alarm_records
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.costs import CostModel
@@ -148,13 +149,18 @@ def reads(script, paths="", **values):
     """Parameters of a stage: the settings that its script reads, and the code that it runs.
 
     ``paths`` are those of the config and names of `setting_groups`, ``case.`` standing for the job's case
-    and ``forecaster.options`` for the section of its kind; ``values`` are given as they are.
+    and ``forecaster.options`` for the section of its kind; ``values`` are given as they are, or
+    by functions of the job's wildcards.
     """
     names = listed(paths)
 
     @of_job
     def settings(wildcards):
-        return campaign.settings(names, wildcards, values)
+        found = {
+            name: value(wildcards) if callable(value) else value
+            for name, value in values.items()
+        }
+        return campaign.settings(names, wildcards, found)
 
     @of_job
     def code(wildcards):
@@ -191,6 +197,7 @@ JOB_GROUPS = {
     "forecasters": "forecaster",
     "evaluation": "forecaster",
     "control": "forecaster",
+    "probabilities": "tables",
     "tables": "tables",
 }
 

@@ -1,107 +1,114 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
-from burstcast_workflow.alarms import alarm_records
+stage(
+    "data/calibration_set",
+    "starting points of the calibration",
+    inputs=files("ensemble time_unit"),
+    outputs={"calibration_set": f"{CASE}/calibration_set.nc"},
+    settings="SYSTEM TIME OBSERVED WINDOWS washout_lt case.test_series "
+    "probability.calibration_series probability.start_spacing_lt",
+    cost="data",
+)
+stage(
+    "evaluation/calibration_forecast",
+    "forecast the calibration set out of sample",
+    inputs=files("ensemble forecaster calibration_set time_unit"),
+    outputs={"calibration_forecast": f"{FORECASTER}/calibration_forecast.nc"},
+    settings="FORECASTER OBSERVED WINDOWS washout_lt probability.calibration_series",
+    cost="leave_one_out",
+    cached=True,
+)
+stage(
+    "probabilities/calibrate",
+    "calibrate the probabilities, choose the thresholds of alarms",
+    inputs={
+        "calibration_forecasts": of_job(
+            lambda wildcards: of_forecasters(
+                "calibration_forecast.nc", campaign.select(case=wildcards["case"])
+            )
+        ),
+        **files("calibration_set time_unit"),
+    },
+    outputs={"calibration": f"{CASE}/calibration.json"},
+    settings="TIME case.event_threshold classification.prediction_times_lt "
+    "classification.window_lt classification.resolution_lt "
+    "probability.prior_forecasts probability.threshold_factors",
+    rows=of_job(lambda wildcards: campaign.keys(campaign.select(case=wildcards["case"]))),
+    alarms=of_job(lambda wildcards: alarm_records(campaign, [wildcards["case"]])),
+)
 
-# What tables of probabilities read, beside what is their own.
-PROBABILITIES = (
-    "random_seed bootstrap classification.prediction_times_lt classification.window_lt "
-    "classification.resolution_lt"
+# What tables of probabilities are made from.
+PROBABILITIES = {
+    "forecasts": of_forecasters("forecast.nc"),
+    "evaluation_sets": of_cases("evaluation_set.nc"),
+    "calibrations": of_cases("calibration.json"),
+}
+ALARMS = {
+    "rows": campaign.keys(campaign.forecasters),
+    "alarms": alarm_records(campaign, campaign.case_names),
+}
+
+stage(
+    "probabilities/probability_scores",
+    "score the probabilities",
+    inputs=PROBABILITIES,
+    outputs={
+        "table": f"{TABLES}/probability_scores.csv",
+        "differences": f"{TABLES}/probability_differences.csv",
+    },
+    settings="SCORED probability.bins",
+    cost="bootstrap",
+    cases=campaign.of_each_case("case.event_threshold"),
+    **ALARMS,
+)
+stage(
+    "probabilities/probability_diagrams",
+    "reliability, economic value, curves over all thresholds",
+    inputs=PROBABILITIES,
+    outputs={
+        "reliability": f"{TABLES}/reliability.csv",
+        "value": f"{TABLES}/economic_value.csv",
+        "curves": f"{TABLES}/alarm_curves.csv",
+    },
+    settings="SCORED probability.bins probability.cost_loss_ratios",
+    cost="bootstrap",
+    cases=campaign.of_each_case("case.event_threshold"),
+    **ALARMS,
+)
+stage(
+    "probabilities/lead_times",
+    "how early events were warned of",
+    inputs={"ensembles": of_cases("ensemble.nc"), **PROBABILITIES},
+    outputs={"table": f"{TABLES}/lead_times.csv"},
+    settings="SCORED classification.start_spacing_lt",
+    cost="bootstrap",
+    cases=campaign.of_each_case("case.event_threshold", "case.training.series"),
+    **ALARMS,
+)
+stage(
+    "probabilities/threshold_sweep",
+    "score alarms for other event thresholds",
+    inputs=PROBABILITIES,
+    outputs={"table": f"{TABLES}/threshold_sweep.csv"},
+    settings="SCORED probability.bins probability.threshold_factors",
+    cost="bootstrap",
+    cases=campaign.of_each_case("case.event_threshold"),
+    **ALARMS,
 )
 
 
-def probability_rows(*paths):
-    """Whose files tables of probabilities are made from, and who raises alarms."""
-    return {
-        "rows": campaign.keys(campaign.forecasters),
-        "cases": campaign.of_each_case("case.event_threshold", *paths),
-        "alarms": alarm_records(campaign, campaign.case_names),
-    }
-
-
-@of_job
-def calibration_forecasts(wildcards):
-    """Forecasts of the calibration set by all forecasters of a case."""
-    return of_forecasters("calibration_forecast.nc", campaign.select(case=wildcards.case))
-
-
-rule calibration_set:
+rule probabilities:
     input:
-        ensemble=f"{CASE}/ensemble.nc",
-        time_unit=time_unit,
-    output:
-        calibration_set=f"{CASE}/calibration_set.nc",
-    log:
-        f"{LOGS}/calibration_set/{{case}}.log",
-    benchmark:
-        f"{TIMES}/calibration_set/{{case}}.tsv"
-    group:
-        "case"
-    conda:
-        ENVIRONMENT
-    resources:
-        **needs("data"),
-    params:
-        **reads(
-            "probabilities/calibration_set.py",
-            "SYSTEM TIME OBSERVED WINDOWS washout_lt case.test_series "
-            "probability.calibration_series probability.start_spacing_lt",
+        expand(
+            f"{TABLES}/{{table}}.csv",
+            table=[
+                "probability_scores",
+                "probability_differences",
+                "reliability",
+                "economic_value",
+                "alarm_curves",
+                "lead_times",
+                "threshold_sweep",
+            ],
         ),
-    message:
-        "{wildcards.case}: starting points of the calibration"
-    script:
-        "../scripts/probabilities/calibration_set.py"
-
-
-rule calibration_forecast:
-    input:
-        ensemble=f"{CASE}/ensemble.nc",
-        forecaster=f"{FORECASTER}/forecaster.nc",
-        calibration_set=f"{CASE}/calibration_set.nc",
-        time_unit=time_unit,
-    output:
-        forecast=f"{FORECASTER}/calibration_forecast.nc",
-    log:
-        f"{LOGS}/calibration_forecast/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/calibration_forecast/{{case}}/{{forecaster}}.tsv"
-    group:
-        "forecaster"
-    conda:
-        ENVIRONMENT
-    resources:
-        **needs("leave_one_out", cached=True),
-    params:
-        **reads(
-            "probabilities/calibration_forecast.py",
-            "FORECASTER OBSERVED WINDOWS washout_lt probability.calibration_series",
-        ),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: forecast the calibration set out of sample"
-    script:
-        "../scripts/probabilities/calibration_forecast.py"
-
-
-rule calibrate:
-    input:
-        calibration_set=f"{CASE}/calibration_set.nc",
-        forecasts=calibration_forecasts,
-        time_unit=time_unit,
-    output:
-        calibration=f"{CASE}/calibration.json",
-    log:
-        f"{LOGS}/calibrate/{{case}}.log",
-    benchmark:
-        f"{TIMES}/calibrate/{{case}}.tsv"
-    group:
-        "tables"
-    conda:
-        ENVIRONMENT
-    resources:
-        **needs("gather"),
-    params:
-        settings=settings_of_calibration,
-        code=code_of_calibration,
-    message:
-        "{wildcards.case}: calibrate the probabilities, choose the thresholds of alarms"
-    script:
-        "../scripts/probabilities/calibrate.py"
+    localrule: True

@@ -6,8 +6,10 @@ probabilities.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.forecast.classification import ratio
@@ -74,10 +76,17 @@ def bin_of(levels: FloatArray, bins: int) -> IntArray:
 
 def binned(outcomes: Outcomes, bins: int) -> Binned:
     """Gather outcomes in equally wide bins of the probability."""
-    chosen = bin_of(outcomes.levels, bins)[:, np.newaxis] == np.arange(bins)
-    points, events = outcomes.points @ chosen, outcomes.events @ chosen
-    sums = (outcomes.points * outcomes.levels) @ chosen
-    return Binned(points, events, ratio(sums, points))
+    # bins rise with the levels: those of a bin lie side by side
+    present, first = np.unique(bin_of(outcomes.levels, bins), return_index=True)
+
+    def gather(values: FloatArray | IntArray) -> npt.NDArray[Any]:
+        sums = np.zeros((*values.shape[:-1], bins), dtype=values.dtype)
+        if first.size:
+            sums[..., present] = np.add.reduceat(values, first, axis=-1)
+        return sums
+
+    points, events = gather(outcomes.points), gather(outcomes.events)
+    return Binned(points, events, ratio(gather(outcomes.points * outcomes.levels), points))
 
 
 @dataclass(frozen=True)

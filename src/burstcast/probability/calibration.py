@@ -87,7 +87,7 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
         raise ValueError("there is no forecast to calibrate with: no starting point counts")
     if not prior >= 0:
         raise ValueError(f"a prior counts as 0 forecasts or more, not as {prior}")
-    weights = outcomes.points + prior
+    weights = outcomes.points + np.float64(prior)
     frequency = ratio(outcomes.events + prior * outcomes.levels, weights)
     fitted = pool_adjacent_violators(frequency, weights)
     # the ends of each constant stretch tell the same

@@ -138,7 +138,8 @@ def lead_time_scores(
     """
 
     def by_series(values: FloatArray | BoolArray) -> FloatArray:
-        return np.bincount(found.series, weights=values.astype(np.float64), minlength=series)
+        sums = np.bincount(found.series, weights=values.astype(np.float64), minlength=series)
+        return np.asarray(sums, dtype=np.float64)
 
     events = by_series(np.ones(len(found.series)))
     scores = [

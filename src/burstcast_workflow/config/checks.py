@@ -206,6 +206,13 @@ def _case(config: Settings, name: str) -> Iterator[str]:
             f"training.series and test_series are {training} and {test}; together they must be at "
             f"most ensemble.series, {ensemble['series']}"
         )
+    more = config["probability"]["calibration_series"]
+    if more and training + test + more > ensemble["series"]:
+        yield (
+            f"probability.calibration_series is {more}; together with training.series and "
+            f"test_series, {training + test}, it must be at most ensemble.series, "
+            f"{ensemble['series']}"
+        )
     control = config["control"]
     start = record["actuation"]["start_lt"] if record["actuation"] else 0
     for time in control["prediction_times_lt"] if any(control["forecasters"].values()) else []:

@@ -404,6 +404,29 @@ class Control(Section):
     )
 
 
+class Probability(Section):
+    """Probabilities of events, and the alarms that they raise."""
+
+    start_spacing_lt: Positive = setting(
+        "distance of the starting points that probabilities are calibrated on"
+    )
+    calibration_series: Whole = setting(
+        "series that probabilities are calibrated on, neither training nor test; 0: the training "
+        "series, each forecast without what it has taught",
+        ge=0,
+    )
+    prior_forecasts: float = setting(
+        "as how many forecasts each share of votes counts that came true as it says; 0: none", ge=0
+    )
+    bins: Whole = setting("equally wide bins of the probability", ge=2, le=1000)
+    threshold_factors: Some[Positive] = setting(
+        "event thresholds that alarms are scored for, too", "event thresholds of the case"
+    )
+    cost_loss_ratios: Some[Annotated[Positive, Field(lt=1)]] = setting(
+        "ratios of cost and loss of users that the economic value is told for"
+    )
+
+
 class Bootstrap(Section):
     """Confidence intervals of scores, resampled over test series."""
 
@@ -474,5 +497,6 @@ class Configuration(Section):
     horizon: Horizon
     statistics: Statistics
     control: Control
+    probability: Probability
     bootstrap: Bootstrap
     figures: Figures

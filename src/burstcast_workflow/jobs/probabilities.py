@@ -182,9 +182,7 @@ class CaseProbabilities:
         generator = self.stream("bootstrap", prediction_time_lt)
         return series_weights(self.points.series, self.resamples, generator)
 
-    def stream(
-        self, purpose: str, prediction_time_lt: float, *names: str
-    ) -> np.random.Generator:
+    def stream(self, purpose: str, prediction_time_lt: float, *names: str) -> np.random.Generator:
         """Source of random numbers for one prediction time."""
         return random_streams.stream(
             self.random_seed, purpose, self.case, str(float(prediction_time_lt)), *names

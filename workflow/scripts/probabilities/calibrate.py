@@ -15,14 +15,14 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 def calibrate(
     *,
     calibration_set: str,
-    forecasts: list[str],
+    calibration_forecasts: list[str],
     time_unit: str | list[str],
     calibration: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
     """Write calibrations and thresholds by alarm, event threshold and prediction time."""
-    files = gathered(settings["rows"], forecasts)
+    files = gathered(settings["rows"], calibration_forecasts)
     points = forecast_points(
         settings, calibration_set, {one["identity"]["forecaster"]: path for one, path in files}
     )

@@ -47,9 +47,8 @@ def measure_lead_times(
         ]
         weights = case.weights(0.0)  # the same for all prediction times, too
         # how long each series was watched, in Lyapunov times
-        watched = np.bincount(rows_of_points[scored], minlength=series) * float(
-            settings["classification.start_spacing_lt"]
-        )
+        starts = np.bincount(rows_of_points[scored], minlength=series).astype(np.float64)
+        watched = starts * np.float64(settings["classification.start_spacing_lt"])
         for alarm in case.alarms:
             raised, false_alarms = [], []
             for time in times:

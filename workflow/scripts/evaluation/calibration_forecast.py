@@ -21,7 +21,7 @@ def forecast_calibration_set(
     forecaster: str,
     calibration_set: str,
     time_unit: str | list[str],
-    forecast: str,
+    calibration_forecast: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
@@ -44,7 +44,7 @@ def forecast_calibration_set(
             points["series"],
             boundaries,
         )
-    write_forecasts(forecast, summaries, diverged, system.observable_name, provenance)
+    write_forecasts(calibration_forecast, summaries, diverged, system.observable_name, provenance)
 
 
 if __name__ == "__main__":
