@@ -26,6 +26,5 @@ rule all:
         # something up to date depends on
         rules.forecasters.input,
         rules.tables.input,
-        rules.probabilities.input,
         rules.figures.input,
     localrule: True

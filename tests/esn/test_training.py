@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import solve_ridge
 from burstcast.esn.reservoir import make_reservoir
-from burstcast.esn.training import TrainingSeries, collect, train
+from burstcast.esn.training import TrainingSeries, collect, train, train_leaving_one_out
 
 NEURONS, DIMENSION, SERIES, LENGTH, WASHOUT = 23, 3, 4, 90, 11
 RESERVOIR = make_reservoir(NEURONS, DIMENSION, 5, 0.1, np.random.default_rng(4))
@@ -156,3 +156,34 @@ def test_training_is_the_papers_ridge_regression():
 
 def test_series_say_how_many_and_how_long_they_are():
     assert (TRAINING.series, TRAINING.length) == (SERIES, LENGTH)
+
+
+def test_leaving_one_out_is_training_on_the_others():
+    readouts = train_leaving_one_out(DYNAMICS, TRAINING, washout=WASHOUT, tikhonov=1e-4)
+    for row, readout in enumerate(readouts):
+        others = TrainingSeries(np.delete(OBSERVED, row, axis=0), RANGE)
+        expected = train(DYNAMICS, others, washout=WASHOUT, tikhonov=1e-4)
+        np.testing.assert_allclose(readout.weights, expected.weights, rtol=1e-7, atol=1e-9)
+        assert readout.tikhonov == 1e-4
+    assert row == SERIES - 1
+
+
+def test_leaving_one_out_does_not_see_the_one():
+    other = OBSERVED.copy()
+    other[2] = np.random.default_rng(1).normal(size=OBSERVED[2].shape)
+    first, second = (
+        list(
+            train_leaving_one_out(
+                DYNAMICS, TrainingSeries(observed, RANGE), washout=WASHOUT, tikhonov=1e-4
+            )
+        )
+        for observed in (OBSERVED, other)
+    )
+    np.testing.assert_array_equal(first[2].weights, second[2].weights)
+    assert not np.array_equal(first[1].weights, second[1].weights)
+
+
+def test_leaving_one_out_takes_two_series():
+    single = TrainingSeries(OBSERVED[:1], RANGE)
+    with pytest.raises(ValueError, match="two training series"):
+        next(train_leaving_one_out(DYNAMICS, single, washout=WASHOUT, tikhonov=1e-4))

@@ -6,6 +6,7 @@ import pytest
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
+from burstcast.esn.training import TrainingSeries, train
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
@@ -197,6 +198,25 @@ def test_the_equations_learn_nothing(kind, flow):
 def test_networks_are_not_fitted_without_a_search(flow):
     with pytest.raises(NotImplementedError, match="search"):
         NetworkForecaster.fit(flow.transpose(2, 0, 1), CASE)
+
+
+def test_a_network_that_has_not_seen_a_series_is_trained_on_the_others(flow):
+    training, network = flow.transpose(2, 0, 1), FORECASTERS["esn"].network
+    found = list(FORECASTERS["esn"].leave_one_out(training, CASE, 20))
+    assert len(found) == len(training)
+    for row, one in enumerate(found):
+        others = TrainingSeries(np.delete(training, row, axis=0), network.input_range)
+        readout = train(network.dynamics, others, washout=20, tikhonov=network.readout.tikhonov)
+        np.testing.assert_allclose(one.network.readout.weights, readout.weights, rtol=1e-5)
+        assert one.network.dynamics is network.dynamics
+        assert (one.seed, one.divergence_bound) == (SEED, 10.0)
+
+
+@pytest.mark.parametrize("kind", EQUATIONS)
+def test_the_equations_are_the_same_without_any_series(kind, flow):
+    equations = kind(SYSTEM, 0.25, 4)
+    found = list(equations.leave_one_out(flow.transpose(2, 0, 1), CASE, 20))
+    assert found == [equations] * 5
 
 
 def test_the_bound_of_a_restored_network_is_that_of_the_case():

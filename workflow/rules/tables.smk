@@ -120,6 +120,7 @@ rule tables:
             table=campaign.table_names,
             suffix=["csv", "tex"],
         ),
+        rules.probabilities.input,
     localrule: True
 
 

@@ -31,6 +31,11 @@ _NETWORK = """forecasters.esn.connectivity forecasters.esn.input_bias forecaster
 _JUDGED = "forecasters.esn.divergence_bound"
 _TRUE = "random_seed case.training.series"
 
+_SCORED = """random_seed case.event_threshold bootstrap.* classification.prediction_times_lt
+    classification.window_lt classification.resolution_lt"""
+_CALIBRATION_FORECAST = f"""{_SYSTEM} {_TIME} {_OBSERVED} {_WINDOWS} washout_lt
+    probability.calibration_series"""
+
 READS = {
     "simulate": f"{_SYSTEM} random_seed case.ensemble.* case.laminarisation_threshold",
     "lyapunov": f"""{_SYSTEM} random_seed case.ensemble.time_step case.ensemble.sampling_stride
@@ -68,12 +73,26 @@ READS = {
     "horizon_table": "",
     "classification_table": """random_seed case.event_threshold bootstrap.*
         classification.window_lt classification.resolution_lt classification.prediction_times_lt""",
+    "calibration_set": f"""{_SYSTEM} {_TIME} {_OBSERVED} {_WINDOWS} case.test_series washout_lt
+        probability.start_spacing_lt probability.calibration_series""",
+    "calibration_forecast/esn": f"{_CALIBRATION_FORECAST} {_NETWORK}",
+    "calibration_forecast/equations": _CALIBRATION_FORECAST,
+    "calibration_forecast/equations_noisy": _CALIBRATION_FORECAST,
+    "calibrate": f"""{_TIME} case.event_threshold classification.prediction_times_lt
+        classification.window_lt classification.resolution_lt
+        probability.prior_forecasts probability.threshold_factors""",
+    "probability_scores": f"{_SCORED} probability.bins",
+    "probability_diagrams": f"{_SCORED} probability.bins probability.cost_loss_ratios",
+    "lead_times": f"{_SCORED} case.training.series classification.start_spacing_lt",
+    "threshold_sweep": f"{_SCORED} probability.bins probability.threshold_factors",
     "data_generation_parameters": f"""{_SYSTEM} case.ensemble.time_step case.ensemble.duration
         case.training.series case.laminarisation_threshold case.event_threshold""",
     "network_hyperparameters": """case.training.noise
         forecasters.esn.connectivity forecasters.esn.input_bias
         search.spectral_radius search.input_scaling search.tikhonov""",
 }
+
+_FORECASTS = "forecast/esn forecast/equations forecast/equations_noisy evaluation_set"
 
 COMES_FROM = {
     "lyapunov": "simulate",
@@ -103,8 +122,17 @@ COMES_FROM = {
     "dataset_table": "simulate events lyapunov",
     "hyperparameters_table": "search",
     "horizon_table": "horizon/esn horizon/equations horizon/equations_noisy",
-    "classification_table": """forecast/esn forecast/equations forecast/equations_noisy
-        evaluation_set""",
+    "classification_table": _FORECASTS,
+    "calibration_set": "simulate",
+    "calibration_forecast/esn": "simulate train calibration_set",
+    "calibration_forecast/equations": "simulate fit/equations calibration_set",
+    "calibration_forecast/equations_noisy": "simulate fit/equations_noisy calibration_set",
+    "calibrate": """calibration_set calibration_forecast/esn calibration_forecast/equations
+        calibration_forecast/equations_noisy""",
+    "probability_scores": f"{_FORECASTS} calibrate",
+    "probability_diagrams": f"{_FORECASTS} calibrate",
+    "lead_times": f"simulate {_FORECASTS} calibrate",
+    "threshold_sweep": f"{_FORECASTS} calibrate",
     "data_generation_parameters": "simulate",
     "percentiles/hyperparameters": "hyperparameters_table",
     "percentiles/classification": "classification_table",

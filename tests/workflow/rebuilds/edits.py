@@ -12,10 +12,16 @@ from dependencies import ALL, and_what_follows, readers
 from helpers_rebuilds import ROOT, TINY
 
 # Jobs of each network, and of those networks that control; tables that have rows of forecasters.
-OF_NETWORKS = {"scan", "search", "train", "forecast/esn", "horizon/esn", "long_term/esn"}
+OF_NETWORKS = {
+    *("scan", "search", "train", "forecast/esn", "horizon/esn", "long_term/esn"),
+    "calibration_forecast/esn",
+}
 TABLES_OF_CONTROL = {"control_table", "control_strategies_table"}
 OF_CONTROLLING_NETWORKS = {"control/esn", "control_random/esn", *TABLES_OF_CONTROL}
-TABLES_OF_FORECASTERS = {"classification_table", "horizon_table"}
+TABLES_OF_FORECASTERS = {
+    *("classification_table", "horizon_table", "calibrate", "probability_scores"),
+    *("probability_diagrams", "lead_times", "threshold_sweep"),
+}
 TABLES_OF_NETWORKS = {*TABLES_OF_FORECASTERS, "hyperparameters_table"}
 TABLES = {
     *TABLES_OF_NETWORKS,
@@ -159,6 +165,7 @@ _VALUES: dict[str, Any] = {
         },
     ],
     "control.sweep.prediction_times_lt": [1, 2],
+    "probability.threshold_factors": [0.9, 1, 1.25],
     "bootstrap.confidence": 0.9,
     "figures.example_case": "Re400",  # the only one there is: the same again
     "figures.example_forecaster": "esn-N30-SSV-seed0",

@@ -277,6 +277,7 @@ def test_edits_that_run_nothing(project):
 
 # What has rows of every forecaster, and of those that control.
 GATHERED = """classification_table horizon_table
+    calibrate/* probability_scores probability_diagrams lead_times threshold_sweep
     percentiles/classification percentiles/horizon
     latex/classification latex/classification_* latex/horizon latex/horizon_*
     figure/classification_scores figure/horizon_by_size"""
@@ -346,8 +347,8 @@ WITH_EFFECT = [
             "return self.network.forecast(memory.copy(), steps)",
         ),
         # neither data nor the search, though it is a search for networks
-        f"""train/* forecast/*/esn-* horizon/*/esn-* long_term/*/esn-* control/*/esn-*
-        control_random/*/esn-* examples/* flow_event/* suppressed_event/*
+        f"""train/* forecast/*/esn-* calibration_forecast/*/esn-* horizon/*/esn-* long_term/*/esn-*
+        control/*/esn-* control_random/*/esn-* examples/* flow_event/* suppressed_event/*
         {GATHERED} {GATHERED_CONTROL} statistics_table percentiles/statistics latex/statistics*
         figure/energy_density figure/profile_errors figure/midplane_* figure/prediction_*
         figure/horizon_evaluations figure/vorticity_isosurfaces figure/control_schematic
