@@ -99,6 +99,7 @@ stage(
 
 rule probabilities:
     input:
+        of_cases("calibration.json"),
         expand(
             f"{TABLES}/{{table}}.csv",
             table=[

@@ -129,6 +129,7 @@ rule forecasters:
     input:
         of_forecasters("forecaster.nc"),
         of_forecasters("forecast.nc"),
+        of_forecasters("calibration_forecast.nc"),
         of_forecasters("horizon.nc"),
         of_forecasters("long_term.nc", campaign.long_term_forecasters),
         of_control("flows.nc", campaign.strategy_runs),
