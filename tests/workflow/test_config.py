@@ -381,6 +381,12 @@ def test_all_mistakes_are_told_at_once(config):
         ("case_defaults.ensemble.duration", 4000.5, ["ensemble.duration is 4000.5", "multiple"]),
         ("case_defaults.ensemble.transient", 200.1, ["ensemble.transient is 200.1", "multiple"]),
         ("case_defaults.ensemble.series", 200, ["ensemble.series, 200", "together"]),
+        (
+            "probability.calibration_series",
+            1695,
+            ["probability.calibration_series is 1695", "together", "ensemble.series, 2000"],
+        ),
+        ("probability.cost_loss_ratios", [0.1, 1], ["cost_loss_ratios[1] is 1", "below 1"]),
         ("case_defaults.training.series", 3, ["recycle_validation.series is 4", "training.series"]),
         ("case_defaults.lyapunov.saturation", 1e-8, ["lyapunov.perturbation", "below"]),
         ("case_defaults.lyapunov.orthonormalisation_interval", 0.3, ["is 0.3", "multiple"]),
@@ -565,12 +571,26 @@ def test_least_length_of_a_series(check, arguments, least):
         (length_checks.check_single_shot_validation, (0.5, 0.05), "search.interval_lt"),
         (length_checks.check_classification, (0.5, 0.05, 0.5, 6), "start_spacing_lt"),
         (length_checks.check_classification, (0.5, 1, 0.05, 6), "resolution_lt"),
+        (
+            length_checks.check_classification,
+            (0.5, 0.05, 0.5, 6, length_checks.CALIBRATION_SPACING),
+            "probability.start_spacing_lt",
+        ),
         (length_checks.check_horizon, (0.5, 4, 0.05), "lead_time_step_lt"),
     ],
 )
 def test_durations_below_one_step(check, arguments, name):
     with pytest.raises(ValueError, match=f"{name} is 0.05 Lyapunov times"):
         check(1000, 10, *arguments)
+
+
+def test_calibration_leaves_out_one_of_several_training_series(config):
+    put(config, "case_defaults.training.series", 1)
+    put(config, "case_defaults.recycle_validation.series", 1)
+    put(config, "cases.Re400.recycle_validation.series", 1)
+    assert "left out of the training one by one: take 2 at least" in only_problem(config)
+    put(config, "probability.calibration_series", 20)
+    load(config)
 
 
 def test_series_are_counted_together():

@@ -33,7 +33,9 @@ stage(
     settings="TIME case.event_threshold classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt "
     "probability.prior_forecasts probability.threshold_factors",
-    rows=of_job(lambda wildcards: campaign.keys(campaign.select(case=wildcards["case"]))),
+    rows=of_job(
+        lambda wildcards: campaign.keys(campaign.select(case=wildcards["case"]))
+    ),
     alarms=of_job(lambda wildcards: alarm_records(campaign, [wildcards["case"]])),
 )
 

@@ -207,6 +207,12 @@ def _case(config: Settings, name: str) -> Iterator[str]:
             f"most ensemble.series, {ensemble['series']}"
         )
     more = config["probability"]["calibration_series"]
+    if not more and training < 2:
+        yield (
+            "training.series is 1, but probabilities are calibrated on series that are left out of "
+            "the training one by one: take 2 at least, or further series "
+            "(probability.calibration_series)"
+        )
     if more and training + test + more > ensemble["series"]:
         yield (
             f"probability.calibration_series is {more}; together with training.series and "

@@ -10,6 +10,9 @@ from typing import Any
 
 from burstcast import durations
 
+CALIBRATION_SPACING = "probability.start_spacing_lt"
+"""Setting of the distance of the starting points that probabilities are calibrated on."""
+
 
 def check_kept_series(kept: int, needs: Mapping[str, int]) -> None:
     """Check that an ensemble has as many series as are taken from it.
@@ -70,9 +73,13 @@ def check_classification(
     start_spacing_lt: float,
     resolution_lt: float,
     reach_lt: float,
+    spacing: str = "classification.start_spacing_lt",
 ) -> None:
-    """Check that a series has room for a washout and a forecast up to ``reach_lt``."""
-    _steps("classification.start_spacing_lt", start_spacing_lt, steps_per_lyapunov_time)
+    """Check that a series has room for a washout and a forecast up to ``reach_lt``.
+
+    ``spacing`` is the setting of the distance of starting points.
+    """
+    _steps(spacing, start_spacing_lt, steps_per_lyapunov_time)
     _steps("classification.resolution_lt", resolution_lt, steps_per_lyapunov_time)
     what = "forecasts up to classification.longest_prediction_time_lt plus window_lt"
     reach = durations.steps(reach_lt, steps_per_lyapunov_time)
@@ -115,6 +122,7 @@ def misfits(
     interval_lt, washout_lt = config["search"]["interval_lt"], config["washout_lt"]
     intervals = record["recycle_validation"]["intervals_per_series"]
     spacing_lt = classification["start_spacing_lt"]
+    denser_lt = config["probability"]["start_spacing_lt"]
     resolution_lt = classification["resolution_lt"]
     reach_lt = classification["longest_prediction_time_lt"] + classification["window_lt"]
     messages = []
@@ -122,6 +130,7 @@ def misfits(
         (check_single_shot_validation, (interval_lt,)),
         (check_recycle_validation, (interval_lt, intervals)),
         (check_classification, (spacing_lt, resolution_lt, reach_lt)),
+        (check_classification, (denser_lt, resolution_lt, reach_lt, CALIBRATION_SPACING)),
         (check_horizon, (horizon["longest_lead_time_lt"], horizon["lead_time_step_lt"])),
     ):
         try:

@@ -22,6 +22,7 @@ def write_point_set(
     settings: Settings,
     ensemble: str,
     rows: range,
+    spacing: str,
     spacing_lt: float,
     steps_per_lyapunov_time: int,
     provenance: Mapping[str, str],
@@ -38,8 +39,8 @@ def write_point_set(
         Path of the ensemble.
     rows
         Kept series that the points lie in.
-    spacing_lt
-        Distance of two points, in Lyapunov times.
+    spacing, spacing_lt
+        Setting of the distance of two points, and its value in Lyapunov times.
     steps_per_lyapunov_time
         Steps of a forecast in a Lyapunov time.
     provenance
@@ -60,6 +61,7 @@ def write_point_set(
         spacing_lt,
         resolution_lt,
         (count + 1) * resolution_lt,
+        spacing,
     )
     observed = observed_rows(settings, ensemble, rows.start, states)
     washout = durations.steps(settings["washout_lt"], steps)

@@ -24,6 +24,7 @@ def evaluation_set_of_case(
         settings,
         ensemble,
         range(first, first + series),
+        "classification.start_spacing_lt",
         settings["classification.start_spacing_lt"],
         lyapunov_time(settings, time_unit),
         provenance,
