@@ -59,6 +59,15 @@ class Sources:
         ]
         return fingerprint(path, self._packages, sorted(more)) if more else entries
 
+    def all_fingerprints(self) -> list[str]:
+        """Fingerprints of all modules and all scripts, in the form of `fingerprint`."""
+        entries = [f"{path.name}@{_parsed(path)[0]}" for path in self._scripts.rglob("*.py")]
+        for path in self._packages.glob("burstcast*/**/*.py"):
+            parts = path.relative_to(self._packages).with_suffix("").parts
+            module = ".".join(parts).removesuffix(".__init__")
+            entries.append(f"{module}@{_parsed(path)[0]}")
+        return sorted(entries)
+
 
 def fingerprint(script: Path, source_root: Path, extra_modules: Sequence[str] = ()) -> list[str]:
     """Fingerprints of a script and of the project's modules that it uses.

@@ -5,8 +5,9 @@
     python -m burstcast_workflow.why [options of snakemake]
 
 Snakemake's dry run says which jobs would run. Here the settings, code and inputs that each of them
-has now are compared with those that it last ran with, as Snakemake recorded them, and the
-differences are named: settings by their path in the config, modules, files.
+has now are compared with those that its results were made with, as their records say
+(`burstcast_workflow.harness.records`), and the differences are named: settings by their path in the
+config, modules, files.
 """
 
 import ast
@@ -23,6 +24,7 @@ from snakemake.cli import args_to_api, parse_args
 
 from burstcast_workflow.canonical import natural_order
 from burstcast_workflow.identifiers import parsed
+from burstcast_workflow.planning import FORMER
 
 _MISSING = object()
 # options of snakemake that do something else than planning, even in a dry run
@@ -62,6 +64,8 @@ class Job:
         Those of its last run; None where nothing is recorded.
     missing, incomplete, changed_files
         Outputs that are not there or half-written, and inputs that are newer than the outputs.
+    problems
+        What is wrong with outputs that are there: damaged, or without a record of what made them.
     forced
         Whether it was asked for by an option.
     upstream
@@ -79,6 +83,7 @@ class Job:
     missing: Sequence[str] = ()
     incomplete: Sequence[str] = ()
     changed_files: Sequence[str] = ()
+    problems: Sequence[str] = ()
     forced: bool = False
     upstream: Sequence[int] = ()
 
@@ -250,6 +255,8 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
         yield "", f"file {path} changed"
     if job.incomplete:
         yield "", "interrupted before it was complete"
+    for problem in job.problems:
+        yield "", problem
     if job.missing and job.recorded_settings is None:
         others = known.get(job.rule, [])
         texts = new_values([job.wildcards], others) if others and job.wildcards else []
@@ -268,7 +275,9 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
             yield "", f"code of {module} changed"
     recorded = job.recorded_inputs
     if not settled and recorded is not None and sorted(recorded) != sorted(job.inputs):
-        yield "", "made from other files"
+        former = [path.removesuffix(FORMER) for path in recorded if path.endswith(FORMER)]
+        for text in [f"made from another {path}" for path in former] or ["made from other files"]:
+            yield "", text
 
 
 def _downstream(jobs: Sequence[Job]) -> list[set[int]]:
@@ -381,7 +390,7 @@ def snakemake_jobs(arguments: Sequence[str]) -> tuple[list[Job], dict[str, list[
                 continue  # a target: it runs nothing
             if dag.needrun(job):
                 running.append(job)
-            if any(persistence.params(path) is not None for path in job.output):
+            if any(persistence.metadata(path) is not None for path in job.output):
                 known.setdefault(job.rule.name, []).append(dict(job.wildcards_dict))
     numbers = {job: number for number, job in enumerate(running)}
     return [_described_job(job, dag, persistence, numbers) for job in running], known
@@ -389,8 +398,9 @@ def snakemake_jobs(arguments: Sequence[str]) -> tuple[list[Job], dict[str, list[
 
 def _described_job(job: Any, dag: Any, persistence: Any, numbers: Mapping[Any, int]) -> Job:
     reason = dag.reason(job)
-    recorded = [values for path in job.output if (values := persistence.params(path)) is not None]
-    values = [_literal(text) for text in recorded[0]] if recorded else []
+    records = [found for path in job.output if (found := persistence.metadata(path)) is not None]
+    recorded = [found for found in records if found.rule is not None]
+    values = [ast.literal_eval(text) for text in recorded[0].params] if recorded else []
     return Job(
         rule=job.rule.name,
         wildcards=dict(job.wildcards_dict),
@@ -399,21 +409,14 @@ def _described_job(job: Any, dag: Any, persistence: Any, numbers: Mapping[Any, i
         inputs=[str(path) for path in job.input],
         recorded_settings=next((value for value in values if isinstance(value, dict)), None),
         recorded_code=next((value for value in values if isinstance(value, list)), None),
-        recorded_inputs=persistence.input(job.output[0]) if recorded else None,
+        recorded_inputs=recorded[0].input if recorded else None,
         missing=[str(path) for path in reason.missing_output],
         incomplete=[str(path) for path in reason.incomplete_output],
         changed_files=[str(path) for path in reason.updated_input],
+        problems=[text for found in records if found.rule is None for text in found.params],
         forced=bool(reason.forced),
         upstream=[numbers[earlier] for earlier in dag.dependencies[job] if earlier in numbers],
     )
-
-
-def _literal(text: str) -> Any:
-    """Value of a parameter from the representation that Snakemake recorded."""
-    try:
-        return ast.literal_eval(text)
-    except (ValueError, SyntaxError):
-        return None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,235 +1,225 @@
 import json
 import multiprocessing
 import os
+import shutil
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
-from burstcast_workflow.fingerprint import fingerprint
 from burstcast_workflow.harness import cache
-from burstcast_workflow.harness.cache import CachedJob, cached_job, through_cache
+from burstcast_workflow.harness.cache import entry_key, restore, store
 
-ROOT = Path(__file__).parents[2]
-SCRIPT = ROOT / "workflow" / "scripts" / "forecasters" / "train.py"
-CODE = fingerprint(SCRIPT, ROOT / "src")
-
-
-class Files(dict):
-    """Named files of a job, as Snakemake hands them over."""
+JOB = {
+    "identity": {"rule": "train", "seed": 1},
+    "settings": {"seed": 1, "case": "Re400"},
+    "code": ["burstcast@1", "train.py@2"],
+    "inputs": {"ensemble": ["digest"], "lyapunov": []},
+    "outputs": ["network", "notes"],
+}
 
 
 @pytest.fixture
 def place(tmp_path):
-    (tmp_path / "in.nc").write_bytes(b"input")
     return tmp_path
 
 
-def job(place: Path, target: str = "a", **changes) -> CachedJob:
-    values = {
-        "rule": "train",
-        "settings": {"seed": 1, "case": "Re400"},
-        "script": SCRIPT,
-        "code": CODE,
-        "inputs": {"ensemble": [place / "in.nc"], "lyapunov": []},
-        "outputs": {
-            "network": place / target / "network.nc",
-            "notes": place / target / "notes.json",
-        },
-        "identity": {"rule": "train", "seed": 1},
-    }
-    return CachedJob(**{**values, **changes})
-
-
-def produce(made: CachedJob, content: str = "result"):
-    """Computation of a job's outputs that counts how often it runs."""
-
-    def compute() -> None:
-        compute.runs += 1
-        for name, path in made.outputs.items():
-            path.parent.mkdir(exist_ok=True)
-            path.write_text(f"{content} {name}")
-
-    compute.runs = 0
-    return compute
-
-
-def run(place: Path, made: CachedJob, content: str = "result") -> bool:
+def run(place: Path, target: str = "a", content: str = "result", **changes) -> bool:
     """Whether a job's outputs came from the cache; in any case they must be right."""
-    compute = produce(made, content)
-    hit = through_cache(place / "cache", made, compute)
-    assert compute.runs == (0 if hit else 1)
-    for name, path in made.outputs.items():
+    key = entry_key(**{**JOB, **changes})
+    outputs = {name: place / target / f"{name}.nc" for name in JOB["outputs"]}
+    (place / target).mkdir(exist_ok=True)
+    hit = restore(place / "cache", key, outputs)
+    if not hit:
+        for name, path in outputs.items():
+            path.write_text(f"{content} {name}")
+        store(place / "cache", key, "train", outputs, 1.0)
+    for name, path in outputs.items():
         assert path.read_text() == f"{content} {name}"
+    assert not list((place / target).glob(".*"))
     return hit
 
 
-def entry(place: Path) -> Path:
-    (found,) = cache.entries(place / "cache")
-    return found.path
+def entry(place: Path, number: int = -1) -> Path:
+    return list(cache.entries(place / "cache"))[number].path
 
 
 def test_the_same_job_elsewhere_is_a_hit(place):
-    assert not run(place, job(place))
-    assert run(place, job(place, "b"))
-    assert run(place, job(place, "a"))  # over outputs that are there
+    assert not run(place)
+    assert run(place, "b")
+    assert run(place, "a")  # over outputs that are there
 
 
 def test_outputs_are_copies(place):
-    run(place, job(place))
-    run(place, job(place, "b"))
+    run(place)
+    run(place, "b")
     inodes = {path.stat().st_ino for path in place.rglob("network*")}
     assert len(inodes) == 3
     (place / "b" / "network.nc").write_text("damaged by hand")
-    assert run(place, job(place, "c"))
+    assert run(place, "c")
 
 
 @pytest.mark.parametrize(
     "changes",
     [
-        {"rule": "scan"},
+        {"identity": {"rule": "scan", "seed": 1}},
         {"identity": {"rule": "train", "seed": 2}},
         {"settings": {"seed": 2, "case": "Re400"}},
         {"settings": {"seed": 1, "case": "Re400", "more": 0}},
         {"inputs": {"ensemble": [], "lyapunov": []}},
+        {"inputs": {"ensemble": ["another"], "lyapunov": []}},
+        {"code": ["burstcast@1", "train.py@3"]},
     ],
 )
 def test_whatever_a_job_depends_on_makes_another_entry(place, changes):
-    run(place, job(place))
-    assert not run(place, job(place, "b", **changes), "another result")
+    run(place)
+    assert not run(place, "b", "another result", **changes)
 
 
-def test_content_of_inputs_counts_and_their_place_does_not(place):
-    run(place, job(place))
-    (place / "copy.nc").write_bytes(b"input")
-    assert run(place, job(place, "b", inputs={"ensemble": [place / "copy.nc"], "lyapunov": []}))
-    (place / "in.nc").write_bytes(b"other")  # of the same length
-    assert not run(place, job(place, "b"), "another result")
-
-
-def test_settings_in_another_form_are_the_same(place):
-    run(place, job(place))
-    assert run(place, job(place, "b", settings={"case": "Re400", "seed": 1.0}))
+@pytest.mark.parametrize(
+    "same", [{"settings": {"case": "Re400", "seed": 1.0}}, {"code": ["train.py@2", "burstcast@1"]}]
+)
+def test_what_is_written_otherwise_is_the_same(place, same):
+    run(place)
+    assert run(place, **same)
 
 
 def test_library_versions_count(place, monkeypatch):
-    run(place, job(place))
+    run(place)
     monkeypatch.setattr(cache, "_version", lambda library: "99.0")
-    assert not run(place, job(place, "b"), "another result")
+    assert not run(place, "b", "another result")
 
 
-def test_rules_that_take_seconds_are_not_cached(place):
-    assert not run(place, job(place, cached=False))
-    assert not run(place, job(place, cached=False))
-    assert not (place / "cache").exists()
-
-
-@pytest.mark.parametrize("damage", ["content", "length", "missing", "record", "no record", "empty"])
-def test_damaged_entries_are_not_used_but_made_anew(place, damage):
-    run(place, job(place))
-    found = entry(place)
-    if damage == "content":
-        (found / "network").write_text("resulT network")
-    elif damage == "length":
-        (found / "network").write_text("result")
-    elif damage == "missing":
+def damage(found: Path, kind: str) -> None:
+    network, record = found / "network", found / "record.json"
+    if kind == "content":
+        network.write_text("resulT network")
+    elif kind == "length":
+        network.write_text("result")
+    elif kind == "missing":
         (found / "notes").unlink()
-    elif damage == "record":
-        (found / "record.json").write_text('{"files": ')
-    elif damage == "no record":
-        (found / "record.json").unlink()
+    elif kind == "a directory":
+        network.unlink()
+        network.mkdir()
+    elif kind == "no record":
+        record.unlink()
+    elif kind == "record is a directory":
+        record.unlink()
+        record.mkdir()
+    elif kind == "a stray file":
+        shutil.rmtree(found)
+        found.write_text("stray")
     else:
-        (found / "record.json").write_text("[]")
-    assert not run(place, job(place, "b"))
-    assert run(place, job(place, "c"))
+        record.write_text(RECORDS[kind])
+
+
+RECORDS = {
+    "half a record": '{"files": ',
+    "a list": "[]",
+    "files are none": '{"files": 3}',
+    "nested without end": '{"files":' * 100_000,
+    "nested": '{"files": {"network": {"files": {}}}}',
+}
+DAMAGES = [
+    *("content", "length", "missing", "a directory"),
+    *("no record", "record is a directory", "a stray file"),
+    *RECORDS,
+]
+
+
+@pytest.mark.parametrize("kind", DAMAGES)
+def test_damaged_entries_are_not_used_but_made_anew(place, kind):
+    run(place)
+    damage(entry(place), kind)
+    assert not run(place, "b")
+    assert run(place, "c")
+
+
+@pytest.mark.parametrize("kind", DAMAGES)
+def test_verify_finds_and_removes_damaged_entries(place, kind):
+    run(place)
+    run(place, settings={})
+    first = entry(place, 0)
+    damage(first, kind)
+    assert cache.verify(place / "cache") == [first]
+    assert [one.path for one in cache.entries(place / "cache")] != [first]
+    assert cache.verify(place / "cache") == []
+
+
+def test_stray_files_break_nothing(place):
+    run(place)
+    for name in ("stray", "entries/stray", "entries/ab"):
+        (place / "cache" / name).write_text("stray")
+    assert run(place)
+    assert cache.verify(place / "cache") == []
+    assert cache.prune(place / "cache", to_size=10**9) == []
 
 
 def test_a_damaged_entry_replaces_no_output(place):
-    run(place, job(place))
+    run(place)
     (entry(place) / "notes").write_text("damaged")
-    made = job(place, "a")
-
-    def fail() -> None:
-        raise RuntimeError("computing failed")
-
-    with pytest.raises(RuntimeError):
-        through_cache(place / "cache", made, fail)
-    assert made.outputs["network"].read_text() == "result network"
+    outputs = {name: place / "a" / f"{name}.nc" for name in JOB["outputs"]}
+    assert not restore(place / "cache", entry_key(**JOB), outputs)
+    assert outputs["network"].read_text() == "result network"
     assert not list(place.rglob("*.partial"))
-
-
-def test_failed_jobs_leave_nothing(place):
-    def fail() -> None:
-        raise RuntimeError("computing failed")
-
-    with pytest.raises(RuntimeError):
-        through_cache(place / "cache", job(place), fail)
-    assert list(cache.entries(place / "cache")) == []
-
-
-def test_code_that_is_not_what_was_fingerprinted_is_not_cached(place):
-    changed = [*CODE[:-1], CODE[-1].split("@")[0] + "@000000000000"]
-    assert not run(place, job(place, code=changed))
-    assert not run(place, job(place, "b", code=changed))
-
-
-def test_code_counts(place):
-    changed = [*CODE[:-1], CODE[-1].split("@")[0] + "@000000000000"]
-    assert cache._key(job(place), {}) != cache._key(job(place, code=changed), {})
-    assert cache._key(job(place), {}) == cache._key(job(place, code=CODE[::-1]), {})
-
-
-def test_inputs_that_change_during_the_job_are_noticed(place):
-    made = job(place)
-
-    def compute() -> None:
-        produce(made)()
-        (place / "in.nc").write_bytes(b"later")
-
-    assert not through_cache(place / "cache", made, compute)
-    assert list(cache.entries(place / "cache")) == []
 
 
 def test_a_cache_that_cannot_be_written_does_not_stop_a_job(place):
     (place / "cache").write_text("a file, no directory")
-    assert not run(place, job(place))
+    assert not run(place)
+    assert not run(place)
 
 
-def test_large_inputs_are_read_once_as_long_as_they_stay(place, monkeypatch):
-    monkeypatch.setattr(cache, "_REMEMBERED_FROM", 0)
-    monkeypatch.setattr(cache, "_SETTLED_SECONDS", -1.0)
-    monkeypatch.setattr(cache, "_digest", counted := Counted(cache._digest))
-    path = place / "in.nc"
-    first = cache._remembered_digest(place / "cache", path)
-    assert cache._remembered_digest(place / "cache", path) == first
-    assert counted.calls == 1
-    state = path.stat()
-    time.sleep(0.02)
-    path.write_bytes(b"INPUT")  # same length, and the time stamp put back
-    os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
-    assert cache._remembered_digest(place / "cache", path) != first
+def test_a_cache_that_may_only_be_read_is_used(place, monkeypatch):
+    """As that of another user is: nobody else may set the times of its files."""
+    run(place)
+
+    def forbidden(*arguments, **options):
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(cache.os, "utime", forbidden)
+    assert run(place, "b")
 
 
-class Counted:
-    def __init__(self, function):
-        self.function, self.calls = function, 0
+def test_a_damaged_entry_that_cannot_be_removed_does_not_stop_a_job(place, monkeypatch):
+    run(place)
+    (entry(place) / "notes").write_text("damaged")
 
-    def __call__(self, *arguments):
-        self.calls += 1
-        return self.function(*arguments)
+    def forbidden(*arguments):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(cache, "_remove", forbidden)
+    assert not run(place, "b")
+    assert cache.verify(place / "cache") == [entry(place)]
 
 
-def test_a_digest_is_not_remembered_of_a_file_that_has_just_changed(place, monkeypatch):
-    monkeypatch.setattr(cache, "_REMEMBERED_FROM", 0)
-    cache._remembered_digest(place / "cache", place / "in.nc")
-    assert not (place / "cache" / "digests").exists()
+def test_an_output_whose_partial_is_removed_says_nothing_about_the_entry(place, monkeypatch):
+    """The newer job of a killed workflow's orphan removes what that one has half-written."""
+    run(place)
+    plain = cache._copy
+
+    def copy(source, target):
+        found = plain(source, target)
+        target.unlink()
+        return found
+
+    monkeypatch.setattr(cache, "_copy", copy)
+    outputs = {name: place / "a" / f"{name}.nc" for name in JOB["outputs"]}
+    assert not restore(place / "cache", entry_key(**JOB), outputs)
+    monkeypatch.setattr(cache, "_copy", plain)
+    assert run(place)
+
+
+def test_the_home_of_nobody_is_no_cache(monkeypatch):
+    monkeypatch.setenv(cache.VARIABLE, "~nosuchuser/cache")
+    assert cache.location() is None
+    with pytest.raises(SystemExit):
+        cache.main(["size"])
 
 
 def _race(place: Path, number: int) -> None:
-    made = job(place, f"run{number}")
     for _ in range(20):
-        through_cache(place / "cache", made, produce(made))
+        run(place, f"run{number}")
         for found in cache.entries(place / "cache"):
             if number == 0:
                 cache._remove(place / "cache", found.path)
@@ -245,32 +235,6 @@ def test_runs_at_once_do_each_other_no_harm(place):
     assert [worker.exitcode for worker in workers] == [0, 0, 0, 0]
     assert cache.verify(place / "cache") == []
     assert not list((place / "cache" / "building").glob("*"))
-    for path in place.glob("run*/*"):
-        assert path.read_text().startswith("result ")
-
-
-@pytest.mark.parametrize(
-    ("resources", "cached"), [({"cached": 1}, True), ({"cached": 0}, False), ({}, False)]
-)
-def test_job_from_the_object_of_snakemake(resources, cached):
-    snakemake = SimpleNamespace(
-        rule="train",
-        params=SimpleNamespace(code=["burstcast@1", "train.py@2"]),
-        scriptdir="/somewhere",
-        input=Files(ensemble="a.nc", lyapunov=["b.json", "c.json"], none=[]),
-        output=Files(network="n.nc"),
-        resources=resources,
-    )
-    made = cached_job(snakemake, {"seed": 1}, {"rule": "train", "seed": 1})
-    assert made.script == Path("/somewhere/train.py")
-    assert made.inputs == {
-        "ensemble": [Path("a.nc")],
-        "lyapunov": [Path("b.json"), Path("c.json")],
-        "none": [],
-    }
-    assert made.outputs == {"network": Path("n.nc")}
-    assert made.identity == {"rule": "train", "seed": 1}
-    assert made.cached is cached
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -280,7 +244,7 @@ def test_job_from_the_object_of_snakemake(resources, cached):
 def filled(place):
     """Cache of three entries, last used 3, 2 and 1 days ago."""
     for seed in range(3):
-        run(place, job(place, settings={"seed": seed}), f"result {seed}")
+        run(place, content=f"result {seed}", settings={"seed": seed})
     found = sorted(
         cache.entries(place / "cache"),
         key=lambda entry: (entry.path / "network").read_text(),
@@ -310,7 +274,7 @@ def test_prune_to_a_size_keeps_what_was_used_last(filled):
 
 
 def test_a_hit_counts_as_use(filled, place):
-    run(place, job(place, "b", settings={"seed": 0}), "result 0")
+    run(place, "b", "result 0", settings={"seed": 0})
     cache.prune(filled, older_than=86400 / 2)
     assert left(filled) == {"result 0 network"}
 

@@ -25,12 +25,13 @@ class Files(dict):
     def __iter__(self):
         return iter(self.values())
 
+Path("data.nc").write_text("data")
 script = Path("train.py").resolve()
 script.write_text("import burstcast.durations")
 code = fingerprint(script, package_root())
 
 snakemake = SimpleNamespace(
-    rule="train", scriptdir=str(script.parent), log=["logs/train.log"],
+    rule="train", resources={}, scriptdir=str(script.parent), log=["logs/train.log"],
     wildcards={"case": "Re400", "seed": "3"},
     input=Files(data="data.nc"), output=Files(network="deep/er/network.json"),
     params=SimpleNamespace(settings={"number": 3.0, "name": "Re400"}, code=code),
@@ -159,7 +160,6 @@ def test_settings_that_nobody_reads_are_in_the_log(tmp_path):
 def test_outputs_from_the_cache_say_nothing_about_settings(tmp_path):
     body = """
         os.environ["BURSTCAST_CACHE"] = "cache"
-        Path("data.nc").write_text("data")
         snakemake.resources = {"cached": 1}
 
         def main(*, data, network, settings):

@@ -141,7 +141,7 @@ def test_full_disk_is_an_error_and_leaves_nothing(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(storage.os, "fsync", no_space)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(OSError, match="the disk is full: make room"):
         write_netcdf(tmp_path / "data.nc", example(), {})
     assert list(tmp_path.iterdir()) == []
 

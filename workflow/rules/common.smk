@@ -21,6 +21,8 @@ from burstcast_workflow.figure_registry import (
 from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.code_check import CodeChangedError, check_imports
 from burstcast_workflow.harness.failures import failure_summary
+from burstcast_workflow.harness.run import OvertakenError, Run
+from burstcast_workflow.planning import claim_at_first_job, plan_by_records
 from burstcast_workflow.setting_groups import listed
 from burstcast_workflow.summary import campaign_summary
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
@@ -32,13 +34,21 @@ gc.set_threshold(200_000, 50, 1000)
 PROJECT = Path(str(workflow.current_basedir)).parents[1]
 try:
     check_imports(PROJECT / "src")
-    config = load(config, workflow.configfiles, defaults=PROJECT / "config.yaml")
-except (CodeChangedError, ConfigError) as error:
+    if workflow.is_main_process:
+        config = load(config, workflow.configfiles, defaults=PROJECT / "config.yaml")
+        run = Run.new(config["results"])
+    else:  # a job of a cluster: what was planned, whatever the files say by now
+        run = Run.of_job()
+        config = run.plan()["config"]
+except (CodeChangedError, ConfigError, OvertakenError) as error:
     # without the traceback, in which nobody would find the message
     raise WorkflowError(str(error)) from None
+sources = Sources(PROJECT)
+plan_by_records(config["results"])
+if workflow.is_main_process:
+    claim_at_first_job(run, dict(config), sources)
 campaign = Campaign(config)
 costs = CostModel(campaign)
-sources = Sources(PROJECT)
 
 # -- where files lie ---------------------------------------------------------------------------------
 

@@ -29,8 +29,8 @@ import re
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
@@ -38,7 +38,7 @@ from pathlib import Path
 from typing import Any
 
 from burstcast_workflow.canonical import canonical_json
-from burstcast_workflow.harness.code_check import changed_code, script_of
+from burstcast_workflow.harness.records import digest
 from burstcast_workflow.harness.storage import atomic, write_json
 
 logger = logging.getLogger(__name__)
@@ -49,135 +49,58 @@ VARIABLE = "BURSTCAST_CACHE"
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-learn", "scikit-optimize")
 """Libraries another version of which may give other numbers."""
 
-_FORMAT = 3
+_FORMAT = 4
 _RECORD = "record.json"
 _BLOCK = 2**20
-# digests of larger files are remembered; reading a smaller one takes less time than that
-_REMEMBERED_FROM = 4 * 2**20
-# a file that changed so recently may change again without a trace in its time stamps
-_SETTLED_SECONDS = 2.0
 _ABANDONED_SECONDS = 24 * 3600.0
+
+
+class DamagedEntryError(ValueError):
+    """An entry is not what was stored."""
 
 
 def location() -> Path | None:
     """Directory of the cache; None where there is none."""
     directory = os.environ.get(VARIABLE, "")
-    return Path(directory).expanduser() if directory else None
+    try:
+        return Path(directory).expanduser() if directory else None
+    except RuntimeError as error:
+        logger.warning("the cache %s is not used: %s", directory, error)
+        return None
 
 
-@dataclass(frozen=True)
-class CachedJob:
-    """A job as the cache sees it.
-
-    Attributes
-    ----------
-    rule
-        Its rule.
-    settings
-        All settings that its script reads.
-    script
-        The file of its script.
-    code
-        Fingerprints of its code, as its rule passes them.
-    inputs, outputs
-        Its files, by name: one or several under each name of the inputs.
-    identity
-        Which job it is: outputs say it, so that those of another job are not its own.
-    cached
-        Whether its rule says that its results are worth keeping; most others take seconds.
-    """
-
-    rule: str
-    settings: Mapping[str, Any]
-    script: Path
-    code: Sequence[str]
-    inputs: Mapping[str, Sequence[Path]]
-    outputs: Mapping[str, Path]
-    identity: Mapping[str, Any]
-    cached: bool = True
-
-
-def cached_job(
-    snakemake: Any, settings: Mapping[str, Any], identity: Mapping[str, Any]
-) -> CachedJob:
-    """Describe the job that a script runs in, from the object that Snakemake puts into it."""
-    code = list(snakemake.params.code)
-    return CachedJob(
-        rule=snakemake.rule,
-        settings=settings,
-        script=script_of(snakemake),
-        code=code,
-        inputs={
-            name: [Path(files)] if isinstance(files, str) else [Path(file) for file in files]
-            for name, files in snakemake.input.items()
-        },
-        outputs={name: Path(file) for name, file in snakemake.output.items()},
-        identity=identity,
-        cached=bool(snakemake.resources.get("cached", 0)),
-    )
-
-
-def through_cache(directory: Path, job: CachedJob, compute: Callable[[], None]) -> bool:
-    """Take a job's outputs from the cache, or compute them and put them into it.
+def entry_key(
+    identity: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    code: Sequence[str],
+    inputs: Mapping[str, Sequence[str]],
+    outputs: Sequence[str],
+) -> str:
+    """Key of a job's entry: a hash of everything that its outputs depend on.
 
     Parameters
     ----------
-    directory
-        The cache's.
-    job
-        The job; only those whose rule says that they are cached are looked up.
-    compute
-        Writes the job's outputs. Its exceptions are passed on.
-
-    Returns
-    -------
-    Whether the outputs were taken from the cache.
+    identity
+        Rule and wildcards: outputs say them, so that those of another job are not its own.
+    settings
+        All settings that its script reads.
+    code
+        Fingerprints of its code.
+    inputs
+        Digests of its inputs, by name.
+    outputs
+        Names of its outputs.
     """
-    if not job.cached:
-        compute()
-        return False
-    try:
-        inputs = _Inputs.read(directory, job)
-        key = _key(job, inputs.digests)
-        if _restore(directory, key, job):
-            logger.info("outputs taken from the cache: entry %s", key)
-            return True
-        sound = not changed_code(job.script, job.code)
-    except (OSError, ValueError, SyntaxError) as error:
-        logger.warning("the cache is not used: %s: %s", type(error).__name__, error)
-        compute()
-        return False
-    start = time.monotonic()
-    compute()
-    seconds = time.monotonic() - start
-    try:
-        # What was edited after Snakemake took the fingerprints, or while the job ran, may have
-        # taken part in the outputs: they do not belong to this key.
-        if not sound or changed_code(job.script, job.code) or not inputs.unchanged():
-            logger.warning("outputs are not cached: code or inputs have changed meanwhile")
-        else:
-            _store(directory, key, job, seconds)
-            logger.info("outputs put into the cache: entry %s", key)
-    except (OSError, SyntaxError) as error:
-        logger.warning("outputs are not cached: %s: %s", type(error).__name__, error)
-    return False
-
-
-# -- what an entry depends on ----------------------------------------------------------------------
-
-
-def _key(job: CachedJob, input_digests: Mapping[str, Sequence[str]]) -> str:
     material = {
         "format": _FORMAT,
-        "rule": job.rule,
-        "identity": job.identity,
-        "settings": job.settings,
-        "code": sorted(job.code),
+        "identity": identity,
+        "settings": settings,
+        "code": sorted(code),
         "libraries": {name: _version(name) for name in LIBRARIES},
         "python": ".".join(platform.python_version_tuple()[:2]),
         "machine": platform.machine(),
-        "inputs": input_digests,
-        "outputs": sorted(job.outputs),
+        "inputs": inputs,
+        "outputs": sorted(outputs),
     }
     return hashlib.sha256(canonical_json(material, "key").encode()).hexdigest()
 
@@ -187,64 +110,6 @@ def _version(library: str) -> str:
     return version(library)
 
 
-_Stamp = tuple[int, int, int, int, int]
-
-
-@dataclass(frozen=True)
-class _Inputs:
-    """Contents of a job's inputs, and the state of the files that they were read from."""
-
-    digests: Mapping[str, Sequence[str]]
-    stamps: Mapping[Path, _Stamp]
-
-    @classmethod
-    def read(cls, directory: Path, job: CachedJob) -> "_Inputs":
-        paths = [path for group in job.inputs.values() for path in group]
-        stamps = {path: _stamp(path) for path in paths}
-        digests = {
-            name: [_remembered_digest(directory, path) for path in group]
-            for name, group in job.inputs.items()
-        }
-        return cls(digests, stamps)
-
-    def unchanged(self) -> bool:
-        return all(_stamp(path) == stamp for path, stamp in self.stamps.items())
-
-
-def _stamp(path: Path) -> _Stamp:
-    """State of a file: a change of its content changes it, since nobody can set the ctime."""
-    state = path.stat()
-    return state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns, state.st_ctime_ns
-
-
-def _digest(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-def _remembered_digest(directory: Path, path: Path) -> str:
-    """Digest of a file, remembered beside the entries for as long as the file stays as it is.
-
-    An ensemble of hundreds of megabytes is an input of hundreds of jobs.
-    """
-    stamp = _stamp(path)
-    if stamp[2] < _REMEMBERED_FROM:
-        return _digest(path)
-    name = hashlib.sha256(os.fsencode(path.resolve())).hexdigest()
-    memory = directory / "digests" / f"{name}.json"
-    try:
-        record = json.loads(memory.read_bytes())
-        if record["stamp"] == list(stamp):
-            return str(record["digest"])
-    except (OSError, ValueError, KeyError, TypeError):
-        pass  # unknown, or half-written by someone without atomic renames: read the file
-    digest = _digest(path)
-    if _stamp(path) == stamp and time.time() - stamp[4] / 1e9 > _SETTLED_SECONDS:
-        memory.parent.mkdir(parents=True, exist_ok=True)
-        write_json(memory, {"stamp": list(stamp), "digest": digest})
-    return digest
-
-
 # -- entries ---------------------------------------------------------------------------------------
 
 
@@ -252,97 +117,135 @@ def _entry(directory: Path, key: str) -> Path:
     return directory / "entries" / key[:2] / key
 
 
-def _restore(directory: Path, key: str, job: CachedJob) -> bool:
-    """Copy the outputs of an entry into place if it is there and sound; remove it if it is not."""
+def restore(directory: Path, key: str, outputs: Mapping[str, Path]) -> bool:
+    """Copy the outputs of an entry into place if it is there and sound; remove it if it is damaged.
+
+    Parameters
+    ----------
+    directory
+        The cache's.
+    key
+        The entry's (`entry_key`).
+    outputs
+        Where its files go, by their names.
+
+    Returns
+    -------
+    Whether they were there.
+    """
     entry = _entry(directory, key)
+    if not entry.exists():
+        return False
     try:
         files = _files(entry)
-    except FileNotFoundError:
-        return False
-    except ValueError as error:
-        _discard(directory, entry, str(error))
-        return False
-    try:
         with ExitStack() as stack:
             # all are copied and verified before the first of them is renamed
-            for name, path in job.outputs.items():
-                path.parent.mkdir(parents=True, exist_ok=True)
+            for name, path in outputs.items():
                 partial = stack.enter_context(atomic(path))
                 if _copy(entry / name, partial) != files.get(name):
-                    raise ValueError(f"{name} is not what was stored")
-    except FileNotFoundError as error:  # an entry that is being pruned, or has lost a file
-        _discard(directory, entry, f"{Path(error.filename or '').name} is missing")
-        return False
-    except ValueError as error:
+                    raise DamagedEntryError(f"{name} is not what was stored")
+    except DamagedEntryError as error:
         _discard(directory, entry, str(error))
         return False
-    os.utime(entry / _RECORD)  # its last use
+    except OSError as error:
+        logger.warning("the cache is not used: %s: %s", type(error).__name__, error)
+        return False
+    with suppress(OSError):  # another user's cache is read, too
+        os.utime(entry / _RECORD)  # its last use
+    logger.info("outputs taken from the cache: entry %s", key)
     return True
 
 
-def _files(entry: Path) -> dict[str, str]:
-    """Digests of an entry's files, by name.
+def store(
+    directory: Path, key: str, rule: str, outputs: Mapping[str, Path], seconds: float
+) -> None:
+    """Copy a job's outputs into an entry, which appears whole or not at all.
 
-    Raises
-    ------
-    FileNotFoundError
-        If there is no entry.
-    ValueError
-        If its record cannot be read.
+    Parameters
+    ----------
+    directory
+        The cache's; made if it is not there.
+    key
+        The entry's (`entry_key`).
+    rule
+        The job's, for those who look at the cache.
+    outputs
+        The job's files, by their names.
+    seconds
+        What they cost.
     """
-    if not entry.is_dir():
-        raise FileNotFoundError(entry)
+    entry = _entry(directory, key)
+    building = directory / "building" / f"{key}.{os.urandom(6).hex()}"
+    try:
+        if entry.exists():  # another run was faster
+            return
+        building.mkdir(parents=True)
+        files = {name: _copy(path, building / name) for name, path in outputs.items()}
+        for name, path in outputs.items():
+            with (building / name).open("rb") as file:
+                os.fsync(file.fileno())
+            if digest(path) != files[name]:
+                raise OSError(f"{path} changed while it was copied")
+        record = {"rule": rule, "seconds": round(seconds, 3), "files": files}
+        write_json(building / _RECORD, record)
+        entry.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileExistsError):
+            _rename(building, entry)
+    except OSError as error:
+        logger.warning("outputs are not cached: %s: %s", type(error).__name__, error)
+        return
+    finally:
+        shutil.rmtree(building, ignore_errors=True)
+    logger.info("outputs put into the cache: entry %s", key)
+
+
+def _rename(building: Path, entry: Path) -> None:
+    try:
+        os.rename(building, entry)
+    except OSError as error:
+        if entry.exists():
+            raise FileExistsError(entry) from error
+        raise
+
+
+def _files(entry: Path) -> dict[str, str]:
+    """Digests of an entry's files, by name."""
+    record = _read_record(entry)
+    if not isinstance(files := record.get("files"), dict):
+        raise DamagedEntryError("its record says nothing of files")
+    return {str(name): str(value) for name, value in files.items()}
+
+
+def _read_record(entry: Path) -> dict[str, Any]:
     try:
         record = json.loads((entry / _RECORD).read_bytes())
-        return {str(name): str(digest) for name, digest in record["files"].items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"its record cannot be read ({type(error).__name__})") from error
+    except (OSError, ValueError, RecursionError) as error:
+        raise DamagedEntryError(f"its record cannot be read ({type(error).__name__})") from error
+    if not isinstance(record, dict):
+        raise DamagedEntryError("its record is none")
+    return record
 
 
 def _copy(source: Path, target: Path) -> str:
     """Copy a file and return the digest of what was copied."""
-    digest = hashlib.sha256()
-    with source.open("rb") as read, target.open("xb") as written:
-        while block := read.read(_BLOCK):
-            digest.update(block)
-            written.write(block)
-    return digest.hexdigest()
-
-
-def _store(directory: Path, key: str, job: CachedJob, seconds: float) -> None:
-    """Copy a job's outputs into an entry, which appears whole or not at all."""
-    entry = _entry(directory, key)
-    if entry.exists():  # another run was faster
-        return
-    building = directory / "building" / f"{key}.{os.urandom(6).hex()}"
-    building.mkdir(parents=True)
+    content = hashlib.sha256()
     try:
-        files = {name: _copy(path, building / name) for name, path in job.outputs.items()}
-        for name, path in job.outputs.items():
-            _flush(building / name)
-            if _digest(path) != files[name]:
-                raise OSError(f"{path} changed while it was copied")
-        write_json(
-            building / _RECORD, {"rule": job.rule, "seconds": round(seconds, 3), "files": files}
-        )
-        entry.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            os.rename(building, entry)
-        except OSError:
-            if not entry.exists():
-                raise
-    finally:
-        shutil.rmtree(building, ignore_errors=True)
-
-
-def _flush(path: Path) -> None:
-    with path.open("rb") as file:
-        os.fsync(file.fileno())
+        read = source.open("rb")
+    except (FileNotFoundError, IsADirectoryError) as error:  # pruned meanwhile, or damaged
+        raise DamagedEntryError(f"{source.name} is missing") from error
+    with read, target.open("xb") as written:
+        while block := read.read(_BLOCK):
+            content.update(block)
+            written.write(block)
+    return content.hexdigest()
 
 
 def _discard(directory: Path, entry: Path, reason: str) -> None:
     logger.warning("cache entry %s is damaged and removed: %s", entry.name, reason)
-    _remove(directory, entry)
+    try:
+        _remove(directory, entry)
+    except OSError as error:
+        logger.warning("it cannot be removed: %s: %s", type(error).__name__, error)
 
 
 def _remove(directory: Path, entry: Path) -> None:
@@ -353,7 +256,14 @@ def _remove(directory: Path, entry: Path) -> None:
         os.rename(entry, rubbish)
     except FileNotFoundError:  # another run has removed it
         return
-    shutil.rmtree(rubbish, ignore_errors=True)
+    _delete(rubbish)
+
+
+def _delete(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
 
 
 # -- its size, and pruning -------------------------------------------------------------------------
@@ -372,16 +282,14 @@ class Entry:
 def entries(directory: Path) -> Iterator[Entry]:
     """All entries, those that cannot be read included (their rule is ``damaged``)."""
     for path in sorted((directory / "entries").glob("??/*")):
-        try:
-            size = sum(file.stat().st_size for file in path.iterdir())
+        with suppress(FileNotFoundError):  # pruned by somebody else meanwhile
+            size = sum(file.stat().st_size for file in (path, *path.rglob("*")) if file.is_file())
             try:
-                rule = str(json.loads((path / _RECORD).read_bytes())["rule"])
+                rule = str(_read_record(path).get("rule", "damaged"))
                 last_use = (path / _RECORD).stat().st_mtime
-            except (FileNotFoundError, ValueError, KeyError, TypeError):
-                rule, last_use = "damaged", path.stat().st_mtime
-        except FileNotFoundError:  # pruned by somebody else meanwhile
-            continue
-        yield Entry(path, rule, size, last_use)
+            except DamagedEntryError:
+                rule, last_use = "damaged", path.lstat().st_mtime
+            yield Entry(path, rule, size, last_use)
 
 
 def verify(directory: Path) -> list[Path]:
@@ -389,14 +297,13 @@ def verify(directory: Path) -> list[Path]:
     damaged = []
     for entry in entries(directory):
         try:
-            sound = all(
-                _digest(entry.path / name) == digest for name, digest in _files(entry.path).items()
-            )
-        except (FileNotFoundError, ValueError):
-            sound = False
-        if not sound and entry.path.exists():
-            _discard(directory, entry.path, "found by verify")
-            damaged.append(entry.path)
+            for name, content in _files(entry.path).items():
+                if digest(entry.path / name) != content:
+                    raise DamagedEntryError(f"{name} is not what was stored")
+        except (OSError, DamagedEntryError) as error:
+            if entry.path.exists():
+                _discard(directory, entry.path, str(error))
+                damaged.append(entry.path)
     return damaged
 
 
@@ -428,18 +335,11 @@ def prune(
             _remove(directory, entry.path)
             removed.append(entry)
             left -= entry.size
-    _remove_abandoned(directory, now)
+    for path in (directory / "building").glob("*"):  # left by jobs that were killed
+        with suppress(FileNotFoundError):
+            if now - path.stat().st_mtime > _ABANDONED_SECONDS:  # no copy takes a day
+                _delete(path)
     return removed
-
-
-def _remove_abandoned(directory: Path, now: float) -> None:
-    """Remove what jobs that were killed have left: no copy takes a day."""
-    for path in [*(directory / "building").glob("*"), *(directory / "digests").glob("*")]:
-        try:
-            if now - path.stat().st_mtime > _ABANDONED_SECONDS:
-                shutil.rmtree(path) if path.is_dir() else path.unlink()
-        except FileNotFoundError:
-            continue
 
 
 # -- command line ----------------------------------------------------------------------------------

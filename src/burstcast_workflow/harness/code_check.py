@@ -5,7 +5,7 @@ perhaps in another environment. A result of other code under the record of this 
 believed for good.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -80,15 +80,25 @@ def changed_code(script: Path, code: Sequence[str]) -> list[str]:
     return sorted(name for name in {*planned, *found} if planned.get(name) != found.get(name))
 
 
-def check_code(script: Path, code: Sequence[str]) -> None:
-    """Check that the code on disk is what fingerprints were taken of.
+def check_code(script: Path, code: Sequence[str], planned: Collection[str]) -> None:
+    """Check that the code on disk is what fingerprints were taken of when the run was planned.
+
+    Parameters
+    ----------
+    script
+        The job's script.
+    code
+        Fingerprints as its rule passes them; on a cluster, they are taken anew for every job.
+    planned
+        Fingerprints of all code at the time when the run was planned.
 
     Raises
     ------
     CodeChangedError
         If it is not.
     """
-    if changed := changed_code(script, code):
+    edited = [entry.rpartition("@")[0] for entry in code if entry not in planned]
+    if changed := sorted({*edited, *changed_code(script, code)}):
         raise CodeChangedError(
             f"{', '.join(changed)} changed after the workflow was planned: nothing is kept of this "
             f"job; run the workflow again when the edit is done"

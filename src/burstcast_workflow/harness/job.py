@@ -30,8 +30,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from burstcast_workflow.canonical import canonical, canonical_json
-from burstcast_workflow.harness.cache import LIBRARIES, cached_job, location, through_cache
+from burstcast_workflow.harness.cache import LIBRARIES, entry_key, location, restore, store
 from burstcast_workflow.harness.code_check import check_code, script_of
+from burstcast_workflow.harness.records import Inputs, Records
+from burstcast_workflow.harness.run import Run
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import remove_partial
 
@@ -74,44 +76,57 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
         )
         logging.captureWarnings(True)
         try:
-            identity = job_identity(snakemake.rule, snakemake.wildcards)
-            declared = canonical(dict(snakemake.params.settings), "params.settings")
-            settings = Settings(declared, identity)
-            logger.info("%s starts with settings %s", label, canonical_json(declared))
-            for path in snakemake.output:
-                Path(path).parent.mkdir(parents=True, exist_ok=True)
-                remove_partial(path)
-            compute = partial(
-                function,
-                **arguments_for(
-                    function,
-                    {
-                        **_by_name(snakemake.input),
-                        **_by_name(snakemake.output),
-                        "settings": settings,
-                        "provenance": provenance(identity, declared),
-                    },
-                ),
-            )
-            script, code = script_of(snakemake), list(snakemake.params.code)
-            check_code(script, code)
-            directory = location()
-            cached = False
-            if directory is None:
-                compute()
-            else:
-                job = cached_job(snakemake, declared, identity)
-                cached = through_cache(directory, job, compute)
-            check_code(script, code)  # an edit meanwhile may have taken part
-            if not cached and (unread := settings.unread()):
-                logger.info("settings not read: %s", ", ".join(unread))
+            _run(snakemake, function, label)
             logger.info("%s is done: %s", label, _cost(start))
         except Exception as error:
-            traceback.print_exc()
-            logger.error("%s failed: %s", label, _cost(start))
             reason = " ".join(f"{type(error).__name__}: {error}".split())
             print(f"{label} failed: {reason} (log: {log})", file=stderr, flush=True)
+            traceback.print_exc()
+            logger.error("%s failed: %s", label, _cost(start))
             raise SystemExit(1) from None
+
+
+def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
+    """Compute a job's outputs, or take them from the cache, and record what made them."""
+    start = time.monotonic()
+    run = Run.current()
+    records = None if run is None else Records(run.results)
+    identity = job_identity(snakemake.rule, snakemake.wildcards)
+    declared = canonical(dict(snakemake.params.settings), "params.settings")
+    settings = Settings(declared, identity)
+    logger.info("%s starts with settings %s", label, canonical_json(declared))
+    files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
+    given = {**files, "settings": settings, "provenance": provenance(identity, declared)}
+    arguments = arguments_for(function, given)
+    script, code = script_of(snakemake), list(snakemake.params.code)
+    planned = code if run is None else run.plan()["code"]
+    check_code(script, code, planned)
+    for path in snakemake.output:
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        remove_partial(path)
+
+    inputs, directory = Inputs.read(snakemake.input, records), location()
+    if directory is None or not snakemake.resources.get("cached", 0):
+        cached, keep = False, None
+    else:
+        outputs = {name: Path(path) for name, path in snakemake.output.items()}
+        key = entry_key(identity, declared, code, inputs.by_name, list(outputs))
+        cached = restore(directory, key, outputs)
+        keep = partial(store, directory, key, snakemake.rule, outputs)
+    if not cached:
+        function(**arguments)
+        if unread := settings.unread():
+            logger.info("settings not read: %s", ", ".join(unread))
+
+    # what was edited meanwhile may have taken part
+    check_code(script, code, planned)
+    inputs.check()
+    seconds = time.monotonic() - start
+    if records is not None:
+        made_by = identity, dict(snakemake.params.items()), inputs.by_path
+        records.write(snakemake.output, *made_by, snakemake.log[0], seconds)
+    if keep is not None and not cached:
+        keep(seconds)
 
 
 def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Provenance:

@@ -6,6 +6,7 @@ machine or the path: equal content is equal bits. Tables are in `burstcast_workf
 figures in `burstcast_workflow.harness.figures`.
 """
 
+import errno
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -18,7 +19,11 @@ import netCDF4
 import numpy as np
 import numpy.typing as npt
 
+from burstcast_workflow.harness.run import check_ownership
+
 PARTIAL_SUFFIX = ".partial"
+
+_LITTLE_SPACE = 2**16
 
 
 @contextmanager
@@ -26,6 +31,13 @@ def atomic(path: str | Path) -> Iterator[Path]:
     """Give a temporary path to write to, which becomes ``path`` if all goes well.
 
     On any exception the temporary file is removed and ``path`` is left as it was.
+
+    Raises
+    ------
+    OvertakenError
+        If a newer run of the workflow has the results now.
+    OSError
+        If the disk is full, among others: libraries that write files do not always say so.
     """
     path = Path(path)
     # unique: the job of a killed workflow may still be writing while the next one starts
@@ -33,9 +45,14 @@ def atomic(path: str | Path) -> Iterator[Path]:
     try:
         yield partial
         _flush_to_disk(partial)
+        check_ownership()
         os.replace(partial, path)
-    except BaseException:
+    except BaseException as error:
+        full = isinstance(error, OSError | RuntimeError) and _disk_is_full(path.parent, error)
         partial.unlink(missing_ok=True)
+        if full:
+            text = "the disk is full: make room, and run again"
+            raise OSError(errno.ENOSPC, text, str(path)) from error
         raise
     _flush_to_disk(path.parent)
 
@@ -51,6 +68,13 @@ def remove_partial(path: str | Path) -> None:
         for entry in list(os.scandir(path.parent)):
             if entry.name.startswith(prefix) and entry.name.endswith(PARTIAL_SUFFIX):
                 Path(entry.path).unlink(missing_ok=True)
+
+
+def _disk_is_full(directory: Path, error: BaseException) -> bool:
+    if getattr(error, "errno", None) in (errno.ENOSPC, errno.EDQUOT):
+        return True
+    state = os.statvfs(directory)
+    return state.f_bavail * state.f_frsize < _LITTLE_SPACE
 
 
 def _flush_to_disk(path: Path) -> None:
@@ -258,5 +282,14 @@ def write_json(path: str | Path, record: Any) -> None:
 
 
 def read_json(path: str | Path) -> Any:
-    """Read a JSON file."""
-    return json.loads(Path(path).read_bytes())
+    """Read a JSON file.
+
+    Raises
+    ------
+    ValueError
+        If it is none; the message names the file.
+    """
+    try:
+        return json.loads(Path(path).read_bytes())
+    except ValueError as error:
+        raise ValueError(f"{path} is no JSON: {error}") from error

@@ -51,8 +51,16 @@ def read_table(path: str | Path) -> pd.DataFrame:
 
     Numbers come back exactly. Whole numbers are int64, or Int64 where cells are empty; other
     numbers and columns without any value are float64; the rest is text. Empty cells are missing.
+
+    Raises
+    ------
+    ValueError
+        If it is no such table; the message names the file.
     """
-    return _parse(Path(path).read_text(encoding="utf-8"))
+    try:
+        return _parse(Path(path).read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ValueError(f"{path} is no table: {error}") from error
 
 
 _WHOLE_NUMBER = r"-?\d{1,18}"

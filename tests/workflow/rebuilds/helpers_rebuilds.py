@@ -236,11 +236,12 @@ class Project:
 
 
 def digests(directory: Path) -> dict[str, str]:
-    """Digests of all files of a directory."""
+    """Digests of all files of a directory; records, which hold times, are not among them."""
+    names = {path: str(path.relative_to(directory)) for path in sorted(directory.rglob("*"))}
     return {
-        str(path.relative_to(directory)): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted(directory.rglob("*"))
-        if path.is_file()
+        name: hashlib.sha256(path.read_bytes()).hexdigest()
+        for path, name in names.items()
+        if path.is_file() and not name.startswith(".")
     }
 
 

@@ -4,6 +4,7 @@ Modules of the project are not loaded here: each script imports them anew from i
 working copy.
 """
 
+import hashlib
 import json
 import os
 import runpy
@@ -31,6 +32,7 @@ import snakemake.script
 import snakemake.workflow
 
 _END_OF_PREAMBLE = "######## snakemake preamble end #########"
+EMPTY = hashlib.sha256().hexdigest()
 LOADED = (matplotlib, netCDF4, numpy, pandas, scipy, skimage, skopt, snakemake)
 
 
@@ -99,9 +101,18 @@ def _pretend(script: str) -> None:
     assert marker, "Snakemake begins its scripts differently now"
     scope: dict = {"__file__": script}
     exec(preamble, scope)  # what Snakemake says of the job
-    for output in scope["snakemake"].output:
+    job = scope["snakemake"]
+    for output in job.output:
         with open(output, "w"):
             pass
+
+    from burstcast_workflow.harness.job import job_identity
+    from burstcast_workflow.harness.records import Records
+    from burstcast_workflow.harness.run import Run
+
+    records = Records(Run.current().results)
+    identity, inputs = job_identity(job.rule, job.wildcards), dict.fromkeys(job.input, EMPTY)
+    records.write(job.output, identity, dict(job.params.items()), inputs, job.log[0], 0.0)
 
 
 if __name__ == "__main__":

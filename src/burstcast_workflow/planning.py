@@ -1,0 +1,105 @@
+"""What Snakemake knows of results that are there: their own records, and nothing else.
+
+Snakemake keeps records of its own, by the paths of files, in the directory that it runs in. They
+say nothing about files that were exchanged, restored, made by another copy of the project, or that
+outlived that directory. Here it is told what the results' own records say instead
+(`burstcast_workflow.harness.records`).
+"""
+
+import os
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from snakemake.exceptions import WorkflowError
+from snakemake.persistence import RECORD_FORMAT_VERSION, MetadataRecord, PersistenceBase
+
+from burstcast_workflow.fingerprint import Sources
+from burstcast_workflow.harness.records import Record, Records, digest
+from burstcast_workflow.harness.run import OvertakenError, Run
+
+FORMER = " as it was"
+"""What is put after the path of an input whose content is not what a file was made from."""
+
+_snakemakes_own = PersistenceBase.metadata
+
+
+_started = PersistenceBase.started
+
+
+def claim_at_first_job(run: Run, config: Mapping[str, Any], sources: Sources) -> None:
+    """Let a run take its results directory before its first job starts, not when it only plans.
+
+    Parameters
+    ----------
+    run
+        The run.
+    config, sources
+        What is planned: the whole config and the code.
+    """
+    claimed = False
+
+    def started(self: PersistenceBase, *arguments: Any, **options: Any) -> None:
+        nonlocal claimed
+        if not claimed:
+            try:
+                run.claim(config, sources.all_fingerprints())
+            except OvertakenError as error:
+                raise WorkflowError(str(error)) from None
+            claimed = True
+        _started(self, *arguments, **options)
+
+    PersistenceBase.started = started
+
+
+def plan_by_records(results: str) -> None:
+    """Let Snakemake plan by the records of a results directory.
+
+    Parameters
+    ----------
+    results
+        The directory, as the rules spell it.
+    """
+    records = Records(results)
+
+    @cache
+    def found(path: str, _changed: int) -> tuple[Record | None, str]:
+        return records.found(path)
+
+    def content(path: str) -> str | None:
+        """Digest of a file as it is now; None if it is not there, or damaged."""
+        if not os.path.exists(path):
+            return None
+        if not path.startswith(f"{results}/"):
+            return digest(path)
+        record, _ = found(path, os.stat(path).st_mtime_ns)
+        return None if record is None else record.digest
+
+    @cache
+    def known(path: str, changed: int) -> MetadataRecord:
+        record, problem = found(path, changed)
+        if record is None:
+            # parameters that no job has: it runs again, and Snakemake says why
+            return MetadataRecord(record_format_version=RECORD_FORMAT_VERSION, params=[problem])
+        inputs = {records.path(name): value for name, value in record.inputs.items()}
+        return MetadataRecord(
+            record_format_version=RECORD_FORMAT_VERSION,
+            rule=record.identity["rule"],
+            params=sorted(map(repr, record.parameters.values())),
+            input=sorted(
+                path if content(path) in (value, None) else path + FORMER
+                for path, value in inputs.items()
+            ),
+            input_checksums={path: f"sha256:{value}" for path, value in inputs.items()},
+            log=[records.path(record.log)],
+            starttime=changed / 1e9 - record.seconds,
+            endtime=changed / 1e9,
+        )
+
+    def metadata(self: PersistenceBase, target: Any) -> MetadataRecord | None:
+        path = str(target)
+        if not path.startswith(f"{results}/"):
+            return _snakemakes_own(self, target)
+        return known(path, os.stat(path).st_mtime_ns) if os.path.exists(path) else None
+
+    PersistenceBase.metadata = metadata
