@@ -46,6 +46,23 @@ class Run:
         return run
 
     @classmethod
+    def of_job(cls) -> "Run":
+        """Tell the run that the job of this process belongs to.
+
+        Raises
+        ------
+        OvertakenError
+            If nothing says which it is.
+        """
+        run = cls.current()
+        if run is None:
+            raise OvertakenError(
+                f"the environment variable {VARIABLE} does not reach jobs: let the executor pass "
+                f"on the environment"
+            )
+        return run
+
+    @classmethod
     def current(cls) -> "Run | None":
         """Tell the run that this process belongs to; None outside of the workflow."""
         value = os.environ.get(VARIABLE)

@@ -34,9 +34,9 @@ def results(project: Project) -> dict[str, str]:
     }
 
 
-def start(project: Project, *arguments: str) -> subprocess.Popen:
+def start(project: Project, *arguments: str, overlay: dict | None = None) -> subprocess.Popen:
     return subprocess.Popen(
-        [sys.executable, "-m", "snakemake", *project.options(*arguments)],
+        [sys.executable, "-m", "snakemake", *project.options(*arguments, overlay=overlay)],
         cwd=project.directory,
         env=project.environment(),
         stdout=subprocess.DEVNULL,
@@ -81,6 +81,43 @@ def test_the_workflow_is_killed(project, undisturbed):
     assert complete(project, TARGETS, locked=True) == undisturbed
 
 
+def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbed):
+    larger = {"random_seed": 1, "case_defaults": {"ensemble": {"series": 6000}}}
+    workflow = start(project, *TARGETS, overlay=larger)
+    wait_for_log(project, "simulate")
+    (orphan,) = jobs_of(workflow)
+    workflow.kill()
+    workflow.wait()
+    os.kill(orphan, signal.SIGSTOP)  # as one that takes long
+    assert complete(project, TARGETS, locked=True) == undisturbed
+    os.kill(orphan, signal.SIGCONT)
+    wait_for_end(orphan)
+    assert results(project) == undisturbed
+    assert project.dry_run(*TARGETS) == {}
+
+
+def wait_for_end(process: int, seconds: float = 120) -> None:
+    end = time.monotonic() + seconds
+    while os.path.exists(f"/proc/{process}") and _state(process) != "Z":
+        assert time.monotonic() < end, f"process {process} does not end"
+        time.sleep(0.1)
+
+
+def _state(process: int) -> str:
+    with open(f"/proc/{process}/stat") as file:
+        return file.read().rpartition(")")[2].split()[0]
+
+
+def test_a_second_run_waits_until_the_first_is_over(project):
+    workflow = start(project, *TARGETS)
+    wait_for_log(project, "simulate")
+    outcome = project.snakemake("--nolock", f"{RESULTS}/Re400/statistics_data.nc")
+    assert outcome.status == 1
+    said = f"another run, process {workflow.pid}, is at work in {RESULTS}: wait for it"
+    assert said in outcome.text
+    assert workflow.wait() == 0
+
+
 def test_a_job_is_killed(project, undisturbed):
     workflow = start(project, *TARGETS)
     wait_for_log(project, "lyapunov")
@@ -113,8 +150,10 @@ def test_the_disk_is_full(project, undisturbed):
     if mounted.returncode != 0:
         pytest.skip("a disk of a given size needs the right to mount one")
     try:
-        assert project.snakemake(*TARGETS).status != 0
+        outcome = project.snakemake(*TARGETS)
+        assert outcome.status != 0
         assert not (project.results / "Re400" / "ensemble.nc").exists()
+        assert "the disk is full: make room, and run again" in outcome.text
         subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
         assert complete(project, TARGETS) == undisturbed
     finally:

@@ -1,0 +1,118 @@
+"""Records and results belong together: whatever happens to files, nothing wrong is used."""
+
+import json
+import os
+import shutil
+
+import pytest
+from helpers_rebuilds import RESULTS, Project
+
+NETWORKS = [f"Re400/esn-N{neurons}-RV-seed0/forecaster.nc" for neurons in (30, 40)]
+NOTHING = "Nothing would run: all results are up to date.\n"
+
+
+@pytest.fixture
+def project(finished, tmp_path) -> Project:
+    return finished.project.copy(tmp_path / "project")
+
+
+def record_of(project: Project, name: str):
+    return project.results / ".records" / f"{name}.json"
+
+
+def repaired(project: Project, finished) -> None:
+    outcome = project.snakemake("tables")
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert project.tables() == finished.project.tables()
+
+
+def test_edits_are_seen_without_the_records_of_snakemake(project):
+    """As after make clean, or with another backend of Snakemake's records."""
+    overlay = {"case_defaults": {"event_threshold": 0.08}}
+    before = project.dry_run("tables", overlay=overlay)
+    assert "events" in before
+    shutil.rmtree(project.directory / ".snakemake")
+    assert project.dry_run("tables") == {}
+    assert project.dry_run("tables", overlay=overlay) == before
+    assert project.why("tables") == NOTHING
+    assert "event_threshold 0.07 -> 0.08 (Re400)" in project.why("tables", overlay=overlay)
+
+
+def test_results_may_be_spelt_otherwise_and_shared_by_two_copies(project, tmp_path):
+    other = project.without_results(tmp_path / "other")
+    shared = {"results": str(project.results)}
+    for copy in (project, other):
+        assert copy.dry_run("tables", overlay=shared) == {}
+    # what one of them makes with other settings is no result of the other
+    target = f"{project.results}/Re400/events.json"
+    seed = {"random_seed": 7}
+    assert other.snakemake(target, overlay={**shared, **seed}).status == 0
+    assert other.dry_run(target, overlay={**shared, **seed}) == {}
+    assert project.dry_run(f"{RESULTS}/Re400/events.json") == {"simulate": 1, "events": 1}
+
+
+def test_results_without_a_record_are_made_again(project, finished):
+    record_of(project, "Re400/events.nc").unlink()
+    assert "events" in project.dry_run("tables")
+    said = project.why("tables")
+    assert said.startswith("results without a record of what made them (Re400): events (1), ")
+    repaired(project, finished)
+
+
+def test_damaged_and_exchanged_files_are_made_again(project, finished):
+    table = project.results / "tables" / "horizon.csv"
+    state = table.stat()
+    table.write_text(table.read_text().replace("0", "1", 1))
+    os.utime(table, ns=(state.st_atime_ns, state.st_mtime_ns))
+    first, second = (project.results / name for name in NETWORKS)
+    first.rename(project.results / "temporary")
+    second.rename(first)
+    (project.results / "temporary").rename(second)
+    jobs = project.dry_run("tables")
+    assert (jobs["horizon_table"], jobs["train"]) == (1, 2)
+    said = project.why("tables")
+    for name in ("tables/horizon.csv", *NETWORKS):
+        assert f"{RESULTS}/{name} is not what its job wrote" in said
+    repaired(project, finished)
+
+
+def test_what_was_made_from_another_version_of_a_file_is_made_again(project, finished, tmp_path):
+    """A file that is restored from a backup, with its times and its record."""
+    name = "Re400/events.nc"
+    backup = tmp_path / "backup"
+    for path in (project.results / name, record_of(project, name)):
+        backup.mkdir(exist_ok=True)
+        shutil.copy2(path, backup / path.name)
+    target = f"{RESULTS}/tables/horizon.csv"
+    assert project.snakemake(target, overlay={"horizon": {"events": 7}}).status == 0
+    shutil.copy2(backup / "events.nc", project.results / name)
+    shutil.copy2(backup / "events.nc.json", record_of(project, name))
+    shutil.copy2(
+        finished.project.results / "Re400/events.json", project.results / "Re400/events.json"
+    )
+    shutil.copy2(
+        record_of(finished.project, "Re400/events.json"), record_of(project, "Re400/events.json")
+    )
+    jobs = project.dry_run(target)
+    assert "events" not in jobs
+    assert jobs["horizon"] == len(list(project.results.glob("*/*/horizon.nc")))
+    assert f"made from another {RESULTS}/{name} (Re400): horizon" in project.why(target)
+    repaired(project, finished)
+
+
+def test_an_input_that_is_damaged_when_a_job_reads_it_fails_the_job(project):
+    """A disk that has lost a bit: the stamp says nothing."""
+    name = "Re400/events.nc"
+    path = project.results / name
+    content = bytearray(path.read_bytes())
+    content[-1] ^= 1
+    path.write_bytes(content)
+    record = json.loads(record_of(project, name).read_text())
+    state = path.stat()
+    record["stamp"] = [state.st_size, state.st_mtime_ns, state.st_ctime_ns, state.st_ino]
+    record_of(project, name).write_text(json.dumps(record))
+    overlay = {"horizon": {"tolerance": 0.3}}
+    outcome = project.snakemake(f"{RESULTS}/tables/horizon.csv", overlay=overlay)
+    assert outcome.status == 1
+    damaged = f"{RESULTS}/{name}"
+    assert f"{damaged} is not what its job wrote: remove it (rm {damaged})" in outcome.text
