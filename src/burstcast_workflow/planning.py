@@ -24,11 +24,14 @@ FORMER = " as it was"
 _snakemakes_own = PersistenceBase.metadata
 
 
-_started = PersistenceBase.started
+_stop_caching = PersistenceBase.deactivate_cache
 
 
-def claim_at_first_job(run: Run, config: Mapping[str, Any], sources: Sources) -> None:
-    """Let a run take its results directory before its first job starts, not when it only plans.
+def claim_before_jobs(run: Run, config: Mapping[str, Any], sources: Sources) -> None:
+    """Let a run take its results directory as soon as it does more than planning.
+
+    Snakemake's handlers are not called where the workflow is a module of another one; that its
+    planning is over it tells its records, too.
 
     Parameters
     ----------
@@ -37,19 +40,16 @@ def claim_at_first_job(run: Run, config: Mapping[str, Any], sources: Sources) ->
     config, sources
         What is planned: the whole config and the code.
     """
-    claimed = False
 
-    def started(self: PersistenceBase, *arguments: Any, **options: Any) -> None:
-        nonlocal claimed
-        if not claimed:
+    def planning_is_over(self: PersistenceBase) -> None:
+        _stop_caching(self)
+        if any(True for _ in self.dag.needrun_jobs()):
             try:
                 run.claim(config, sources.all_fingerprints())
             except OvertakenError as error:
                 raise WorkflowError(str(error)) from None
-            claimed = True
-        _started(self, *arguments, **options)
 
-    PersistenceBase.started = started
+    PersistenceBase.deactivate_cache = planning_is_over
 
 
 def plan_by_records(results: str) -> None:

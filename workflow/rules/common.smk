@@ -22,7 +22,7 @@ from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.code_check import CodeChangedError, check_imports
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.run import OvertakenError, Run
-from burstcast_workflow.planning import claim_at_first_job, plan_by_records
+from burstcast_workflow.planning import claim_before_jobs, plan_by_records
 from burstcast_workflow.setting_groups import listed
 from burstcast_workflow.summary import campaign_summary
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
@@ -46,7 +46,7 @@ except (CodeChangedError, ConfigError, OvertakenError) as error:
 sources = Sources(PROJECT)
 plan_by_records(config["results"])
 if workflow.is_main_process:
-    claim_at_first_job(run, dict(config), sources)
+    claim_before_jobs(run, dict(config), sources)
 campaign = Campaign(config)
 costs = CostModel(campaign)
 
