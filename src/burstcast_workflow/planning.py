@@ -22,6 +22,7 @@ FORMER = " as it was"
 """What is put after the path of an input whose content is not what a file was made from."""
 
 _snakemakes_own = PersistenceBase.metadata
+_marked_incomplete = PersistenceBase.incomplete
 
 
 _stop_caching = PersistenceBase.deactivate_cache
@@ -102,4 +103,10 @@ def plan_by_records(results: str) -> None:
             return _snakemakes_own(self, target)
         return known(path, os.stat(path).st_mtime_ns) if os.path.exists(path) else None
 
+    async def incomplete(self: PersistenceBase, job: Any) -> list[Any]:
+        """Outputs that were being made when Snakemake was killed, and were not finished since."""
+        marked = await _marked_incomplete(self, job)
+        return [file for file in marked if (made := metadata(self, file)) is None or not made.rule]
+
     PersistenceBase.metadata = metadata
+    PersistenceBase.incomplete = incomplete

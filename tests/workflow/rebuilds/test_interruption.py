@@ -96,6 +96,18 @@ def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbe
     assert project.dry_run(*TARGETS) == {}
 
 
+def test_what_an_orphan_finishes_before_the_next_run_is_kept(project, undisturbed):
+    workflow = start(project, *TARGETS)
+    wait_for_log(project, "simulate")
+    (orphan,) = jobs_of(workflow)
+    workflow.kill()
+    workflow.wait()
+    wait_for_end(orphan)
+    project.snakemake("--unlock")
+    assert project.dry_run(*TARGETS) == {"lyapunov": 1, "events": 1}
+    assert complete(project, TARGETS) == undisturbed
+
+
 def wait_for_end(process: int, seconds: float = 120) -> None:
     end = time.monotonic() + seconds
     while os.path.exists(f"/proc/{process}") and _state(process) != "Z":
