@@ -91,7 +91,7 @@ onstart:
 onsuccess:
     print(
         f"\n{campaign_summary(Path(TABLES))}\n\nTables: {TABLES}/*.csv and *.tex. "
-        f"Figures: {FIGURES}/*.pdf and *.png.",
+        f"Figures: {RESULTS}/figures/*.pdf and *.png.",
         file=sys.stderr,
     )
 

@@ -14,7 +14,8 @@ stage(
     "forecast the calibration set out of sample",
     inputs=files("ensemble forecaster calibration_set time_unit"),
     outputs={"calibration_forecast": f"{FORECASTER}/calibration_forecast.nc"},
-    settings="FORECASTER OBSERVED WINDOWS washout_lt probability.calibration_series",
+    settings="FORECASTER forecaster.divergence_bound OBSERVED WINDOWS washout_lt "
+    "probability.calibration_series",
     cost="leave_one_out",
     cached=True,
 )

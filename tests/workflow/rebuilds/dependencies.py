@@ -33,7 +33,7 @@ _TRUE = "random_seed case.training.series"
 
 _SCORED = """random_seed case.event_threshold bootstrap.* classification.prediction_times_lt
     classification.window_lt classification.resolution_lt"""
-_CALIBRATION_FORECAST = f"""{_SYSTEM} {_TIME} {_OBSERVED} {_WINDOWS} washout_lt
+_CALIBRATION_FORECAST = f"""{_SYSTEM} {_TIME} {_WINDOWS} washout_lt
     probability.calibration_series"""
 
 READS = {
@@ -75,9 +75,9 @@ READS = {
         classification.window_lt classification.resolution_lt classification.prediction_times_lt""",
     "calibration_set": f"""{_SYSTEM} {_TIME} {_OBSERVED} {_WINDOWS} case.test_series washout_lt
         probability.start_spacing_lt probability.calibration_series""",
-    "calibration_forecast/esn": f"{_CALIBRATION_FORECAST} {_NETWORK}",
-    "calibration_forecast/equations": _CALIBRATION_FORECAST,
-    "calibration_forecast/equations_noisy": _CALIBRATION_FORECAST,
+    "calibration_forecast/esn": f"{_CALIBRATION_FORECAST} {_OBSERVED} {_NETWORK} {_JUDGED}",
+    "calibration_forecast/equations": f"{_CALIBRATION_FORECAST} {_TRUE}",
+    "calibration_forecast/equations_noisy": f"{_CALIBRATION_FORECAST} {_OBSERVED}",
     "calibrate": f"""{_TIME} case.event_threshold classification.prediction_times_lt
         classification.window_lt classification.resolution_lt
         probability.prior_forecasts probability.threshold_factors""",

@@ -8,8 +8,13 @@ from burstcast.probability.out_of_sample import leave_one_out_summaries
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.jobs.data import observed_rows, training_states
-from burstcast_workflow.jobs.forecasters import forecasting_case, read_forecaster, seen
+from burstcast_workflow.jobs.data import training_states
+from burstcast_workflow.jobs.forecasters import (
+    forecasting_case,
+    read_forecaster,
+    seen,
+    seen_rows,
+)
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 from burstcast_workflow.jobs.windows import windows_of, write_forecasts
@@ -28,7 +33,8 @@ def forecast_calibration_set(
     """Forecast each training series without what it has taught, or other series as they are."""
     system, steps = system_of(settings), lyapunov_time(settings, time_unit)
     boundaries = window_boundaries(*windows_of(settings), steps)
-    who = read_forecaster(forecaster, settings, time_unit)
+    bound = settings["forecaster.divergence_bound"]
+    who = read_forecaster(forecaster, settings, time_unit, bound)
     points = read_netcdf(calibration_set, "series", "washout", "true_state")
     given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
     if settings["probability.calibration_series"]:
@@ -36,7 +42,7 @@ def forecast_calibration_set(
     else:
         summaries, diverged = leave_one_out_summaries(
             who,
-            observed_rows(settings, ensemble, 0, training_states(settings, ensemble)),
+            seen_rows(who, settings, ensemble, 0, training_states(settings, ensemble)),
             forecasting_case(settings, time_unit),
             durations.steps(settings["washout_lt"], steps),
             system.observable,
