@@ -69,9 +69,10 @@ class Progress:
         self.jobs, self.finished = len(self._expected), 0
 
     def finish(self, job: int) -> None:
-        """Count a job that is done."""
-        self._done += self._expected.pop(job, 0.0)
-        self.finished += 1
+        """Count a job that is done; targets are no jobs."""
+        if job in self._expected:
+            self._done += self._expected.pop(job)
+            self.finished += 1
 
     @property
     def share(self) -> float:
@@ -160,12 +161,13 @@ class TerminalHandler(LogHandlerBase):
                     f"{self._progress.jobs} jobs, about "
                     f"{duration(self._progress.remaining(time.monotonic()))} on {self._cores} cores"
                 )
-            self._labels[fields["jobid"]] = fields["rule_msg"] or fields["rule_name"]
-            self._show()
+            if fields["output"]:  # a target has none
+                self._labels[fields["jobid"]] = fields["rule_msg"] or fields["rule_name"]
+                self._show()
         elif event == LogEvent.JOB_FINISHED and self._progress is not None:
             self._progress.finish(fields["job_id"])
-            self._labels.pop(fields["job_id"], None)
-            self._show()
+            if self._labels.pop(fields["job_id"], None) is not None:
+                self._show()
         elif event == LogEvent.JOB_ERROR:
             what = self._labels.pop(fields["jobid"], fields["rule_name"])
             if not interrupted():

@@ -58,7 +58,12 @@ def send(handler, message="", event=None, level=logging.INFO, **fields):
 def run_of_a_hundred_jobs(handler, failing=()):
     send(handler, "Provided cores: 4", LogEvent.RESOURCES_INFO, cores=4)
     for number in range(1, 101):
-        label = {"jobid": number, "rule_msg": f"job number {number}", "rule_name": "train"}
+        label = {
+            "jobid": number,
+            "rule_msg": f"job number {number}",
+            "rule_name": "train",
+            "output": ["network.nc"],
+        }
         send(handler, event=LogEvent.JOB_INFO, **label)
         if number in failing:
             error = {**label, "rule_msg": None, "log": ["logs/train.log"]}
@@ -66,6 +71,9 @@ def run_of_a_hundred_jobs(handler, failing=()):
             send(handler, "CalledProcessError in file x, line 3", level=logging.ERROR)
         else:
             send(handler, event=LogEvent.JOB_FINISHED, job_id=number)
+    target = {"jobid": 0, "rule_msg": None, "rule_name": "all", "output": []}
+    send(handler, event=LogEvent.JOB_INFO, **target)
+    send(handler, event=LogEvent.JOB_FINISHED, job_id=0)
     return handler._stream.getvalue().splitlines()
 
 
@@ -73,6 +81,7 @@ def test_a_hundred_jobs_are_a_few_lines(handler):
     lines = run_of_a_hundred_jobs(handler)
     assert lines[0] == "100 jobs, about 25 s on 4 cores"
     assert len(lines) <= 27
+    assert [line for line in lines if line.startswith("100%")] == lines[-1:]
     assert lines[-1].startswith("100%  100 of 100 jobs")
 
 
@@ -109,7 +118,8 @@ def test_an_interruption_is_one_line(handler):
 
 def test_the_line_of_a_terminal_renews_itself(handler):
     handler._live = True
-    send(handler, event=LogEvent.JOB_INFO, jobid=1, rule_msg="Re400: train", rule_name="train")
+    job = {"jobid": 1, "rule_msg": "Re400: train", "rule_name": "train", "output": ["a"]}
+    send(handler, event=LogEvent.JOB_INFO, **job)
     send(handler, "something is odd", level=logging.WARNING)
     text = handler._stream.getvalue()
     assert "Re400: train" in text
