@@ -1,6 +1,6 @@
 """What edits set off in the paper's campaign, job by job, and what is said about it beforehand.
 
-Its 1,181 jobs are not run: each makes empty outputs, which is all that planning looks at. The
+Its 1,183 jobs are not run: each makes empty outputs, which is all that planning looks at. The
 numbers are those of docs/selective_rebuilds.md.
 """
 
@@ -30,6 +30,7 @@ TRAINING = {"scan": SCANS, "search": NETWORKS, "train": NETWORKS}
 SCORES = {"classification_table": 1, "percentiles": 1, "latex": 3}
 # the ensemble's networks at each Reynolds number: scores, density, profiles, midplane, trade-off
 OF_CASES = 5 * CASES
+CONTROL_TABLES = ("control_table", "control_density_table", "control_strategies_table")
 JOBS = {
     **DATA,
     **TRAINING,
@@ -46,14 +47,14 @@ JOBS = {
         f"{name}_table": 1
         for name in (
             *("dataset", "hyperparameters", "classification", "horizon", "statistics", "control"),
-            "control_density",
+            *("control_density", "control_strategies"),
         )
     },
     "data_generation_parameters": 1,
     "network_hyperparameters": 1,
     "percentiles": 5,
-    # results, percentiles, intervals of scores, two tables of parameters
-    "latex": 6 + 5 + 1 + 2,
+    # results, percentiles, intervals of scores and of control, two tables of parameters
+    "latex": 6 + 5 + 2 + 2,
     # those of each case and the observable's, one of each other kind
     "figure": OF_CASES + CASES + 14,
 }
@@ -90,7 +91,7 @@ def reason(project: Project, words: str, overlay: dict | None = None) -> str:
 def test_the_campaign_has_these_jobs(tmp_path, job_server):
     project = Project.create(tmp_path / "project", job_server, PAPER)
     assert plan(project) == JOBS
-    assert sum(JOBS.values()) == 1181
+    assert sum(JOBS.values()) == 1183
 
 
 def test_the_finished_campaign_has_nothing_to_do(paper):
@@ -109,14 +110,15 @@ def test_another_event_threshold(paper):
         "control_random": CONTROLLED,
         **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
         **dict.fromkeys(("dataset_table", "classification_table", "horizon_table"), 1),
-        **dict.fromkeys(("control_table", "control_density_table"), 1),
+        **dict.fromkeys(CONTROL_TABLES, 1),
         "data_generation_parameters": 1,
         "percentiles": 3,  # classification, horizon, control
-        "latex": 3 + 4 + 2,  # those, their tables and the dataset, intervals, parameters
+        # those, their tables, the strategies and the dataset, intervals, parameters
+        "latex": 3 + 4 + 3,
         # observable, scores, density, trade-off of each case; 11 of the example or of all cases
         "figure": 4 * CASES + 11,
     }
-    assert sum(jobs.values()) == 408
+    assert sum(jobs.values()) == 410
     line = reason(paper, "event_threshold 0.1 -> 0.12 (Re400, Re600, Re800, Re1000): ", overlay)
     assert "horizon (188)" in line
 
@@ -134,12 +136,12 @@ def test_one_more_seed(paper):
         **dict.fromkeys(("control", "control_random"), CONTROLLED // 10),
         # of all
         **dict.fromkeys(("hyperparameters_table", "classification_table", "horizon_table"), 1),
-        **dict.fromkeys(("statistics_table", "control_table", "control_density_table"), 1),
+        **dict.fromkeys(("statistics_table", *CONTROL_TABLES), 1),
         "percentiles": 5,
-        "latex": 5 + 5 + 1,
+        "latex": 5 + 5 + 1 + 1,
         "figure": OF_CASES + 3,  # horizon by size, by Reynolds number, density under control
     }
-    assert sum(jobs.values()) == 151
+    assert sum(jobs.values()) == 153
     assert "scan (9)" in reason(paper, "one more seed, 10 -> 11 (10)", {"campaign": campaign})
 
 
@@ -153,14 +155,14 @@ def test_one_more_beta(paper):
         **dict.fromkeys(("control", "control_random"), CONTROLLED),
         **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
         **dict.fromkeys(("hyperparameters_table", "classification_table", "horizon_table"), 1),
-        **dict.fromkeys(("statistics_table", "control_table", "control_density_table"), 1),
+        **dict.fromkeys(("statistics_table", *CONTROL_TABLES), 1),
         "network_hyperparameters": 1,
         "percentiles": 5,
-        "latex": 5 + 5 + 1 + 1,
+        "latex": 5 + 5 + 1 + 1 + 1,
         # all but the observable's, the strategies' and the schematic of the horizon
         "figure": OF_CASES + 12,
     }
-    assert sum(jobs.values()) == 1119
+    assert sum(jobs.values()) == 1121
     assert "search (180)" in reason(paper, "tikhonov", overlay)
 
 
