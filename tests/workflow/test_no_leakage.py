@@ -3,10 +3,8 @@
 Chosen are hyperparameters, readouts and fits, calibrations and the thresholds of alarms.
 """
 
-import netCDF4
-import numpy as np
 import pytest
-from helpers_rebuilds import RESULTS, digests
+from helpers_rebuilds import RESULTS, Project, digests, jobs_since, rules_of
 
 from burstcast_workflow.harness.storage import read_netcdf
 
@@ -21,65 +19,62 @@ CHOSEN = (
     "calibration.json",
 )
 FURTHER = {"probability": {"calibration_series": 2}}
+SIMULATE = "workflow/scripts/data/simulate.py"
+OBSERVABLE = "    observable = np.stack("
 
 
-def replace_by_noise(ensemble, rows):
-    """Put noise of the size of the data into series of an ensemble."""
-    generator = np.random.default_rng(0)
-    with netCDF4.Dataset(ensemble, "r+") as file:
-        for name in ("state", "observable"):
-            values = file[name][:]
-            spread = values.std()
-            values[rows] = generator.uniform(0, 2 * spread, values[rows].shape)
-            file[name][:] = values
+def put_noise(project: Project, first: int, stop: int) -> None:
+    """Let the ensemble have noise of the size of its states in place of some of its series."""
+    rows = f"states[{first}:{stop}]"
+    noise = f"np.random.default_rng({first}).uniform(-0.3, 0.3, {rows}.shape)"
+    project.edit(SIMULATE, OBSERVABLE, f"    {rows} = {noise}\n{OBSERVABLE}")
 
 
-def chosen(case):
-    """Files of all that is chosen, below the directory of the case."""
-    return sorted(str(path.relative_to(case)) for pattern in CHOSEN for path in case.glob(pattern))
+def chosen(project: Project) -> list[str]:
+    """Files of all that is chosen, below the directory of the results."""
+    return sorted(
+        str(path.relative_to(project.results))
+        for pattern in CHOSEN
+        for path in project.results.glob(f"Re400/{pattern}")
+    )
 
 
-@pytest.fixture(scope="module")
-def with_noise(finished, tmp_path_factory):
-    """The tiny preset with noise in place of its test series, and what was chosen removed."""
-    project = finished.project.copy(tmp_path_factory.mktemp("noise") / "project")
-    case = project.results / "Re400"
-    names = chosen(case)
-    assert len(names) > 20
-    replace_by_noise(case / "ensemble.nc", slice(TRAINING, TRAINING + TEST))
-    for name in [*names, "evaluation_set.nc"]:
-        (case / name).unlink()
-    targets = [f"{RESULTS}/Re400/{name}" for name in [*names, "evaluation_set.nc"]]
-    outcome = project.snakemake(*targets)
+def make(project: Project, names: list[str], overlay: dict | None = None) -> dict[str, str]:
+    """Make files, and tell their digests."""
+    outcome = project.snakemake(*(f"{RESULTS}/{name}" for name in names), overlay=overlay)
     assert outcome.status == 0, outcome.text[-3000:]
+    made = digests(project.results)
+    return {name: made[name] for name in names}
+
+
+@pytest.fixture
+def with_noise(finished, tmp_path):
+    """The tiny preset, with noise in place of its test series once the ensemble is made anew."""
+    project = finished.project.copy(tmp_path / "noise")
+    put_noise(project, TRAINING, TRAINING + TEST)
     return project
 
 
 def test_what_is_chosen_stays_bit_for_bit(finished, with_noise):
-    before, after = (
-        digests(project.results / "Re400") for project in (finished.project, with_noise)
-    )
-    names = chosen(finished.project.results / "Re400")
+    names, test_set = chosen(finished.project), "Re400/evaluation_set.nc"
+    assert len(names) > 20
+    before, logs = digests(finished.project.results), with_noise.logs()
+    after = make(with_noise, [*names, test_set])
     assert {name: after[name] for name in names} == {name: before[name] for name in names}
-    # while the test set is another one
-    assert after["evaluation_set.nc"] != before["evaluation_set.nc"]
+    # while the test set is another one, and all was made anew
+    assert after[test_set] != before[test_set]
+    assert rules_of(jobs_since(logs, with_noise.logs())) >= {
+        *("simulate", "scan", "search", "train", "fit"),
+        *("calibration_set", "calibration_forecast", "calibrate", "evaluation_set"),
+    }
 
 
 def test_further_calibration_series_are_neither_training_nor_test(finished, with_noise, tmp_path):
     name = "Re400/calibration_set.nc"
-    copies = [
-        project.copy(tmp_path / folder)
-        for project, folder in ((finished.project, "true"), (with_noise, "noise"))
-    ]
-    for project in copies:
-        outcome = project.snakemake(f"{RESULTS}/{name}", overlay=FURTHER)
-        assert outcome.status == 0, outcome.text[-3000:]
-    files = [project.results / name for project in copies]
-    assert files[0].read_bytes() == files[1].read_bytes()
+    beyond = finished.project.copy(tmp_path / "beyond")
+    put_noise(beyond, TRAINING + TEST, TRAINING + TEST + 2)
+    before = make(finished.project.copy(tmp_path / "true"), [name], FURTHER)
+    assert make(with_noise, [name], FURTHER) == before
     # they are those that follow: noise there changes the set
-    assert set(read_netcdf(files[0], "series")["series"]) == {0, 1}
-    first = TRAINING + TEST
-    replace_by_noise(copies[1].results / "Re400/ensemble.nc", slice(first, first + 2))
-    files[1].unlink()
-    assert copies[1].snakemake(f"{RESULTS}/{name}", overlay=FURTHER).status == 0
-    assert files[0].read_bytes() != files[1].read_bytes()
+    assert make(beyond, [name], FURTHER) != before
+    assert set(read_netcdf(beyond.results / name, "series")["series"]) == {0, 1}
