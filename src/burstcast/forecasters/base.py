@@ -139,6 +139,34 @@ class Forecaster(abc.ABC):
         or after the last forecast state, and the memory from which the forecast goes on.
         """
 
+    def advance_tangent(
+        self, memory: FloatArray, tangent: FloatArray, steps: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Forecast the next steps together with small perturbations of the memory.
+
+        A kind that has it has Lyapunov exponents (`burstcast.statistics.lyapunov_spectrum`).
+
+        Parameters
+        ----------
+        memory
+            ``(size, batch)``.
+        tangent
+            Perturbations, ``(size, perturbations, batch)``.
+        steps
+            Steps of the forecast.
+
+        Returns
+        -------
+        Both, so many steps later: the memory bit for bit that of `advance`, the perturbations
+        multiplied by the derivative of the map from the one to the other.
+
+        Raises
+        ------
+        NotImplementedError
+            If the kind has no derivative, or nobody has written it.
+        """
+        raise NotImplementedError(f"{type(self).__name__} does not linearise its forecasts")
+
     def diverged(self, outputs: FloatArray) -> BoolArray:
         """Tell which forecasts ``(steps, dimension, batch)`` have left the finite numbers."""
         return np.asarray(~np.isfinite(outputs).all(axis=(0, 1)))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -11,6 +12,7 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import ReservoirSeed
+from burstcast.esn.tangent import ClosedLoopTangent
 from burstcast.esn.training import TrainingSeries, train_leaving_one_out
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 
@@ -107,6 +109,16 @@ class NetworkForecaster(Forecaster):
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Closed loop (see `Forecaster.advance`)."""
         return self.network.forecast(memory, steps)
+
+    def advance_tangent(
+        self, memory: FloatArray, tangent: FloatArray, steps: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Closed loop and its derivative (see `Forecaster.advance_tangent`)."""
+        return self._tangent.advance(memory, tangent, steps)
+
+    @cached_property
+    def _tangent(self) -> ClosedLoopTangent:
+        return ClosedLoopTangent(self.network)
 
     def diverged(self, outputs: FloatArray) -> BoolArray:
         """Tell which forecasts are not finite or beyond the divergence bound."""

@@ -57,10 +57,24 @@ class LinearInverseModel(Forecaster):
         outputs = np.empty((steps, *memory.shape))
         state = memory
         for step in range(steps):
-            following = np.broadcast_to(self.constant[:, np.newaxis], state.shape).copy()
-            # component by component, and not by a product of matrices, whose order of summation
-            # depends on how many forecasts run side by side
-            for component, value in enumerate(state):
-                following += np.multiply.outer(self.propagator[:, component], value)
-            outputs[step] = state = following
+            outputs[step] = state = self._propagated(state, self.constant)
         return outputs, state
+
+    def advance_tangent(
+        self, memory: FloatArray, tangent: FloatArray, steps: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Apply the propagator to perturbations, too (see `Forecaster.advance_tangent`)."""
+        for _ in range(steps):
+            memory = self._propagated(memory, self.constant)
+            tangent = self._propagated(tangent, np.zeros_like(self.constant))
+        return memory, tangent
+
+    def _propagated(self, state: FloatArray, constant: FloatArray) -> FloatArray:
+        """Propagator times states ``(dimension, ...)``, plus a constant."""
+        trailing = (1,) * (state.ndim - 1)
+        following = np.broadcast_to(constant.reshape(-1, *trailing), state.shape).copy()
+        # component by component, and not by a product of matrices, whose order of summation
+        # depends on how many forecasts run side by side
+        for component, value in enumerate(state):
+            following += np.multiply.outer(self.propagator[:, component], value)
+        return following

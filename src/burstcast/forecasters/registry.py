@@ -16,6 +16,11 @@ def available_kinds() -> list[str]:
     return [name for name in module_names(burstcast.forecasters) if name not in _OTHERS]
 
 
+def linearises(kind: str) -> bool:
+    """Whether a kind linearises its forecasts, so that it has Lyapunov exponents."""
+    return forecaster_class(kind).advance_tangent is not Forecaster.advance_tangent
+
+
 def forecaster_class(kind: str) -> type[Forecaster]:
     """Find the class of the forecasters of a kind: "esn", "equations", ...
 

@@ -10,6 +10,7 @@ the time integrated here, and use the time step that they were made with. Both f
 the very same trajectories, bit for bit, and stay in the chaotic phase.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -32,7 +33,7 @@ class LyapunovSpectrum:
     Attributes
     ----------
     exponents
-        ``(batch, dimension)``, in the order of the QR method: from the largest to the smallest, up
+        ``(batch, exponents)``, in the order of the QR method: from the largest to the smallest, up
         to the statistical error of a trajectory of finite length.
     duration
         Time that they are averaged over, in time units.
@@ -175,29 +176,113 @@ def lyapunov_spectrum(
             f"{steps} steps hold no complete interval of {orthonormalisation_steps} steps "
             "between two factorisations"
         )
-    alignment_intervals = -(-alignment_steps // orthonormalisation_steps)
     dimension, batch = state.shape
     flow = tangent_flow(system)
-    tangent = np.broadcast_to(np.eye(dimension), (batch, dimension, dimension))
-    log_growth = np.zeros((batch, dimension))
-    for interval in range(alignment_intervals + intervals):
-        try:
-            state, tangent = _propagated(flow, state, tangent, time_step, orthonormalisation_steps)
-        except FloatingPointError:
-            raise FloatingPointError(
-                "a trajectory or its perturbations left the range of floating-point numbers"
-            ) from None
-        tangent, triangle = np.linalg.qr(tangent)
-        growth = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
-        if (growth.min(axis=1) < _SMALLEST_GROWTH_RATIO * growth.max(axis=1)).any():
-            raise ValueError(
-                f"an interval of {orthonormalisation_steps * time_step:g} time units between two "
-                "factorisations is too long: the weakest direction is lost to rounding"
-            )
-        if interval >= alignment_intervals:
-            log_growth += np.log(growth)
+
+    def advance(state: FloatArray, tangent: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return propagated(flow, state, tangent, time_step, orthonormalisation_steps)
+
+    log_growth = tangent_growth(
+        advance,
+        state,
+        np.broadcast_to(np.eye(dimension), (batch, dimension, dimension)),
+        intervals,
+        alignment_intervals=-(-alignment_steps // orthonormalisation_steps),
+    )
+    if np.isnan(log_growth).any():
+        raise ValueError(
+            f"an interval of {orthonormalisation_steps * time_step:g} time units between two "
+            "factorisations is too long: the weakest direction is lost to rounding"
+        )
     duration = intervals * orthonormalisation_steps * time_step
     return LyapunovSpectrum(exponents=log_growth / duration, duration=duration)
+
+
+def tangent_growth(
+    advance: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
+    state: FloatArray,
+    tangent: FloatArray,
+    intervals: int,
+    alignment_intervals: int = 0,
+) -> FloatArray:
+    """Logarithmic growth of perturbations that are orthonormalised after each interval.
+
+    This is the QR method (`lyapunov_spectrum`) for whatever makes trajectories: the equations, or
+    the closed loop of a network. The perturbations may be fewer than the state has components;
+    their growth is then that along the leading directions.
+
+    Parameters
+    ----------
+    advance
+        Takes states and perturbations over one interval: the derivative of the map that takes the
+        states.
+    state
+        ``(..., batch)``.
+    tangent
+        Perturbations in columns, ``(batch, size, perturbations)``; orthonormal unless there is an
+        alignment.
+    intervals
+        Number of intervals that growth is summed over.
+    alignment_intervals
+        Number of intervals before.
+
+    Returns
+    -------
+    ``(batch, perturbations)``; NaN for directions so weak that an interval loses them to rounding.
+
+    Raises
+    ------
+    FloatingPointError
+        If a trajectory leaves the range of floating-point numbers.
+    """
+    batch, _, perturbations = tangent.shape
+    log_growth = np.zeros((batch, perturbations))
+    lost = np.zeros((batch, perturbations), dtype=bool)
+    for interval in range(alignment_intervals + intervals):
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):
+                state, tangent = advance(state, tangent)
+            finite = np.isfinite(state).all() and np.isfinite(tangent).all()
+        except FloatingPointError:
+            finite = False
+        if not finite:
+            raise FloatingPointError(
+                "a trajectory or its perturbations left the range of floating-point numbers"
+            )
+        tangent, triangle = np.linalg.qr(tangent)
+        growth = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
+        lost |= growth < _SMALLEST_GROWTH_RATIO * growth.max(axis=1, keepdims=True)
+        if interval >= alignment_intervals:
+            log_growth += np.log(growth, out=np.zeros_like(growth), where=~lost)
+    return np.where(lost, np.nan, log_growth)
+
+
+def kaplan_yorke_dimension(exponents: FloatArray) -> float:
+    """Kaplan-Yorke dimension: how many directions, from the first on, keep their volume.
+
+    With j the largest number of leading exponents whose sum S_j is not negative, it is
+    j + S_j / abs(exponent j + 1) (Kaplan & Yorke, in Functional Differential Equations and
+    Approximation of Fixed Points, Lecture Notes in Mathematics 730 (1979) 204).
+
+    Parameters
+    ----------
+    exponents
+        The leading ones, ``(exponents,)``; they are taken from the largest to the smallest, and
+        NaN, too weak to be known, as none.
+
+    Returns
+    -------
+    Zero where the first exponent is negative; NaN where the sum of all that are known is not: the
+    dimension is larger than their number.
+    """
+    ordered = np.sort(exponents[~np.isnan(exponents)])[::-1]
+    sums = np.cumsum(ordered)
+    last = int(np.sum(sums >= 0.0)) - 1  # sums rise, then fall: those before are not negative
+    if last + 1 == len(ordered):
+        return float("nan")
+    if last < 0:
+        return 0.0
+    return last + 1 + float(sums[last] / -ordered[last + 1])
 
 
 def tangent_flow(system: DynamicalSystem) -> DynamicalSystem:
@@ -250,10 +335,33 @@ class _TangentFlow(DynamicalSystem):
         return self.system.observable(state[: self.system.dimension])
 
 
-def _propagated(
+def propagated(
     flow: DynamicalSystem, state: FloatArray, tangent: FloatArray, time_step: float, steps: int
 ) -> tuple[FloatArray, FloatArray]:
-    """States ``(dimension, batch)`` and perturbations in columns ``(batch, dimension, number)``."""
+    """Take states and perturbations of them some steps further.
+
+    Parameters
+    ----------
+    flow
+        Tangent flow of the system (`tangent_flow`).
+    state
+        ``(dimension, batch)``.
+    tangent
+        Perturbations in columns, ``(batch, dimension, number)``.
+    time_step
+        Step of the scheme, in time units.
+    steps
+        Number of steps.
+
+    Returns
+    -------
+    Both, so many steps later.
+
+    Raises
+    ------
+    FloatingPointError
+        If a trajectory leaves the range of floating-point numbers.
+    """
     batch, dimension, number = tangent.shape
     columns = np.empty((2, dimension, batch, number))
     columns[0] = state[:, :, np.newaxis]

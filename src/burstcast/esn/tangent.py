@@ -1,0 +1,75 @@
+"""The closed loop of a network, linearised: what becomes of small perturbations of its reservoir.
+
+With the reservoir states r, one step of the closed loop is
+
+    r' = tanh(rho W r + sigma_in W_in [u; b_in]),    u = diag(1 / range) W_out^T [r; 1],
+
+so that its Jacobian, at the state that it leads to, is
+
+    J = diag(1 - r'^2) (rho W + sigma_in W_in diag(1 / range) W_out^T),
+
+where W_in and W_out are without the bias. J is a dense matrix, but the sum of a sparse one and one
+of the rank of the output: it is applied to perturbations factor by factor, and never formed.
+
+Source: Margazoglou & Magri, "Stability analysis of chaotic systems from data", Nonlinear Dynamics
+111 (2023) 8799, for networks of this kind.
+"""
+
+import numpy as np
+import scipy.sparse
+
+from burstcast.arrays import FloatArray
+from burstcast.esn.network import EchoStateNetwork
+
+
+class ClosedLoopTangent:
+    """Takes perturbations of a network's states along its closed loop.
+
+    All products are of a sparse matrix with a batch, summed in the order of the row's entries: a
+    trajectory's perturbations are bit for bit the same whatever the batch that it is part of.
+
+    Parameters
+    ----------
+    network
+        The network; its reservoir's states are perturbed.
+    """
+
+    def __init__(self, network: EchoStateNetwork) -> None:
+        self._network = network
+        dynamics = network.dynamics
+        reservoir = dynamics.reservoir
+        neurons, dimension = reservoir.neurons, reservoir.dimension
+        self._recurrent = reservoir.recurrent * dynamics.spectral_radius
+        # the neurons that are fed an output; the others are fed the bias, which nothing perturbs
+        fed = np.flatnonzero(reservoir.input_column < dimension)
+        column = reservoir.input_column[fed]
+        weight = dynamics.input_scaling * reservoir.input_weight[fed] / network.input_range[column]
+        self._feedback = scipy.sparse.csr_array((weight, (fed, column)), (neurons, dimension))
+        self._readout = scipy.sparse.csr_array(network.readout.weights[:-1].T)
+
+    def advance(
+        self, states: FloatArray, tangent: FloatArray, steps: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Take states and perturbations some steps further.
+
+        Parameters
+        ----------
+        states
+            Of the reservoir, ``(neurons, batch)``.
+        tangent
+            Perturbations of them, ``(neurons, perturbations, batch)``.
+        steps
+            Steps of the closed loop.
+
+        Returns
+        -------
+        Both, so many steps later; the states bit for bit those of the closed loop.
+        """
+        shape = tangent.shape
+        for _ in range(steps):
+            _, states = self._network.forecast(states, 1)
+            columns = tangent.reshape(shape[0], -1)
+            columns = self._recurrent @ columns + self._feedback @ (self._readout @ columns)
+            tangent = columns.reshape(shape)
+            tangent *= (1.0 - states * states)[:, np.newaxis]
+        return states, tangent

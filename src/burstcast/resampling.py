@@ -1,0 +1,38 @@
+"""Bootstrap over what is independent: test series, events, long runs, trajectories.
+
+What shares a series, an event or a run is drawn together; what is compared is drawn alike.
+"""
+
+import numpy as np
+
+from burstcast.arrays import FloatArray, IntArray
+
+
+def bootstrap_weights(count: int, resamples: int, generator: np.random.Generator) -> IntArray:
+    """How often each of ``count`` is drawn in each bootstrap sample, ``(resamples, count)``.
+
+    Forecasters that are compared are given the same weights: what their samples share cancels.
+    """
+    return generator.multinomial(count, np.full(count, 1 / count), size=resamples)
+
+
+def percentile_interval(samples: FloatArray, confidence: float) -> tuple[float, float]:
+    """Ends between which a share of the bootstrap samples lies.
+
+    Parameters
+    ----------
+    samples
+        Of a statistic, ``(resamples,)``; those that are not finite are left out.
+    confidence
+        Share inside the interval, in (0, 1).
+
+    Returns
+    -------
+    Both ends; NaN where no sample is finite.
+    """
+    defined = samples[np.isfinite(samples)]
+    if not defined.size:
+        return float("nan"), float("nan")
+    tail = (1 - confidence) / 2
+    low, high = np.quantile(defined, [tail, 1 - tail])
+    return float(low), float(high)

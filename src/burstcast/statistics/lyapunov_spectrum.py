@@ -1,0 +1,157 @@
+"""Lyapunov exponents of a forecaster's own flow: of its long runs, where nothing is observed.
+
+The QR method of `burstcast.systems.lyapunov`, along trajectories of anything that can linearise its
+forecasts (`Forecaster.advance_tangent`): the equations, the closed loop of a network. Like the
+flow's own exponents, they are those of the chaotic phase: the trajectories must not leave it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.forecasters.base import Forecaster
+from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.systems.lyapunov import (
+    LyapunovSpectrum,
+    alignment_of,
+    kaplan_yorke_dimension,
+    mean_with_interval,
+    tangent_growth,
+)
+
+RUNS_PER_BATCH = 8
+"""Runs that are linearised side by side: bounds the memory, changes no result."""
+
+
+def forecaster_spectrum(
+    forecaster: Forecaster,
+    washouts: FloatArray,
+    steps: int,
+    orthonormalisation_steps: int,
+    exponents: int,
+    sampling_interval: float,
+    generator: np.random.Generator,
+) -> LyapunovSpectrum:
+    """Leading Lyapunov exponents of a forecaster along long runs.
+
+    The perturbations have the first quarter of a run to line up, as for the flow's own exponents
+    (`alignment_of`), and are followed over what is left.
+
+    Parameters
+    ----------
+    forecaster
+        Who forecasts.
+    washouts
+        Observed states up to the start of each run, ``(runs, steps, dimension)``.
+    steps
+        Length of each run.
+    orthonormalisation_steps
+        Steps between two factorisations; an incomplete interval at the end is left out.
+    exponents
+        How many are wanted; no more are there than the forecaster's memory has components.
+    sampling_interval
+        Time units of a step.
+    generator
+        Draws the perturbations to begin with.
+
+    Returns
+    -------
+    Exponents ``(runs, exponents)``; NaN for those that are not there, or too weak to be known.
+
+    Raises
+    ------
+    NotImplementedError
+        If the forecaster does not linearise its forecasts.
+    ValueError
+        If a run holds no complete interval after its first quarter.
+    """
+    alignment = alignment_of(steps, orthonormalisation_steps)
+    intervals = (steps - alignment) // orthonormalisation_steps
+    if intervals < 1:
+        raise ValueError(
+            f"{steps} steps are too few for exponents with {orthonormalisation_steps} steps "
+            "between two factorisations"
+        )
+
+    def advance(memory: FloatArray, tangent: FloatArray) -> tuple[FloatArray, FloatArray]:
+        memory, columns = forecaster.advance_tangent(
+            memory, np.ascontiguousarray(tangent.transpose(1, 2, 0)), orthonormalisation_steps
+        )
+        return memory, np.ascontiguousarray(columns.transpose(2, 0, 1))
+
+    rates = [np.empty((0, exponents))]
+    duration = intervals * orthonormalisation_steps * sampling_interval
+    for start in range(0, len(washouts), RUNS_PER_BATCH):
+        batch = washouts[start : start + RUNS_PER_BATCH]
+        memory = forecaster.start(np.ascontiguousarray(batch.transpose(1, 2, 0)))
+        size, runs = memory.shape
+        tangent = generator.standard_normal((runs, size, min(exponents, size)))
+        growth = tangent_growth(
+            advance,
+            memory,
+            np.linalg.qr(tangent).Q,
+            intervals,
+            alignment_intervals=alignment // orthonormalisation_steps,
+        )
+        missing = np.full((runs, exponents - growth.shape[1]), np.nan)
+        rates.append(np.concatenate([growth / duration, missing], axis=1))
+    return LyapunovSpectrum(exponents=np.concatenate(rates), duration=duration)
+
+
+@dataclass(frozen=True)
+class SpectrumSummary:
+    """Lyapunov exponents averaged over independent runs, and their dimension, with intervals.
+
+    Attributes
+    ----------
+    mean, low, high
+        Of the exponents, ``(exponents,)``; NaN where one is not known, and intervals of a single
+        run.
+    dimension, dimension_low, dimension_high
+        Kaplan-Yorke dimension of the mean exponents.
+    """
+
+    mean: FloatArray
+    low: FloatArray
+    high: FloatArray
+    dimension: float
+    dimension_low: float
+    dimension_high: float
+
+
+def summarise(
+    exponents: FloatArray, confidence: float, resamples: int, generator: np.random.Generator
+) -> SpectrumSummary:
+    """Average the exponents over runs.
+
+    Intervals of exponents are Student's; those of the dimension, which is no mean, percentile
+    bootstrap intervals over runs.
+
+    Parameters
+    ----------
+    exponents
+        ``(runs, exponents)``.
+    confidence
+        Probability that an interval covers, in (0, 1).
+    resamples
+        Number of bootstrap samples.
+    generator
+        Draws them.
+    """
+    runs, count = exponents.shape
+    unknown = np.full(count, np.nan)
+    if runs < 2:
+        mean = exponents[0] if runs else unknown
+        nan = float("nan")
+        return SpectrumSummary(mean, unknown, unknown, kaplan_yorke_dimension(mean), nan, nan)
+    estimate = mean_with_interval(exponents, confidence)
+    samples = bootstrap_weights(runs, resamples, generator) @ exponents / runs
+    dimensions = np.array([kaplan_yorke_dimension(sample) for sample in samples])
+    return SpectrumSummary(
+        estimate.mean,
+        estimate.low,
+        estimate.high,
+        kaplan_yorke_dimension(estimate.mean),
+        *percentile_interval(dimensions, confidence),
+    )
