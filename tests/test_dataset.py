@@ -82,6 +82,9 @@ def test_a_burst_between_two_samples_is_seen():
     between = (largest[row] + largest_sampled[row]) / 2
     assert largest_sampled[row] < between < largest[row]
     (kept,) = ensemble(laminarisation_threshold=between)
+    # no sample tells when: it is given all steps
+    assert row not in kept.index
+    assert kept.lifetimes[row] == 50
     assert kept.index.tolist() == np.flatnonzero(largest <= between).tolist()
 
 
@@ -101,6 +104,16 @@ def test_the_threshold_itself_is_not_exceeded():
     assert len(kept.index) == 6
 
 
+def test_lifetimes_are_those_of_all_series():
+    (whole,) = ensemble(laminarisation_threshold=None)
+    (kept,) = ensemble()
+    assert len(kept.lifetimes) == 12
+    for number, series in enumerate(whole.states):
+        above = np.flatnonzero(series[:, 2] > 41.0)
+        assert kept.lifetimes[number] == (above[0] if above.size else 50)
+    assert (whole.lifetimes == 50).all()
+
+
 def test_batches_change_nothing(monkeypatch):
     (whole,) = ensemble()
     monkeypatch.setattr(dataset, "SERIES_PER_BATCH", 5)
@@ -108,6 +121,8 @@ def test_batches_change_nothing(monkeypatch):
     assert len(parts) == 3
     np.testing.assert_array_equal(np.concatenate([part.index for part in parts]), whole.index)
     np.testing.assert_array_equal(np.concatenate([part.states for part in parts]), whole.states)
+    lifetimes = np.concatenate([part.lifetimes for part in parts])
+    np.testing.assert_array_equal(lifetimes, whole.lifetimes)
 
 
 def test_without_threshold_every_series_is_kept():

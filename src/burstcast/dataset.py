@@ -27,10 +27,14 @@ class KeptSeries:
         Number of each kept series among all that were generated, ``(kept,)``.
     states
         Sampled states, ``(kept, time, component)``.
+    lifetimes
+        Sampling steps until each series of the batch, those that are discarded among them, has
+        laminarised; all steps of a kept one. ``(batch,)``.
     """
 
     index: IntArray
     states: FloatArray
+    lifetimes: IntArray
 
 
 def initial_states(
@@ -109,11 +113,17 @@ def generate_ensemble(
             transient_steps=transient_steps,
         )
         kept = np.ones(batch.shape[1], dtype=bool)
+        lifetimes = np.full(batch.shape[1], len(trajectories.states) - 1)
         if laminarisation_threshold is not None:
             kept = trajectories.largest_observable <= laminarisation_threshold
+            observable = system.observable(trajectories.states.transpose(1, 0, 2))
+            above = observable > laminarisation_threshold
+            # a series that exceeds it between two samples only is given all steps, too
+            lifetimes = np.where(above.any(axis=0), above.argmax(axis=0), lifetimes)
         yield KeptSeries(
             index=start + np.flatnonzero(kept),
             states=np.ascontiguousarray(trajectories.states[:, :, kept].transpose(2, 0, 1)),
+            lifetimes=lifetimes,
         )
 
 

@@ -86,6 +86,28 @@ def brute_force(script, threshold, criterion, bound):
     return np.array(fates)
 
 
+def brute_force_lifetimes(script, threshold, criterion, bound, fates):
+    """Steps to the one that decides, and to the beginning of a rest, over the whole course."""
+    lifetimes = []
+    for column, fate in enumerate(fates):
+        states = script[:, :, column]
+        observable = states[:, 0]
+        ends = ~(np.abs(states) <= bound).all(axis=1)
+        if threshold is not None:
+            ends |= observable > threshold
+        if fate in (Fate.LAMINAR, Fate.DIVERGED):
+            lifetimes.append(int(np.flatnonzero(ends)[0]) + 1)
+        elif fate == Fate.FIXED_POINT:
+            since = 0
+            for step in range(len(observable)):
+                if np.ptp(observable[since : step + 1]) >= criterion.variation:
+                    since = step
+            lifetimes.append(min(since, len(observable) - criterion.interval) + 1)
+        else:
+            lifetimes.append(len(observable))
+    return np.array(lifetimes)
+
+
 def script_of(kinds, steps, seed=0):
     """Series of given kinds, with a second component that moves as the first one does."""
     generator = np.random.default_rng(seed)
@@ -145,6 +167,7 @@ def run(script, threshold=0.48, fixed_point=FIXED_POINT, bound=10.0, chunk=100):
 
 def assert_same(first, second):
     np.testing.assert_array_equal(first.fates, second.fates)
+    np.testing.assert_array_equal(first.lifetimes, second.lifetimes)
     one, other = first.statistics, second.statistics
     np.testing.assert_array_equal(one.histogram.counts, other.histogram.counts)
     assert one.moments.count == other.moments.count
@@ -164,6 +187,8 @@ def test_fates_and_statistics_are_those_of_the_whole_series(kinds, steps, chunk,
     found, _ = run(script, chunk=chunk)
     fates = brute_force(script, 0.48, FIXED_POINT, 10.0)
     np.testing.assert_array_equal(found.fates, fates)
+    lifetimes = brute_force_lifetimes(script, 0.48, FIXED_POINT, 10.0, fates)
+    np.testing.assert_array_equal(found.lifetimes, lifetimes)
     kept = script[:, :, fates == Fate.KEPT].transpose(2, 0, 1)
     assert found.statistics.moments.count == kept.shape[0] * steps
     if len(kept):
@@ -193,6 +218,7 @@ def test_only_a_value_beyond_the_threshold_is_laminar():
     script[59, 0, 1] = np.nextafter(0.48, 1)
     found, _ = run(script)
     assert found.fates.tolist() == [Fate.KEPT, Fate.LAMINAR]
+    assert found.lifetimes.tolist() == [60, 60]
 
 
 @pytest.mark.parametrize("chunk", [1, 3, 100])

@@ -6,6 +6,7 @@ histogram and moments of its own, and those of the trajectories that turn out to
 Source: section "Statistical prediction of extreme events" of the paper.
 """
 
+import bisect
 import enum
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -100,11 +101,15 @@ class LongTermRun:
     fates
         What became of each trajectory (`Fate`), in the order of the starting points,
         ``(starting points,)``.
+    lifetimes
+        Steps until each trajectory leaves the chaotic phase: until it laminarises, diverges, or
+        comes to rest at a fixed point; all steps of a kept one. ``(starting points,)``.
     statistics
         Of the kept trajectories.
     """
 
     fates: IntArray
+    lifetimes: IntArray
     statistics: LongTermStatistics
 
 
@@ -186,6 +191,7 @@ def run_long_term(
     if points == 0:
         raise ValueError("a long-term run needs a starting point")
     fates = np.full(points, Fate.KEPT, dtype=np.int64)
+    lifetimes = np.full(points, settings.steps, dtype=np.int64)
     accumulator = SeriesAccumulator(points, dimension, settings.edges)
     detector = None
     if settings.fixed_point is not None:
@@ -197,13 +203,16 @@ def run_long_term(
         states, memory = forecaster.advance(memory, chunk)
         with np.errstate(over="ignore", invalid="ignore"):
             values = observable(states.transpose(1, 0, 2))
-        ended = _ends(forecaster, states, values, settings.laminarisation_threshold)
+        ended, at = _ends(forecaster, states, values, settings.laminarisation_threshold)
         fine = ended == Fate.KEPT
+        lifetimes[running[~fine]] = start + at[~fine] + 1
         if not fine.all():
             states, values = states[..., fine], values[:, fine]
         accumulator.add(running[fine], states, values)
         if detector is not None:
             ended[fine] = detector.look(running[fine], start, states, values)
+            resting = running[ended == Fate.FIXED_POINT]
+            lifetimes[resting] = detector.at_rest_since(resting) + 1
         fates[running] = ended
         going_on = ended == Fate.KEPT
         if not going_on.all():
@@ -211,24 +220,36 @@ def run_long_term(
             memory = np.ascontiguousarray(memory[..., going_on])
         if running.size == 0:
             break
-    return LongTermRun(fates, accumulator.reductions().merged(fates == Fate.KEPT))
+    return LongTermRun(fates, lifetimes, accumulator.reductions().merged(fates == Fate.KEPT))
 
 
 def _ends(
     forecaster: Forecaster, states: FloatArray, values: FloatArray, threshold: float | None
-) -> IntArray:
-    """Fates of trajectories ``(batch,)`` after a chunk, as far as it decides them."""
+) -> tuple[IntArray, IntArray]:
+    """Fates of trajectories ``(batch,)`` after a chunk, as far as it decides them, and when.
+
+    The second is the position in the chunk of the step that decides.
+    """
     diverged = forecaster.diverged(states)
     fates = np.where(diverged, Fate.DIVERGED, Fate.KEPT).astype(np.int64)
+    at = np.zeros(len(fates), dtype=np.int64)
+    for column in np.flatnonzero(diverged):
+        at[column] = _first_diverged(forecaster, states[..., column])
     if threshold is not None:
         above = values > threshold
-        laminar = above.any(axis=0)
-        fates[laminar & ~diverged] = Fate.LAMINAR
-        for column in np.flatnonzero(laminar & diverged):
-            until = int(above[:, column].argmax()) + 1
-            if not forecaster.diverged(states[:until, :, column, np.newaxis])[0]:
-                fates[column] = Fate.LAMINAR
-    return fates
+        first = above.argmax(axis=0)
+        laminar = above.any(axis=0) & ~(diverged & (at <= first))
+        fates[laminar] = Fate.LAMINAR
+        at[laminar] = first[laminar]
+    return fates, at
+
+
+def _first_diverged(forecaster: Forecaster, states: FloatArray) -> int:
+    """First step at which a forecast ``(steps, dimension)``, known to diverge, has diverged."""
+    steps = np.arange(1, len(states) + 1)
+    return bisect.bisect_left(
+        steps, True, key=lambda stop: bool(forecaster.diverged(states[:stop, :, np.newaxis])[0])
+    )
 
 
 class _FixedPointDetector:
@@ -244,6 +265,10 @@ class _FixedPointDetector:
         # smallest and largest observable over the last interval of the closed loop
         self._low = np.full(points, np.inf)
         self._high = np.full(points, -np.inf)
+        # the same since the observable has varied by less than the criterion's variation
+        self._rest_since = np.zeros(points, dtype=np.int64)
+        self._rest_low = np.full(points, np.inf)
+        self._rest_high = np.full(points, -np.inf)
         # range of each component since the trajectory has been (nearly) at a fixed point
         self._quiet_range = np.append(
             FIXED_POINT_RANGE * np.ptp(washouts, axis=(0, 1)), criterion.variation
@@ -255,6 +280,7 @@ class _FixedPointDetector:
     def look(self, rows: IntArray, start: int, states: FloatArray, values: FloatArray) -> IntArray:
         """Fates (kept, or at a fixed point) after the chunk that begins at ``start``."""
         now = start + len(states)
+        self._follow_rest(rows, start, values)
         last = values[max(0, self._steps - self._criterion.interval - start) :]
         if len(last):
             self._low[rows] = np.minimum(self._low[rows], last.min(axis=0))
@@ -266,6 +292,26 @@ class _FixedPointDetector:
         else:
             at_fixed_point = self._for_good(rows, start, now, states, values)
         return np.where(at_fixed_point, Fate.FIXED_POINT, Fate.KEPT).astype(np.int64)
+
+    def at_rest_since(self, rows: IntArray) -> IntArray:
+        """Position of the first step since which the observable has hardly varied.
+
+        It is that of trajectories at a fixed point, and no later than the beginning of the interval
+        that the criterion looks at.
+        """
+        return np.minimum(self._rest_since[rows], self._steps - self._criterion.interval)
+
+    def _follow_rest(self, rows: IntArray, start: int, values: FloatArray) -> None:
+        since, low, high = (
+            quantity[rows] for quantity in (self._rest_since, self._rest_low, self._rest_high)
+        )
+        # step by step, so that the chunks change nothing
+        for step, value in enumerate(values, start):
+            low, high = np.minimum(low, value), np.maximum(high, value)
+            moved = high - low >= self._criterion.variation
+            since = np.where(moved, step, since)
+            low, high = np.where(moved, value, low), np.where(moved, value, high)
+        self._rest_since[rows], self._rest_low[rows], self._rest_high[rows] = since, low, high
 
     def _for_good(
         self,

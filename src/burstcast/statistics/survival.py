@@ -1,0 +1,149 @@
+"""How long series stay in the chaotic phase: survival curve and escape rate.
+
+Chaos in the shear flow is transient: from any state the flow laminarises sooner or later, and once
+a series has forgotten where it began, it does so with the same probability per unit of time,
+whatever its age. The lifetimes are then exponential. A forecaster with another escape rate has
+another flow, however good its forecasts are (Pershin, Beaume, Li & Tobias, arXiv:2111.06783).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import betaincinv, gammaincinv
+
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Lifetimes:
+    """Lifetimes of many series, all watched for equally long.
+
+    Attributes
+    ----------
+    steps
+        Steps until each series left the chaotic phase; the whole length of one that did not,
+        ``(series,)``.
+    escaped
+        Whether it did, ``(series,)``; the others are censored.
+    length
+        Steps that each series is watched for.
+    """
+
+    steps: IntArray
+    escaped: BoolArray
+    length: int
+
+
+@dataclass(frozen=True)
+class SurvivalCurve:
+    """Share of the series still in the chaotic phase, with its interval; arrays of one shape.
+
+    Attributes
+    ----------
+    share, low, high
+        At each time.
+    """
+
+    share: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+
+@dataclass(frozen=True)
+class EscapeRate:
+    """Escapes from the chaotic phase per time unit that a series spends in it.
+
+    Attributes
+    ----------
+    escapes
+        Number of series that left.
+    time_at_risk
+        Time that all series together were in the chaotic phase, in time units.
+    rate, low, high
+        With its interval, in inverse time units; NaN where there was no time at risk.
+    """
+
+    escapes: int
+    time_at_risk: float
+    rate: float
+    low: float
+    high: float
+
+
+def survival_curve(lifetimes: Lifetimes, times: IntArray, confidence: float) -> SurvivalCurve:
+    """Share of the series that are still in the chaotic phase after some steps.
+
+    Since all are watched for equally long, this is the Kaplan-Meier estimate. The intervals are
+    exact ones of a share (Clopper & Pearson, Biometrika 26 (1934) 404), at each time by itself.
+
+    Parameters
+    ----------
+    lifetimes
+        Of the series.
+    times
+        In steps, none beyond the length of the series.
+    confidence
+        Probability that an interval covers, in (0, 1).
+
+    Raises
+    ------
+    ValueError
+        If there is no series, or a time is later than the series are watched.
+    """
+    if lifetimes.steps.size == 0:
+        raise ValueError("a survival curve needs a series")
+    if (times > lifetimes.length).any():
+        raise ValueError(f"the series are watched for {lifetimes.length} steps only")
+    ends = np.sort(lifetimes.steps[lifetimes.escaped])
+    count = lifetimes.steps.size
+    alive = count - np.searchsorted(ends, times, side="right")
+    tail = (1 - confidence) / 2
+    # at the ends, where no such quantile is defined, an interval reaches to 0 and to 1
+    low = np.where(alive > 0, betaincinv(np.maximum(alive, 1), count - alive + 1, tail), 0.0)
+    high = np.where(
+        alive < count, betaincinv(alive + 1, np.maximum(count - alive, 1), 1 - tail), 1.0
+    )
+    return SurvivalCurve(alive / count, low, high)
+
+
+def escape_rate(
+    lifetimes: Lifetimes, sampling_interval: float, confidence: float, start: int | None = None
+) -> EscapeRate:
+    """Rate of the exponential distribution of lifetimes, by maximum likelihood.
+
+    The estimate is the number of escapes over the time at risk, series that are still in the
+    chaotic phase at their end included: they are censored. The interval is the exact one of a
+    Poisson count (Garwood, Biometrika 28 (1936) 437); without any escape its upper end is the
+    largest rate that is compatible with having seen none.
+
+    Parameters
+    ----------
+    lifetimes
+        Of independent series.
+    sampling_interval
+        Time units of a step.
+    confidence
+        Probability that the interval covers, in (0, 1).
+    start
+        Steps at the beginning of each series that are left out, because there it still remembers
+        where it began: what escapes in them is not at risk. None: the first quarter.
+
+    Raises
+    ------
+    ValueError
+        If the start is negative or beyond the end of the series.
+    """
+    if start is None:
+        start = lifetimes.length // 4
+    if not 0 <= start < lifetimes.length:
+        raise ValueError(
+            f"an escape rate cannot be measured from step {start} of {lifetimes.length} on"
+        )
+    escapes = int((lifetimes.escaped & (lifetimes.steps > start)).sum())
+    time = float(np.maximum(lifetimes.steps - start, 0).sum() * sampling_interval)
+    if time == 0:
+        return EscapeRate(escapes, time, *[float("nan")] * 3)
+    tail = (1 - confidence) / 2
+    low = float(gammaincinv(escapes, tail)) if escapes else 0.0
+    high = float(gammaincinv(escapes + 1, 1 - tail))
+    return EscapeRate(escapes, time, escapes / time, low / time, high / time)
