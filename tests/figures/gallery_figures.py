@@ -16,6 +16,7 @@ from burstcast.figures.energy_density import energy_density
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
 from burstcast.figures.horizon_schematic import horizon_schematic
+from burstcast.figures.lyapunov_spectrum import lyapunov_spectrum
 from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.midplane_planes import midplane_planes
 from burstcast.figures.network_schematic import network_schematic
@@ -26,6 +27,7 @@ from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.profile_errors import profile_errors
 from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.suppressed_event import suppressed_event
+from burstcast.figures.survival import survival
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 
@@ -103,6 +105,57 @@ def statistics_rows() -> pd.DataFrame:
         for name, factor in (("training", 2.0), ("floor", 0.2))
     ]
     return pd.concat([table, *references], ignore_index=True)
+
+
+def survival_figure(rate: float = 1e-4) -> Figure:
+    time = np.linspace(0, 4000, 101)
+    share = np.exp(-rate * time)
+    curves = pd.concat(
+        percentile_rows({"survival": value}, forecaster=name, time=now)
+        for name, factor in (("esn", 1.0), ("equations", 0.98))
+        for now, value in zip(time, factor * share, strict=True)
+    )
+    data = pd.DataFrame(
+        {
+            "time": time,
+            "survival": share,
+            "survival_low": 0.97 * share,
+            "survival_high": np.minimum(1, 1.03 * share),
+        }
+    )
+    rates = {"escape_rate": [rate], "escape_rate_low": [0.9 * rate]}
+    return survival(
+        data,
+        curves,
+        pd.DataFrame({**rates, "escape_rate_high": [1.1 * rate]}),
+        percentile_rows({"escape_rate": 1.5 * rate}),
+        1000,
+    )
+
+
+EXPONENTS = np.array([0.0155, 0.0045, 0.0, -0.006, -0.013, -0.02, -0.031, -0.036, -0.041])
+
+
+def lyapunov_figure() -> Figure:
+    exponents = pd.concat(
+        percentile_rows({"lyapunov_exponent": value}, validations=("RV",), number=number)
+        for number, value in enumerate([*EXPONENTS, -0.27], 1)
+    )
+    exponents[["p25", "p75"]] = np.sort(exponents[["p25", "p75"]], axis=1)
+    data = {"number": np.arange(1, 10), "lyapunov_exponent": EXPONENTS}
+    ends = {f"lyapunov_exponent_{end}": EXPONENTS + 0.0005 * sign for end, sign in ENDS.items()}
+    dimension = {f"kaplan_yorke_dimension{end}": [value] for end, value in DIMENSION.items()}
+    return lyapunov_spectrum(
+        pd.DataFrame({**data, **ends}),
+        exponents,
+        pd.DataFrame(dimension),
+        percentile_rows({"kaplan_yorke_dimension": 5.5}, validations=("RV",)),
+        1000,
+    )
+
+
+ENDS = {"low": -1, "high": 1}
+DIMENSION = {"": 5.1, "_low": 5.05, "_high": 5.15}
 
 
 def control_rows() -> pd.DataFrame:
@@ -219,6 +272,8 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     "energy_density": lambda: energy_density(
         EDGES, DENSITY, 0.8 * DENSITY, 1.1 * DENSITY, statistics_rows(), THRESHOLD
     ),
+    "survival": survival_figure,
+    "lyapunov_spectrum": lyapunov_figure,
     "vorticity_isosurfaces": _vorticity,
     "control_schematic": lambda: control_schematic(
         TIME - 1.0,

@@ -1,0 +1,138 @@
+"""Lyapunov exponents of the networks' own flow beside those of the data."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from burstcast.figures.parts.percentile_curves import (
+    NEURONS_LABEL,
+    draw_percentiles,
+    require_single_case,
+    select,
+)
+from burstcast.figures.parts.reference_forecasters import draw_references
+from burstcast.figures.parts.style import (
+    DOUBLE_COLUMN,
+    GREY,
+    TRUTH,
+    legend_above,
+    letter_panels,
+    new_figure,
+    ordered_validations,
+    styled,
+    validation_style,
+)
+
+_APART = 0.16
+"""Distance of the markers of one exponent, so that they do not hide each other."""
+
+
+@styled
+def lyapunov_spectrum(
+    data_exponents: pd.DataFrame,
+    exponents: pd.DataFrame,
+    data_dimension: pd.DataFrame,
+    dimensions: pd.DataFrame,
+    neurons: int,
+) -> Figure:
+    """Draw (a) the exponents by their number and (b) the dimension against reservoir size.
+
+    Parameters
+    ----------
+    data_exponents
+        Of the data: number, lyapunov_exponent, lyapunov_exponent_low, lyapunov_exponent_high.
+    exponents
+        Percentiles over networks, of one case: forecaster, neurons, validation, number, metric
+        (``lyapunov_exponent``), p25, p50, p75.
+    data_dimension
+        Of the data, one row: kaplan_yorke_dimension, kaplan_yorke_dimension_low,
+        kaplan_yorke_dimension_high.
+    dimensions
+        Percentiles over networks, of the same case, of the metric ``kaplan_yorke_dimension``.
+    neurons
+        Size of the networks in (a).
+
+    Raises
+    ------
+    ValueError
+        If a table of percentiles holds several cases.
+    """
+    require_single_case(exponents)
+    require_single_case(dimensions)
+    figure = new_figure(DOUBLE_COLUMN, 2.6)
+    left, right = figure.subplots(1, 2)
+    _draw_exponents(left, data_exponents, exponents, neurons)
+    _draw_dimensions(right, data_dimension.iloc[0], dimensions)
+    legend_above(figure, [left, right])
+    letter_panels([left, right])
+    return figure
+
+
+def _draw_exponents(axes: Axes, data: pd.DataFrame, exponents: pd.DataFrame, neurons: int) -> None:
+    axes.axhline(0, color=GREY, linewidth=0.5, zorder=0.5)
+    middle = data["lyapunov_exponent"].to_numpy(dtype=np.float64)
+    ends = [data[f"lyapunov_exponent_{end}"].to_numpy(dtype=np.float64) for end in ("low", "high")]
+    axes.errorbar(
+        data["number"],
+        middle,
+        yerr=np.nan_to_num([middle - ends[0], ends[1] - middle]),
+        label="data",
+        color=TRUTH["color"],
+        linestyle="none",
+        marker="_",
+        markersize=8,
+        capsize=2.0,
+        elinewidth=0.8,
+        capthick=0.8,
+    )
+    lowest, highest = middle.min(), middle.max()
+    networks = select(exponents, forecaster="esn", neurons=neurons)
+    for index, validation in enumerate(ordered_validations(networks["validation"].dropna()), 1):
+        rows = select(networks, validation=validation)
+        style = validation_style(validation).copy()
+        style["linestyle"] = "none"
+        draw_percentiles(axes, rows, "number", style, band=False, shift=index * _APART)
+    # an exponent that belongs to the reservoir alone is far below those of the flow
+    room = 0.15 * (highest - lowest)
+    below = networks[networks["p50"] < lowest - room]
+    axes.set_ylim(lowest - 2 * room, highest + 1.5 * room)
+    for number in sorted(below["number"].unique()):
+        median = below.loc[below["number"] == number, "p50"].median()
+        axes.annotate(
+            f"${median:.2g}$",
+            (number, 0),
+            (number, 0.16),
+            axes.get_xaxis_transform(),
+            axes.get_xaxis_transform(),
+            arrowprops={"arrowstyle": "->", "color": GREY, "linewidth": 0.7},
+            ha="center",
+            color=GREY,
+        )
+    numbers = pd.concat([data["number"], networks["number"]])
+    axes.set_xlim(numbers.min() - 0.6, numbers.max() + 0.6)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xlabel("Number of the exponent")
+    axes.set_ylabel("Lyapunov exponent [1 / time unit]")
+
+
+def _draw_dimensions(axes: Axes, data: "pd.Series[float]", dimensions: pd.DataFrame) -> None:
+    axes.axhspan(
+        data["kaplan_yorke_dimension_low"],
+        data["kaplan_yorke_dimension_high"],
+        color=TRUTH["color"],
+        alpha=0.15,
+        linewidth=0,
+    )
+    axes.axhline(data["kaplan_yorke_dimension"], **TRUTH)
+    networks = select(dimensions, forecaster="esn", metric="kaplan_yorke_dimension")
+    for validation in ordered_validations(networks["validation"].dropna()):
+        rows = select(networks, validation=validation)
+        style = validation_style(validation)
+        draw_percentiles(axes, rows, "neurons", style, label=f"ESN, {validation}")
+    draw_references(axes, dimensions, "kaplan_yorke_dimension", None, leave_out=["data"])
+    axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
+    axes.margins(x=0.1, y=0.15)
+    axes.set_xlabel(NEURONS_LABEL)
+    axes.set_ylabel("Kaplan\u2013Yorke dimension")

@@ -1,0 +1,117 @@
+"""How long the data and the forecasters' long runs stay in the chaotic phase."""
+
+import math
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter, StrMethodFormatter
+
+from burstcast.figures.parts.percentile_curves import (
+    NEURONS_LABEL,
+    draw_percentiles,
+    require_single_case,
+    select,
+)
+from burstcast.figures.parts.reference_forecasters import draw_references
+from burstcast.figures.parts.style import (
+    DOUBLE_COLUMN,
+    TRUTH,
+    legend_above,
+    letter_panels,
+    new_figure,
+    ordered_validations,
+    styled,
+    validation_style,
+)
+
+
+@styled
+def survival(
+    data_curve: pd.DataFrame,
+    curves: pd.DataFrame,
+    data_rate: pd.DataFrame,
+    rates: pd.DataFrame,
+    neurons: int,
+) -> Figure:
+    """Draw (a) the survival curves and (b) the escape rate against reservoir size.
+
+    Parameters
+    ----------
+    data_curve
+        Of the data: time, survival, survival_low, survival_high.
+    curves
+        Percentiles over networks, of one case: forecaster, neurons, validation, time, metric
+        (``survival``), p25, p50, p75.
+    data_rate
+        Of the data, one row: escape_rate, escape_rate_low, escape_rate_high.
+    rates
+        Percentiles over networks, of the same case, of the metric ``escape_rate``.
+    neurons
+        Size of the networks in (a).
+
+    Raises
+    ------
+    ValueError
+        If a table of percentiles holds several cases.
+    """
+    require_single_case(curves)
+    require_single_case(rates)
+    figure = new_figure(DOUBLE_COLUMN, 2.6)
+    left, right = figure.subplots(1, 2)
+    _draw_curves(left, data_curve, curves, neurons)
+    _draw_rates(right, data_rate.iloc[0], rates)
+    legend_above(figure, [left, right])
+    letter_panels([left, right])
+    return figure
+
+
+def _draw_curves(axes: Axes, data: pd.DataFrame, curves: pd.DataFrame, neurons: int) -> None:
+    # a share of zero has no logarithm
+    low = data["survival_low"].where(data["survival_low"] > 0)
+    axes.fill_between(
+        data["time"], low, data["survival_high"], color=TRUTH["color"], alpha=0.15, linewidth=0
+    )
+    axes.plot(data["time"], data["survival"].where(data["survival"] > 0), label="data", **TRUTH)
+    networks = select(curves, forecaster="esn", neurons=neurons)
+    for validation in ordered_validations(networks["validation"].dropna()):
+        style = validation_style(validation).copy()
+        style["marker"] = ""
+        draw_percentiles(axes, select(networks, validation=validation), "time", style)
+    draw_references(axes, curves, "survival", "time", leave_out=["data"])
+    axes.set_yscale("log")
+    if axes.get_ylim()[0] > 0.1:  # less than a decade: numbers at all ticks
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:.1f}"))
+        axes.yaxis.set_minor_formatter(StrMethodFormatter("{x:.1f}"))
+    else:
+        axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.margins(x=0)
+    axes.set_xlabel("Time [time units]")
+    axes.set_ylabel("Share in the chaotic phase")
+
+
+def _draw_rates(axes: Axes, data: "pd.Series[float]", rates: pd.DataFrame) -> None:
+    networks = select(rates, forecaster="esn", metric="escape_rate")
+    largest = max(float(data["escape_rate_high"]), float(networks["p75"].max()))
+    power = math.floor(math.log10(largest))
+    scaled = rates.assign(**{name: rates[name] / 10.0**power for name in ("p25", "p50", "p75")})
+    axes.axhspan(
+        data["escape_rate_low"] / 10.0**power,
+        data["escape_rate_high"] / 10.0**power,
+        color=TRUTH["color"],
+        alpha=0.15,
+        linewidth=0,
+    )
+    axes.axhline(data["escape_rate"] / 10.0**power, **TRUTH)
+    for validation in ordered_validations(networks["validation"].dropna()):
+        rows = select(scaled, forecaster="esn", metric="escape_rate", validation=validation)
+        draw_percentiles(
+            axes, rows, "neurons", validation_style(validation), label=f"ESN, {validation}"
+        )
+    draw_references(axes, scaled, "escape_rate", None, leave_out=["data"])
+    axes.set_ylim(bottom=0)
+    axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
+    axes.margins(x=0.1)
+    axes.set_xlabel(NEURONS_LABEL)
+    unit = rf"$10^{{{power}}}$ per time unit" if power else "per time unit"
+    axes.set_ylabel(f"Escape rate [{unit}]")
