@@ -7,7 +7,7 @@ from typing import Any
 
 from burstcast import durations
 from burstcast.control.strategies.registry import strategy_class
-from burstcast.forecasters.registry import forecaster_class
+from burstcast.forecasters.registry import forecaster_class, linearises
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import module_of
@@ -165,6 +165,13 @@ class Campaign:
     def long_term_forecasters(self) -> tuple[CaseForecaster, ...]:
         """Forecasters whose long-term statistics are computed."""
         return self._chosen(self.config["statistics"]["forecasters"])
+
+    @cached_property
+    def spectrum_forecasters(self) -> tuple[CaseForecaster, ...]:
+        """Forecasters whose own flow's Lyapunov exponents are computed: of kinds that can."""
+        if self.config["statistics"]["lyapunov_exponents"] == 0:
+            return ()
+        return tuple(one for one in self.long_term_forecasters if linearises(one.name.kind))
 
     def _chosen(self, choice: Mapping[str, Any]) -> tuple[CaseForecaster, ...]:
         """Forecasters of the kinds that a choice names, with values of axes that it allows."""
@@ -387,7 +394,10 @@ class Campaign:
         """Names of all tables: results, percentiles over networks, parameters."""
         names = ["dataset", "classification", "horizon"]
         names += ["hyperparameters"] if self.networks else []
-        names += ["statistics"] if self.long_term_forecasters else []
+        if self.long_term_forecasters:
+            names += ["statistics", "survival", "survival_curve"]
+        if self.spectrum_forecasters:
+            names += ["lyapunov_spectrum", "kaplan_yorke"]
         names += ["control"] if self.control_runs else []
         names += ["control_strategies"] if self.strategy_runs else []
         return [

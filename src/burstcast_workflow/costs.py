@@ -205,6 +205,17 @@ def _leave_one_out(job: _Job) -> _Account:
     return start_up, work, held + moments + (job.training_series + 1) * job.neurons**2
 
 
+def _spectrum(job: _Job) -> _Account:
+    """Long runs with their perturbations, which no compiled code takes along."""
+    count, steps = job("statistics.lyapunov_runs"), _long_term(job)[1]
+    perturbations = job("statistics.lyapunov_exponents")
+    if job.name.kind != "esn":
+        steps *= count * job.stride
+        return _PLAIN, {"tangent call": steps / 8, "tangent step": steps}, 0
+    work = _network_steps(job, (1 + _SCIPY_SLOWER * perturbations) * count * steps)
+    return _COMPILED, work, 8 * 6 * perturbations * job.neurons
+
+
 def _control(job: _Job) -> _Account:
     """Forecasts that raise alarms, and flows as with alarms at random."""
     start_up, work, held = _closed_loop(job, "control")
@@ -258,6 +269,7 @@ _CLASSES: dict[str, Callable[[_Job], _Account]] = {
     "training": _training,
     "closed_loop": _closed_loop,
     "leave_one_out": _leave_one_out,
+    "spectrum": _spectrum,
     "control": _control,
     # small files of all forecasters into a table; the same with intervals of scores
     "gather": lambda job: (_PLAIN, {"file": len(job.campaign.forecasters)}, 20 / _MIB_PER_NUMBER),

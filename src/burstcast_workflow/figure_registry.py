@@ -169,6 +169,11 @@ def _with_long_term(campaign: Campaign) -> list[str]:
     return [case for case in _every(campaign) if long_term_candidates(campaign, case)]
 
 
+def _with_spectrum(campaign: Campaign) -> list[str]:
+    cases = {one.case for one in campaign.spectrum_forecasters}
+    return [case for case in _with_long_term(campaign) if case in cases]
+
+
 def _control_example(campaign: Campaign) -> list[str]:
     run = control_example(campaign)
     return [] if run is None else [run.case]
@@ -309,6 +314,28 @@ FIGURES: Mapping[str, Figure] = {
         "shown_case rows",
         _with_long_term,
         published=True,
+    ),
+    "survival": Figure(
+        {
+            "curves": "tables/survival_curve.csv",
+            "curve_percentiles": "tables/survival_curve_percentiles.csv",
+            "rates": "tables/survival.csv",
+            "rate_percentiles": "tables/survival_percentiles.csv",
+        },
+        "figures.fixed_neurons",
+        "shown_case",
+        _with_long_term,
+    ),
+    "lyapunov_spectrum": Figure(
+        {
+            "exponents": "tables/lyapunov_spectrum.csv",
+            "exponent_percentiles": "tables/lyapunov_spectrum_percentiles.csv",
+            "dimensions": "tables/kaplan_yorke.csv",
+            "dimension_percentiles": "tables/kaplan_yorke_percentiles.csv",
+        },
+        "figures.fixed_neurons",
+        "shown_case",
+        _with_spectrum,
     ),
     "profile_errors": Figure(
         _OF_STATISTICS,

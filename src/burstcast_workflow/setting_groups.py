@@ -19,6 +19,9 @@ GROUPS = {
     "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
     "search.interval_lt search.tikhonov search.spectral_radius search.input_scaling",
     "FORECASTER": "SYSTEM TIME forecaster.options",
+    # long runs: where they start and how long they are
+    "LONG_RUNS": "FORECASTER OBSERVED washout_lt statistics.starting_points "
+    "statistics.start_spacing_lt statistics.duration",
     "CONTROL": "SYSTEM TIME random_seed case.training.series case.event_threshold "
     "case.laminarisation_threshold case.actuation washout_lt control.flows control.run",
 }

@@ -31,6 +31,9 @@ SUMMARIES = {
     "statistics": Summary(
         (
             "discarded_fraction",
+            "laminarised_fraction",
+            "fixed_point_fraction",
+            "diverged_fraction",
             "kantorovich",
             "mean_log_error",
             "nrmse_u",
@@ -38,6 +41,10 @@ SUMMARIES = {
             "nrmse_uv",
         )
     ),
+    "survival": Summary(("survived_fraction", "escape_rate")),
+    "survival_curve": Summary(("survival",), ("time",)),
+    "lyapunov_spectrum": Summary(("lyapunov_exponent",), ("number",)),
+    "kaplan_yorke": Summary(("kaplan_yorke_dimension",)),
     "control": Summary(
         (
             "exceedance_uncontrolled",

@@ -10,7 +10,8 @@ CAPTIONS = {
     ),
     "dataset": (
         "The ensembles: series, share that laminarises, extreme events, and leading Lyapunov "
-        r"exponent with its confidence interval ($\Lambda_p$: published)."
+        "exponent with its confidence interval, by QR factorisation and by the growth of "
+        r"perturbations ($\Lambda_g$; $\Lambda_p$: published)."
     ),
     "hyperparameters": "Hyperparameters of each network.",
     "classification": "Precision, recall and F-score of each network.",
@@ -19,6 +20,18 @@ CAPTIONS = {
     ),
     "horizon": "Prediction horizon of extreme events of each network, averaged over the events.",
     "statistics": "Long-term statistics of each network's flow, against those of the data.",
+    "survival": (
+        "Escapes from the chaotic phase: time at risk after the first quarter of each run, and "
+        "escape rate with its confidence interval."
+    ),
+    "survival_curve": "Share of the runs still in the chaotic phase, with its confidence interval.",
+    "lyapunov_spectrum": (
+        "Lyapunov exponents of the data and of each network's own flow, with confidence intervals."
+    ),
+    "kaplan_yorke": (
+        "Kaplan--Yorke dimension of the data and of each network's own flow, with its confidence "
+        "interval over runs."
+    ),
     "control": "Control of extreme events by each network and by the reference forecasters.",
     "control_strategies": (
         "Costs and gains of control, with bootstrap intervals over flows; where nothing was left, "
@@ -42,6 +55,9 @@ HEADS = {
     "lyapunov_exponent": r"$\Lambda$",
     "lyapunov_exponent_low": r"$\Lambda_{\mathrm{low}}$",
     "lyapunov_exponent_high": r"$\Lambda_{\mathrm{high}}$",
+    "lyapunov_exponent_by_growth": r"$\Lambda_g$",
+    "lyapunov_exponent_by_growth_low": r"$\Lambda_{g,\mathrm{low}}$",
+    "lyapunov_exponent_by_growth_high": r"$\Lambda_{g,\mathrm{high}}$",
     "lyapunov_exponent_paper": r"$\Lambda_p$",
     "steps_per_lyapunov_time": "steps per LT",
     "spectral_radius": r"$\rho$",
@@ -73,7 +89,13 @@ FORMATS = {
     "lyapunov_exponent": ".5f",
     "lyapunov_exponent_low": ".5f",
     "lyapunov_exponent_high": ".5f",
+    "lyapunov_exponent_by_growth": ".5f",
+    "lyapunov_exponent_by_growth_low": ".5f",
+    "lyapunov_exponent_by_growth_high": ".5f",
     "lyapunov_exponent_paper": ".4f",
+    "kaplan_yorke_dimension": ".2f",
+    "kaplan_yorke_dimension_low": ".2f",
+    "kaplan_yorke_dimension_high": ".2f",
     "spectral_radius": ".3f",
     "input_scaling": ".3f",
     "objective": ".3f",

@@ -45,6 +45,7 @@ WILDCARDS = {
     "training": NETWORK,
     "closed_loop": NETWORK,
     "leave_one_out": NETWORK,
+    "spectrum": NETWORK,
     "control": {**NETWORK, "strategy": windows(2)},
     "gather": {},
     "bootstrap": {},
@@ -116,6 +117,7 @@ def test_closed_loops_grow_with_the_size_alone(stage):
         ("closed_loop", "forecast", {"cases__Re400__test_series": 300}),
         ("closed_loop", "horizon", {"horizon__events": 1000}),
         ("closed_loop", "long_term", {"statistics__duration": 8000}),
+        ("spectrum", "lyapunov_spectrum", {"statistics__lyapunov_exponents": 20}),
         ("control", "control", {"control__span_lt": 40}),
     ],
 )

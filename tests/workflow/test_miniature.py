@@ -12,13 +12,16 @@ from burstcast_workflow.harness.tables import read_table
 PRESET = "workflow/presets/miniature.yaml"
 TABLES = (
     *("dataset", "hyperparameters", "classification", "classification_intervals"),
-    *("horizon", "statistics", "control"),
+    *("horizon", "statistics", "survival", "lyapunov_spectrum", "kaplan_yorke", "control"),
 )
 METRICS = {
     "hyperparameters": (["spectral_radius", "input_scaling", "tikhonov", "objective"], []),
     "classification": (["precision", "recall", "f_score"], ["prediction_time_lt"]),
     "horizon": (["mean_horizon_lt", "median_horizon_lt"], []),
     "statistics": (["discarded_fraction", "kantorovich", "mean_log_error", "nrmse_uv"], []),
+    "survival": (["survived_fraction", "escape_rate"], []),
+    "lyapunov_spectrum": (["lyapunov_exponent"], ["number"]),
+    "kaplan_yorke": (["kaplan_yorke_dimension"], []),
     "control": (["exceedance_controlled", "reduction", "alarms"], ["prediction_time_lt"]),
 }
 

@@ -208,6 +208,9 @@ def test_stages_that_are_switched_off_have_no_tables():
     assert set(PAPER.table_names) - set(without.table_names) == {
         *("control", "control_percentiles", "control_strategies"),
         *("statistics", "statistics_percentiles"),
+        *("survival", "survival_percentiles", "survival_curve", "survival_curve_percentiles"),
+        *("lyapunov_spectrum", "lyapunov_spectrum_percentiles"),
+        *("kaplan_yorke", "kaplan_yorke_percentiles"),
     }
 
 

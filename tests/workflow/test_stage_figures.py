@@ -24,7 +24,10 @@ from burstcast_workflow.table_metrics import SUMMARIES
 
 ROOT = Path(__file__).parents[2]
 FLOW = {"midplane_planes", "vorticity_isosurfaces"}
-STATISTICS = {"energy_density", "profile_errors", "midplane_mean_square"}
+STATISTICS = {
+    *("energy_density", "profile_errors", "midplane_mean_square"),
+    *("survival", "lyapunov_spectrum"),
+}
 CONTROL = {"control_schematic", "suppressed_event", "control_density", "control_tradeoff"}
 LORENZ = {
     "system": "lorenz63",
@@ -99,11 +102,7 @@ def test_a_strategy_that_no_network_has_leaves_no_figures():
     control = {"forecasters": {**SSV["forecasters"], "equations": None}}
     found = campaign(blocks, **wanted, control=control)
     assert {one.case for one in found.long_term_forecasters} == {"Re600"}
-    assert stage_figures(found) == FLOW | {
-        "energy_density",
-        "profile_errors",
-        "midplane_mean_square",
-    }
+    assert stage_figures(found) == FLOW | STATISTICS
     assert "control" not in found.table_names
 
 
@@ -138,6 +137,8 @@ def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
     assert not found.has_flow("lorenz")
     assert stage_figures(found) == {
         "energy_density",
+        "survival",
+        "lyapunov_spectrum",
         "control_schematic",
         "control_density",
         "control_tradeoff",

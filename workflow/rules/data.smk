@@ -12,7 +12,10 @@ stage(
     "data/lyapunov",
     "Lyapunov exponents",
     inputs=files("ensemble"),
-    outputs={"exponents": f"{CASE}/lyapunov.json"},
+    outputs={
+        "exponents": f"{CASE}/lyapunov.json",
+        "spectrum": f"{CASE}/lyapunov_spectrum.nc",
+    },
     settings="SYSTEM random_seed case.ensemble.time_step case.ensemble.sampling_stride "
     "case.lyapunov.series case.lyapunov.orthonormalisation_interval "
     "case.lyapunov.perturbation case.lyapunov.saturation",

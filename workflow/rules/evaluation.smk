@@ -23,11 +23,19 @@ stage(
     "long-term runs",
     inputs=files("ensemble forecaster time_unit"),
     outputs={"long_term": f"{FORECASTER}/long_term.nc"},
-    settings="FORECASTER forecaster.divergence_bound OBSERVED case.density "
-    "case.laminarisation_threshold case.fixed_point washout_lt "
-    "statistics.starting_points statistics.start_spacing_lt "
-    "statistics.duration statistics.fixed_point_interval_lt",
+    settings="LONG_RUNS forecaster.divergence_bound case.density "
+    "case.laminarisation_threshold case.fixed_point statistics.fixed_point_interval_lt",
     cost="closed_loop",
+    cached=True,
+)
+stage(
+    "evaluation/lyapunov_spectrum",
+    "Lyapunov exponents of its own flow",
+    inputs=files("ensemble forecaster time_unit long_term"),
+    outputs={"spectrum": f"{FORECASTER}/lyapunov_spectrum.nc"},
+    settings="LONG_RUNS case.lyapunov.orthonormalisation_interval "
+    "statistics.lyapunov_exponents statistics.lyapunov_runs",
+    cost="spectrum",
     cached=True,
 )
 stage(

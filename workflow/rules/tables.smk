@@ -59,6 +59,40 @@ stage(
     rows=campaign.keys(campaign.long_term_forecasters),
 )
 stage(
+    "tables/survival_table",
+    "table of escapes from the chaotic phase",
+    inputs={
+        "data": of_cases("ensemble.nc"),
+        "long_term": of_forecasters("long_term.nc", campaign.long_term_forecasters),
+    },
+    outputs={
+        "table": f"{TABLES}/survival.csv",
+        "curves": f"{TABLES}/survival_curve.csv",
+    },
+    settings="statistics.duration bootstrap.confidence",
+    cases=campaign.of_each_case(
+        "case.ensemble.time_step", "case.ensemble.sampling_stride"
+    ),
+    rows=campaign.keys(campaign.long_term_forecasters),
+)
+stage(
+    "tables/lyapunov_spectrum_table",
+    "table of the Lyapunov exponents",
+    inputs={
+        "data": of_cases("lyapunov_spectrum.nc"),
+        "forecasters": of_forecasters(
+            "lyapunov_spectrum.nc", campaign.spectrum_forecasters
+        ),
+    },
+    outputs={
+        "table": f"{TABLES}/lyapunov_spectrum.csv",
+        "dimensions": f"{TABLES}/kaplan_yorke.csv",
+    },
+    settings="random_seed bootstrap",
+    cases=campaign.of_each_case(),
+    rows=campaign.keys(campaign.spectrum_forecasters),
+)
+stage(
     "tables/control_table",
     "table of control",
     inputs={"counts": of_control("counts.json")},
@@ -132,5 +166,6 @@ rule forecasters:
         of_forecasters("calibration_forecast.nc"),
         of_forecasters("horizon.nc"),
         of_forecasters("long_term.nc", campaign.long_term_forecasters),
+        of_forecasters("lyapunov_spectrum.nc", campaign.spectrum_forecasters),
         of_control("flows.nc", campaign.strategy_runs),
     localrule: True

@@ -334,6 +334,10 @@ class Statistics(Section):
     start_spacing_lt: Positive = setting("time between two starting points")
     duration: Positive = setting("length of each long run", TIME)
     fixed_point_interval_lt: Positive = setting("end of a long run, which shows whether it settled")
+    lyapunov_exponents: Whole = setting(
+        "leading Lyapunov exponents of each forecaster's own flow; 0 for none", ge=0
+    )
+    lyapunov_runs: Count = setting("long runs that those exponents are averaged over")
     profile_points: Whole = setting("heights of the velocity profiles, from wall to wall", ge=3)
     floor_splits: Count = setting("random halves of the data that are compared with one another")
 

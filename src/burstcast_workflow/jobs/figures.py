@@ -18,6 +18,13 @@ def of_case(settings: Settings, percentiles: str) -> pd.DataFrame:
     return shown
 
 
+def of_data(settings: Settings, table: str) -> pd.DataFrame:
+    """Rows of a table that belong to the data of the case that a figure shows."""
+    rows = of_case(settings, table)
+    data: pd.DataFrame = rows.loc[rows["forecaster"] == "data"]
+    return data
+
+
 def published_beside(table: pd.DataFrame, published: str | None, name: str) -> pd.DataFrame | None:
     """Published percentiles at the Reynolds number of a case; None where they are not drawn.
 

@@ -19,9 +19,12 @@ _SEARCH = f"""{_SYSTEM} {_TIME} {_OBSERVED} {_RESERVOIR} case.recycle_validation
     search.spectral_radius search.input_scaling search.tikhonov search.interval_lt"""
 _HORIZON = f"""{_SYSTEM} {_TIME} case.event_threshold washout_lt
     horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance"""
-_LONG_TERM = f"""{_SYSTEM} {_TIME} {_OBSERVED} case.density.* case.laminarisation_threshold
-    case.fixed_point.* washout_lt statistics.starting_points statistics.start_spacing_lt
-    statistics.duration statistics.fixed_point_interval_lt"""
+_LONG_RUNS = f"""{_SYSTEM} {_TIME} {_OBSERVED} washout_lt statistics.starting_points
+    statistics.start_spacing_lt statistics.duration"""
+_LONG_TERM = f"""{_LONG_RUNS} case.density.* case.laminarisation_threshold case.fixed_point.*
+    statistics.fixed_point_interval_lt"""
+_SPECTRUM = f"""{_LONG_RUNS} case.lyapunov.orthonormalisation_interval
+    statistics.lyapunov_exponents statistics.lyapunov_runs"""
 _CONTROL = f"""{_SYSTEM} {_TIME} random_seed case.training.series
     case.event_threshold case.laminarisation_threshold case.controlled_density.* case.actuation.*
     washout_lt control.window_lt control.flows control.span_lt"""
@@ -59,11 +62,15 @@ READS = {
     "horizon/equations": _HORIZON,
     "horizon/equations_noisy": _HORIZON,
     "long_term/esn": f"{_LONG_TERM} {_NETWORK} {_JUDGED}",
+    "lyapunov_spectrum/esn": f"{_SPECTRUM} {_NETWORK}",
     "control/esn": f"{_CONTROL} case.training.noise {_NETWORK}",
     "control/equations": _CONTROL,
     "control_random/esn": _CONTROL,
     "control_without_forecast": _CONTROL.replace("control.window_lt", ""),
     "statistics_table": f"{_SYSTEM} statistics.profile_points",
+    "survival_table": """case.ensemble.time_step case.ensemble.sampling_stride
+        statistics.duration bootstrap.confidence""",
+    "lyapunov_spectrum_table": "random_seed bootstrap.*",
     "control_table": "",
     # the columns of the strategies' settings are in its rows
     "control_strategies_table": """random_seed bootstrap.* case.training.noise
@@ -111,11 +118,14 @@ COMES_FROM = {
     "horizon/equations": "simulate fit/equations events",
     "horizon/equations_noisy": "simulate fit/equations_noisy events",
     "long_term/esn": "simulate train",
+    "lyapunov_spectrum/esn": "simulate train long_term/esn",
     "control/esn": "simulate train",
     "control/equations": "simulate fit/equations",
     "control_random/esn": "simulate control/esn",
     "control_without_forecast": "simulate",
     "statistics_table": "reference_statistics long_term/esn",
+    "survival_table": "simulate long_term/esn",
+    "lyapunov_spectrum_table": "lyapunov lyapunov_spectrum/esn",
     "control_table": "control/esn control/equations control_random/esn",
     "control_strategies_table": """control/esn control/equations control_random/esn
         control_without_forecast""",
@@ -138,6 +148,10 @@ COMES_FROM = {
     "percentiles/classification": "classification_table",
     "percentiles/horizon": "horizon_table",
     "percentiles/statistics": "statistics_table",
+    "percentiles/survival": "survival_table",
+    "percentiles/survival_curve": "survival_table",
+    "percentiles/lyapunov_spectrum": "lyapunov_spectrum_table",
+    "percentiles/kaplan_yorke": "lyapunov_spectrum_table",
     "percentiles/control": "control_table",
     "latex/dataset": "dataset_table",
     "latex/hyperparameters": "hyperparameters_table",
@@ -145,13 +159,20 @@ COMES_FROM = {
     "latex/classification_intervals": "classification_table",
     "latex/horizon": "horizon_table",
     "latex/statistics": "statistics_table",
+    "latex/survival": "survival_table",
+    "latex/survival_curve": "survival_table",
+    "latex/lyapunov_spectrum": "lyapunov_spectrum_table",
+    "latex/kaplan_yorke": "lyapunov_spectrum_table",
     "latex/control": "control_table",
     "latex/control_strategies": "control_strategies_table",
     "latex/data_generation_parameters": "data_generation_parameters",
     "latex/network_hyperparameters": "network_hyperparameters",
     **{
         f"latex/{name}_percentiles": f"percentiles/{name}"
-        for name in ("hyperparameters", "classification", "horizon", "statistics", "control")
+        for name in (
+            *("hyperparameters", "classification", "horizon", "statistics", "control"),
+            *("survival", "survival_curve", "lyapunov_spectrum", "kaplan_yorke"),
+        )
     },
 }
 

@@ -12,8 +12,10 @@ from dependencies import ALL, and_what_follows, readers
 from helpers_rebuilds import ROOT, TINY
 
 # Jobs of each network, and of those networks that control; tables that have rows of forecasters.
+OF_LONG_RUNS = {"long_term/esn", "lyapunov_spectrum/esn"}
 OF_NETWORKS = {
-    *("scan", "search", "train", "forecast/esn", "horizon/esn", "long_term/esn"),
+    *("scan", "search", "train", "forecast/esn", "horizon/esn"),
+    *OF_LONG_RUNS,
     "calibration_forecast/esn",
 }
 TABLES_OF_CONTROL = {"control_table", "control_strategies_table"}
@@ -22,11 +24,13 @@ TABLES_OF_FORECASTERS = {
     *("classification_table", "horizon_table", "calibrate", "probability_scores"),
     *("probability_diagrams", "lead_times", "threshold_sweep"),
 }
+TABLES_OF_LONG_RUNS = {"statistics_table", "survival_table", "lyapunov_spectrum_table"}
 TABLES_OF_NETWORKS = {*TABLES_OF_FORECASTERS, "hyperparameters_table"}
 TABLES = {
     *TABLES_OF_NETWORKS,
     *TABLES_OF_CONTROL,
-    *("statistics_table", "dataset_table", "data_generation_parameters"),
+    *TABLES_OF_LONG_RUNS,
+    *("dataset_table", "data_generation_parameters"),
     "network_hyperparameters",
 }
 
@@ -192,16 +196,19 @@ _WITH: dict[str, dict[str, Any]] = {
 # Who is new, and the tables that list them: what is there already has nothing to do with it.
 _EXPECTED: dict[str, set[str]] = {
     "campaign.0.reynolds": set(ALL),
-    "campaign.0.forecasters.esn.neurons": OF_NETWORKS | TABLES_OF_NETWORKS | {"statistics_table"},
+    "campaign.0.forecasters.esn.neurons": OF_NETWORKS | TABLES_OF_NETWORKS | TABLES_OF_LONG_RUNS,
     "campaign.0.forecasters.esn.seeds": OF_NETWORKS
     | TABLES_OF_NETWORKS
-    | {"statistics_table"}
+    | TABLES_OF_LONG_RUNS
     | OF_CONTROLLING_NETWORKS,
     "campaign.0.forecasters.esn.validation": TABLES_OF_NETWORKS,
     "campaign.0.forecasters.equations": TABLES_OF_FORECASTERS | TABLES_OF_CONTROL,
     "campaign.0.forecasters.equations_noisy": TABLES_OF_FORECASTERS,
-    "statistics.forecasters.esn.validation": {"long_term/esn", "statistics_table"},
-    "statistics.forecasters.equations": {"long_term/equations", "statistics_table"},
+    "statistics.forecasters.esn.validation": OF_LONG_RUNS | TABLES_OF_LONG_RUNS,
+    "statistics.forecasters.equations": {
+        *("long_term/equations", "lyapunov_spectrum/equations"),
+        *TABLES_OF_LONG_RUNS,
+    },
     "control.forecasters.esn.neurons": OF_CONTROLLING_NETWORKS,
     "control.forecasters.esn.validation": OF_CONTROLLING_NETWORKS,
     "control.forecasters.equations": TABLES_OF_CONTROL,

@@ -14,6 +14,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 import pandas as pd
+from scipy.stats import chi2, t
 from sklearn.metrics import confusion_matrix, f1_score, precision_score, recall_score
 
 from burstcast import random_streams
@@ -161,7 +162,8 @@ class Recomputation:
             ensemble = variables(self.results / case / "ensemble.nc")
             energy = 0.5 * (ensemble["state"] ** 2).sum(axis=2)
             above = energy >= record["event_threshold"]
-            exponents = json.loads((self.results / case / "lyapunov.json").read_text())["leading"]
+            found = json.loads((self.results / case / "lyapunov.json").read_text())
+            exponents, growth = found["leading"], found["leading_by_growth"]
             published = record["lyapunov"]["published_exponent"]
             interval = record["ensemble"]["time_step"] * record["ensemble"]["sampling_stride"]
             series = record["ensemble"]["series"]
@@ -177,6 +179,9 @@ class Recomputation:
                     "lyapunov_exponent": exponents["mean"],
                     "lyapunov_exponent_low": exponents["low"],
                     "lyapunov_exponent_high": exponents["high"],
+                    "lyapunov_exponent_by_growth": growth["mean"],
+                    "lyapunov_exponent_by_growth_low": growth["low"],
+                    "lyapunov_exponent_by_growth_high": growth["high"],
                     "lyapunov_exponent_paper": published,
                     "steps_per_lyapunov_time": int(
                         1 / ((published or exponents["mean"]) * interval)
@@ -192,9 +197,10 @@ class Recomputation:
             true = variables(self.results / keys["case"] / "statistics_data.nc")
             found = variables(path)
             fates = found["fate"]
-            rows.append(
-                {**keys, "discarded_fraction": (fates != 0).mean(), **_distances(true, found)}
-            )
+            names = ("laminarised", "fixed_point", "diverged")
+            shares = {f"{name}_fraction": (fates == n).mean() for n, name in enumerate(names, 1)}
+            shares["discarded_fraction"] = (fates != 0).mean()
+            rows.append({**keys, **shares, **_distances(true, found)})
         for case, record in self.records.items():
             true = variables(self.results / case / "statistics_data.nc")
             training = variables(self.results / case / "statistics_training.nc")
@@ -214,6 +220,93 @@ class Recomputation:
                 }
                 for split in range(self.config["statistics"]["floor_splits"])
             ]
+        return pd.DataFrame(rows)
+
+    def of_data(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Cases, and the keys of their own rows."""
+        for case, record in self.records.items():
+            reynolds = record["parameters"].get("reynolds")
+            row = {"case": case, "reynolds": reynolds, "forecaster": "data"}
+            yield case, dict.fromkeys(KEYS) | row
+
+    def survival(self) -> pd.DataFrame:
+        """Escapes counted run by run after the first quarter, with exact tails of counts."""
+        lifetimes = []
+        for case, keys in self.of_data():
+            ensemble = variables(self.results / case / "ensemble.nc")
+            kept = set(ensemble["series"].tolist())
+            ends = [number not in kept for number in range(len(ensemble["lifetime"]))]
+            length = len(ensemble["time"]) - 1
+            lifetimes.append((keys, case, ensemble["lifetime"], ends, length))
+        for keys, path in self.files("long_term.nc"):
+            runs, ensemble = variables(path), self.records[keys["case"]]["ensemble"]
+            interval = ensemble["time_step"] * ensemble["sampling_stride"]
+            length = round(self.config["statistics"]["duration"] / interval)
+            lifetimes.append((keys, keys["case"], runs["lifetime"], runs["fate"] != 0, length))
+        rows = []
+        tail = (1 - self.config["bootstrap"]["confidence"]) / 2
+        for keys, case, steps, ends, length in lifetimes:
+            ensemble, start = self.records[case]["ensemble"], length // 4
+            interval = ensemble["time_step"] * ensemble["sampling_stride"]
+            risk = interval * sum(max(0, int(step) - start) for step in steps)
+            escapes = sum(end and step > start for step, end in zip(steps, ends, strict=True))
+            low, high = chi2.ppf([tail, 1 - tail], [2 * escapes, 2 * escapes + 2]) / 2
+            rows.append(
+                {
+                    **keys,
+                    "series": len(steps),
+                    "survived_fraction": 1 - np.mean(ends),
+                    "escapes": escapes,
+                    "time_at_risk": risk,
+                    "escape_rate": escapes / risk if risk else np.nan,
+                    "escape_rate_low": np.nan_to_num(low) / risk if risk else np.nan,
+                    "escape_rate_high": high / risk if risk else np.nan,
+                }
+            )
+        return pd.DataFrame(rows)
+
+    def spectra(self) -> Iterator[tuple[dict[str, Any], np.ndarray]]:
+        """Exponents of each run, of the data and of the forecasters."""
+        for case, keys in self.of_data():
+            yield keys, variables(self.results / case / "lyapunov_spectrum.nc")["exponents"]
+        for keys, path in self.files("lyapunov_spectrum.nc"):
+            yield keys, variables(path)["exponents"]
+
+    def lyapunov_spectrum(self) -> pd.DataFrame:
+        rows = []
+        for keys, exponents in self.spectra():
+            for number, values in enumerate(exponents.T, 1):
+                interval = (np.nan, np.nan)
+                if len(values) > 1:
+                    interval = t.interval(
+                        self.config["bootstrap"]["confidence"],
+                        len(values) - 1,
+                        values.mean(),
+                        values.std(ddof=1) / math.sqrt(len(values)),
+                    )
+                rows.append(
+                    {
+                        **keys,
+                        "number": number,
+                        "lyapunov_exponent": values.mean() if len(values) else np.nan,
+                        "lyapunov_exponent_low": interval[0],
+                        "lyapunov_exponent_high": interval[1],
+                    }
+                )
+        return pd.DataFrame(rows)
+
+    def kaplan_yorke(self) -> pd.DataFrame:
+        """Number of the exponents where the interpolated sum of the leading ones is zero."""
+        rows = []
+        for keys, exponents in self.spectra():
+            dimension = np.nan
+            if len(exponents):
+                sums = np.cumsum([0, *sorted(exponents.mean(axis=0))[::-1]])
+                peak = int(sums.argmax())
+                if sums[-1] < 0:
+                    falling = -sums[peak:]
+                    dimension = peak + float(np.interp(0, falling, range(len(falling))))
+            rows.append({**keys, "runs": len(exponents), "kaplan_yorke_dimension": dimension})
         return pd.DataFrame(rows)
 
     def control(self) -> pd.DataFrame:
@@ -249,7 +342,8 @@ class Recomputation:
     def tables(self) -> dict[str, pd.DataFrame]:
         """All of them, by name; those of stages that are off are left out."""
         names = ["dataset", "hyperparameters", "classification", "classification_intervals"]
-        names += ["horizon", "statistics", "control"]
+        names += ["horizon", "statistics", "survival", "lyapunov_spectrum", "kaplan_yorke"]
+        names += ["control"]
         made = {name: getattr(self, name)() for name in names}
         return {name: table for name, table in made.items() if len(table)}
 
@@ -270,7 +364,7 @@ def assert_same_rows(found: pd.DataFrame, expected: pd.DataFrame) -> None:
     tables = []
     for table in (found[names], expected):
         rows = [[_cell(cell) for cell in row] for row in table.itertuples(index=False)]
-        count = sum(name in (*KEYS, "prediction_time_lt", "metric") for name in names)
+        count = sum(name in (*KEYS, "prediction_time_lt", "metric", "number") for name in names)
         tables.append(sorted(rows, key=lambda row: [str(cell) for cell in row[:count]]))
     assert len(tables[0]) == len(tables[1])
     for row, other in zip(*tables, strict=True):

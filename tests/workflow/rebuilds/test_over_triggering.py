@@ -284,9 +284,13 @@ GATHERED = """classification_table horizon_table
 GATHERED_CONTROL = """control_table control_density_table percentiles/control
     control_strategies_table latex/control_strategies
     latex/control latex/control_percentiles figure/control_tradeoff figure/control_density"""
+GATHERED_LONG_RUNS = """statistics_table percentiles/statistics latex/statistics*
+    survival_table percentiles/survival* latex/survival* figure/survival
+    lyapunov_spectrum_table percentiles/lyapunov_spectrum latex/lyapunov_spectrum*
+    percentiles/kaplan_yorke latex/kaplan_yorke* figure/lyapunov_spectrum"""
 GATHERED_NETWORKS = f"""{GATHERED} {GATHERED_CONTROL}
     hyperparameters_table percentiles/hyperparameters latex/hyperparameters*
-    statistics_table percentiles/statistics latex/statistics*
+    {GATHERED_LONG_RUNS}
     figure/energy_density figure/profile_errors figure/midplane_mean_square"""
 OF_NETWORKS = """scan/* search/* train/* */esn-*
     figure/network_schematic figure/search_landscape figure/prediction_* figure/horizon_evaluations
@@ -348,8 +352,8 @@ WITH_EFFECT = [
         ),
         # neither data nor the search, though it is a search for networks
         f"""train/* forecast/*/esn-* calibration_forecast/*/esn-* horizon/*/esn-* long_term/*/esn-*
-        control/*/esn-* control_random/*/esn-* examples/* flow_event/* suppressed_event/*
-        {GATHERED} {GATHERED_CONTROL} statistics_table percentiles/statistics latex/statistics*
+        lyapunov_spectrum/*/esn-* control/*/esn-* control_random/*/esn-* examples/* flow_event/*
+        suppressed_event/* {GATHERED} {GATHERED_CONTROL} {GATHERED_LONG_RUNS}
         figure/energy_density figure/profile_errors figure/midplane_* figure/prediction_*
         figure/horizon_evaluations figure/vorticity_isosurfaces figure/control_schematic
         figure/suppressed_event""",

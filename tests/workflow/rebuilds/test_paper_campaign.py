@@ -1,6 +1,6 @@
 """What edits set off in the paper's campaign, job by job, and what is said about it beforehand.
 
-Its 1,183 jobs are not run: each makes empty outputs, which is all that planning looks at. The
+Its 1,295 jobs are not run: each makes empty outputs, which is all that planning looks at. The
 numbers are those of docs/selective_rebuilds.md.
 """
 
@@ -28,8 +28,10 @@ DATA = dict.fromkeys(
 )
 TRAINING = {"scan": SCANS, "search": NETWORKS, "train": NETWORKS}
 SCORES = {"classification_table": 1, "percentiles": 1, "latex": 3}
-# the ensemble's networks at each Reynolds number: scores, density, profiles, midplane, trade-off
-OF_CASES = 5 * CASES
+# the ensemble's networks at each Reynolds number: scores, density, survival, exponents, profiles,
+# midplane, trade-off
+OF_CASES = 7 * CASES
+LONG_RUNS = dict.fromkeys(("statistics_table", "survival_table", "lyapunov_spectrum_table"), 1)
 CONTROL_TABLES = ("control_table", "control_density_table", "control_strategies_table")
 JOBS = {
     **DATA,
@@ -38,6 +40,7 @@ JOBS = {
     "forecast": FORECASTERS,
     "horizon": FORECASTERS,
     "long_term": RECYCLED,
+    "lyapunov_spectrum": RECYCLED,
     "control": CONTROLLED + BY_EQUATIONS,
     "control_random": CONTROLLED,
     "examples": 1,
@@ -46,15 +49,16 @@ JOBS = {
     **{
         f"{name}_table": 1
         for name in (
-            *("dataset", "hyperparameters", "classification", "horizon", "statistics", "control"),
+            *("dataset", "hyperparameters", "classification", "horizon", "control"),
             *("control_density", "control_strategies"),
         )
     },
+    **LONG_RUNS,
     "data_generation_parameters": 1,
     "network_hyperparameters": 1,
-    "percentiles": 5,
+    "percentiles": 9,
     # results, percentiles, intervals of scores and of control, two tables of parameters
-    "latex": 6 + 5 + 2 + 2,
+    "latex": 10 + 9 + 2 + 2,
     # those of each case and the observable's, one of each other kind
     "figure": OF_CASES + CASES + 14,
 }
@@ -91,7 +95,7 @@ def reason(project: Project, words: str, overlay: dict | None = None) -> str:
 def test_the_campaign_has_these_jobs(tmp_path, job_server):
     project = Project.create(tmp_path / "project", job_server, PAPER)
     assert plan(project) == JOBS
-    assert sum(JOBS.values()) == 1183
+    assert sum(JOBS.values()) == 1295
 
 
 def test_the_finished_campaign_has_nothing_to_do(paper):
@@ -132,16 +136,17 @@ def test_one_more_seed(paper):
         # of new networks
         "scan": SCANS // 10,
         **dict.fromkeys(("search", "train", "forecast", "horizon"), NETWORKS // 10),
-        "long_term": RECYCLED // 10,
+        **dict.fromkeys(("long_term", "lyapunov_spectrum"), RECYCLED // 10),
         **dict.fromkeys(("control", "control_random"), CONTROLLED // 10),
         # of all
         **dict.fromkeys(("hyperparameters_table", "classification_table", "horizon_table"), 1),
-        **dict.fromkeys(("statistics_table", *CONTROL_TABLES), 1),
-        "percentiles": 5,
-        "latex": 5 + 5 + 1 + 1,
+        **LONG_RUNS,
+        **dict.fromkeys(CONTROL_TABLES, 1),
+        "percentiles": 9,
+        "latex": 9 + 9 + 1 + 1,
         "figure": OF_CASES + 3,  # horizon by size, by Reynolds number, density under control
     }
-    assert sum(jobs.values()) == 153
+    assert sum(jobs.values()) == 184
     assert "scan (9)" in reason(paper, "one more seed, 10 -> 11 (10)", {"campaign": campaign})
 
 
@@ -151,18 +156,19 @@ def test_one_more_beta(paper):
     assert jobs == {
         **TRAINING,
         **dict.fromkeys(("forecast", "horizon"), NETWORKS),  # not the equations'
-        "long_term": RECYCLED,
+        **dict.fromkeys(("long_term", "lyapunov_spectrum"), RECYCLED),
         **dict.fromkeys(("control", "control_random"), CONTROLLED),
         **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
         **dict.fromkeys(("hyperparameters_table", "classification_table", "horizon_table"), 1),
-        **dict.fromkeys(("statistics_table", *CONTROL_TABLES), 1),
+        **LONG_RUNS,
+        **dict.fromkeys(CONTROL_TABLES, 1),
         "network_hyperparameters": 1,
-        "percentiles": 5,
-        "latex": 5 + 5 + 1 + 1 + 1,
+        "percentiles": 9,
+        "latex": 9 + 9 + 1 + 1 + 1,
         # all but the observable's, the strategies' and the schematic of the horizon
         "figure": OF_CASES + 12,
     }
-    assert sum(jobs.values()) == 1121
+    assert sum(jobs.values()) == 1233
     assert "search (180)" in reason(paper, "tikhonov", overlay)
 
 

@@ -15,6 +15,7 @@ from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_rows, write_json
 from burstcast_workflow.jobs.data import kept_series
 from burstcast_workflow.jobs.length_checks import check_kept_series
+from burstcast_workflow.jobs.spectrum_files import write_spectrum
 from burstcast_workflow.jobs.systems import system_of
 
 
@@ -22,10 +23,11 @@ def lyapunov(
     *,
     ensemble: str,
     exponents: str,
+    spectrum: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
-    """Write the exponents with their 95 % confidence intervals."""
+    """Write the exponents with their 95 % confidence intervals, and those of each series."""
     system = system_of(settings)
     time_step, series = settings["case.ensemble.time_step"], settings["case.lyapunov.series"]
     check_kept_series(kept_series(ensemble), {"lyapunov.series": series})
@@ -35,7 +37,7 @@ def lyapunov(
     steps = (states.shape[1] - 1) * settings["case.ensemble.sampling_stride"]
     interval = round(settings["case.lyapunov.orthonormalisation_interval"] / time_step)
     alignment = alignment_of(steps, interval)
-    spectrum = lyapunov_spectrum(
+    by_series = lyapunov_spectrum(
         system,
         start,
         time_step,
@@ -54,7 +56,7 @@ def lyapunov(
         random_streams.stream(settings["random_seed"], "lyapunov", settings["case"]),
         alignment_steps=alignment,
     )
-    spectral = mean_with_interval(spectrum.exponents)
+    spectral = mean_with_interval(by_series.exponents)
     by_growth = mean_with_interval(growth.exponents)
     write_json(
         exponents,
@@ -73,10 +75,11 @@ def lyapunov(
             "spectrum_low": spectral.low.tolist(),
             "spectrum_high": spectral.high.tolist(),
             "series": len(states),
-            "duration": spectrum.duration,
+            "duration": by_series.duration,
             "provenance": provenance,
         },
     )
+    write_spectrum(spectrum, by_series, provenance)
 
 
 if __name__ == "__main__":

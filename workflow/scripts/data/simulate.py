@@ -51,6 +51,12 @@ def simulate(
         ensemble,
         {
             "series": Variable(("series",), index, "1", "number of the series in the ensemble"),
+            "lifetime": Variable(
+                ("generated",),
+                np.concatenate([batch.lifetimes for batch in batches]),
+                "1",
+                "steps until each series that was generated laminarised; all of a kept one",
+            ),
             "time": Variable(
                 ("time",), interval * np.arange(states.shape[1]), "1", "time after the transient"
             ),

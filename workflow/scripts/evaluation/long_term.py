@@ -1,23 +1,22 @@
 """Let a forecaster run freely from many points of the training set; keep its statistics."""
 
 from burstcast import durations
-from burstcast.forecast.starting_points import segments
 from burstcast.statistics.long_term import (
     Fate,
     FixedPointCriterion,
     LongTermSettings,
-    long_term_starting_points,
     run_long_term,
 )
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable
 from burstcast_workflow.jobs.bins import edges_of
-from burstcast_workflow.jobs.data import training_states
-from burstcast_workflow.jobs.forecasters import read_forecaster, seen_rows
+from burstcast_workflow.jobs.forecasters import read_forecaster
+from burstcast_workflow.jobs.lifetimes import long_run_steps
+from burstcast_workflow.jobs.long_runs import long_run_washouts
 from burstcast_workflow.jobs.statistics_files import write_statistics
 from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
+from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 def run_freely(
@@ -33,19 +32,10 @@ def run_freely(
     steps = lyapunov_time(settings, time_unit)
     bound = settings["forecaster.divergence_bound"]
     who = read_forecaster(forecaster, settings, time_unit, bound)
-    states = seen_rows(who, settings, ensemble, 0, training_states(settings, ensemble))
-    washout = durations.steps(settings["washout_lt"], steps)
-    points = long_term_starting_points(
-        len(states),
-        states.shape[1],
-        durations.steps(settings["statistics.start_spacing_lt"], steps),
-        washout,
-        settings["statistics.starting_points"],
-    )
     interval = durations.steps(settings["statistics.fixed_point_interval_lt"], steps)
     try:
         how = LongTermSettings(
-            steps=round(settings["statistics.duration"] / sampling_interval(settings)),
+            steps=long_run_steps(settings),
             edges=edges_of(settings["case.density"]),
             laminarisation_threshold=settings["case.laminarisation_threshold"],
             fixed_point=FixedPointCriterion(
@@ -56,15 +46,19 @@ def run_freely(
         raise ValueError(
             f"{error} (statistics.duration, statistics.fixed_point_interval_lt)"
         ) from error
-    run = run_long_term(
-        who, system_of(settings).observable, segments(states, points, washout - 1, 0), how
-    )
+    washouts = long_run_washouts(settings, ensemble, time_unit, who)
+    run = run_long_term(who, system_of(settings).observable, washouts, how)
     fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
     write_statistics(
         long_term,
         run.statistics,
         provenance,
-        {"fate": Variable(("start",), run.fates, "1", f"fate of each closed loop: {fates}")},
+        {
+            "fate": Variable(("start",), run.fates, "1", f"fate of each closed loop: {fates}"),
+            "lifetime": Variable(
+                ("start",), run.lifetimes, "1", "steps until each loop left the chaotic phase"
+            ),
+        },
     )
 
 

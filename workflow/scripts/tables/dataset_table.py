@@ -24,7 +24,8 @@ def dataset_table(
     for record, path in gathered(settings["cases"], summaries):
         case, of_case = record["identity"]["case"], record["settings"]
         summary = read_json(path)
-        leading = read_json(exponents_of[case])["leading"]
+        exponents_found = read_json(exponents_of[case])
+        leading, growth = exponents_found["leading"], exponents_found["leading_by_growth"]
         rows.append(
             {
                 **record["keys"],
@@ -36,6 +37,9 @@ def dataset_table(
                 "lyapunov_exponent": leading["mean"],
                 "lyapunov_exponent_low": leading["low"],
                 "lyapunov_exponent_high": leading["high"],
+                "lyapunov_exponent_by_growth": growth["mean"],
+                "lyapunov_exponent_by_growth_low": growth["low"],
+                "lyapunov_exponent_by_growth_high": growth["high"],
                 "lyapunov_exponent_paper": of_case["case.lyapunov.published_exponent"],
                 "steps_per_lyapunov_time": lyapunov_time(of_case, exponents_of[case]),
             }

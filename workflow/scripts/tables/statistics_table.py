@@ -7,9 +7,17 @@ from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.jobs.gather import files_of_cases, gathered
 from burstcast_workflow.jobs.statistics_files import read_statistics
 from burstcast_workflow.jobs.systems import system_of
+
+SHARES = {
+    "laminarised_fraction": Fate.LAMINAR,
+    "fixed_point_fraction": Fate.FIXED_POINT,
+    "diverged_fraction": Fate.DIVERGED,
+}
+"""Parts of the discarded share, by what became of the runs."""
 
 
 def statistics_table(
@@ -44,10 +52,13 @@ def statistics_table(
     for record, path in gathered(settings["rows"], long_term):
         case = record["identity"]["case"]
         measures = compare(references[case], read_statistics(path), matrices[case])
-        discarded = float((read_netcdf(path, "fate")["fate"] != Fate.KEPT).mean())
-        rows.append({**record["keys"], "discarded_fraction": discarded, **vars(measures)})
+        fates = read_netcdf(path, "fate")["fate"]
+        shares = {name: float((fates == fate).mean()) for name, fate in SHARES.items()}
+        discarded = {"discarded_fraction": float((fates != Fate.KEPT).mean()), **shares}
+        rows.append({**record["keys"], **discarded, **vars(measures)})
     found = keyed_table(rows)
-    found.insert(6, "discarded_fraction", found.pop("discarded_fraction"))
+    for position, name in enumerate(("discarded_fraction", *SHARES), len(KEYS)):
+        found.insert(position, name, found.pop(name))
     write_table(table, found)
 
 

@@ -1,0 +1,48 @@
+"""Lyapunov exponents of a forecaster's own flow, along its long runs that stay chaotic."""
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.statistics.long_term import Fate
+from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.jobs.forecasters import read_forecaster
+from burstcast_workflow.jobs.lifetimes import long_run_steps
+from burstcast_workflow.jobs.long_runs import long_run_washouts
+from burstcast_workflow.jobs.spectrum_files import write_spectrum
+from burstcast_workflow.jobs.time_unit import sampling_interval
+
+
+def lyapunov_spectrum(
+    *,
+    ensemble: str,
+    forecaster: str,
+    time_unit: str | list[str],
+    long_term: str,
+    spectrum: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the leading exponents of each of the first runs that were kept."""
+    who = read_forecaster(forecaster, settings, time_unit)
+    washouts = long_run_washouts(settings, ensemble, time_unit, who)
+    kept = np.flatnonzero(read_netcdf(long_term, "fate")["fate"] == Fate.KEPT)
+    interval = sampling_interval(settings)
+    found = forecaster_spectrum(
+        who,
+        washouts[kept[: settings["statistics.lyapunov_runs"]]],
+        long_run_steps(settings),
+        max(1, round(settings["case.lyapunov.orthonormalisation_interval"] / interval)),
+        settings["statistics.lyapunov_exponents"],
+        interval,
+        random_streams.stream(
+            settings["random_seed"], "lyapunov spectrum", settings["case"], settings["forecaster"]
+        ),
+    )
+    write_spectrum(spectrum, found, provenance)
+
+
+if __name__ == "__main__":
+    run_job(snakemake, lyapunov_spectrum)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,61 @@
+"""Average the Lyapunov exponents of the data and of the forecasters' own flows."""
+
+from burstcast import random_streams
+from burstcast.statistics.lyapunov_spectrum import summarise
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.spectrum_files import read_exponents
+
+
+def lyapunov_spectrum_table(
+    *,
+    data: list[str],
+    forecasters: list[str],
+    table: str,
+    dimensions: str,
+    settings: Settings,
+) -> None:
+    """Write a row for each exponent, and one with the dimension for each forecaster."""
+    rows, of_dimensions = [], []
+    files = [
+        *gathered(settings["cases"], data),
+        *gathered(settings["rows"], forecasters),
+    ]
+    for record, path in files:
+        exponents = read_exponents(path)
+        keys = {"forecaster": "data", "neurons": None, "validation": None, "seed": None}
+        keys |= record["keys"]
+        case = record["identity"]["case"]
+        found = summarise(
+            exponents,
+            settings["bootstrap.confidence"],
+            settings["bootstrap.resamples"],
+            random_streams.stream(settings["random_seed"], "bootstrap", "lyapunov spectrum", case),
+        )
+        rows += [
+            {
+                **keys,
+                "number": number,
+                "lyapunov_exponent": found.mean[number - 1],
+                "lyapunov_exponent_low": found.low[number - 1],
+                "lyapunov_exponent_high": found.high[number - 1],
+            }
+            for number in range(1, len(found.mean) + 1)
+        ]
+        of_dimensions.append(
+            {
+                **keys,
+                "runs": len(exponents),
+                "kaplan_yorke_dimension": found.dimension,
+                "kaplan_yorke_dimension_low": found.dimension_low,
+                "kaplan_yorke_dimension_high": found.dimension_high,
+            }
+        )
+    write_table(table, keyed_table(rows))
+    write_table(dimensions, keyed_table(of_dimensions))
+
+
+if __name__ == "__main__":
+    run_job(snakemake, lyapunov_spectrum_table)  # noqa: F821 - Snakemake puts it there

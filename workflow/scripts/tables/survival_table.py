@@ -1,0 +1,78 @@
+"""How long the data and the forecasters' long runs stay in the chaotic phase."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.lifetimes import (
+    lifetimes_of_data,
+    lifetimes_of_runs,
+    long_run_steps,
+)
+from burstcast_workflow.jobs.time_unit import sampling_interval
+
+POINTS = 101
+"""Times at which the survival curve is tabulated, from zero to the end."""
+
+
+def survival_table(
+    *, data: list[str], long_term: list[str], table: str, curves: str, settings: Settings
+) -> None:
+    """Write the escape rate of the data and of each forecaster, and their survival curves."""
+    found = []
+    settings_of = {}
+    for record, path in gathered(settings["cases"], data):
+        settings_of[record["identity"]["case"]] = record["settings"]
+        keys = {**record["keys"], "forecaster": "data", "neurons": None}
+        found.append(({**keys, "validation": None, "seed": None}, record, lifetimes_of_data(path)))
+    for record, path in gathered(settings["rows"], long_term):
+        of_case = settings_of[record["identity"]["case"]]
+        duration = {"statistics.duration": settings["statistics.duration"]}
+        steps = long_run_steps({**of_case, **duration})
+        runs = read_netcdf(path, "fate", "lifetime")
+        lifetimes = lifetimes_of_runs(runs["fate"], runs["lifetime"], steps)
+        found.append((record["keys"], record, lifetimes))
+    rows, points = [], []
+    for keys, record, lifetimes in found:
+        interval = sampling_interval(settings_of[record["identity"]["case"]])
+        rows.append({**keys, **_rate(lifetimes, interval, settings["bootstrap.confidence"])})
+        times = np.unique(np.linspace(0, lifetimes.length, POINTS).astype(np.int64))
+        curve = survival_curve(lifetimes, times, settings["bootstrap.confidence"])
+        points += [
+            {
+                **keys,
+                "time": time * interval,
+                "survival": share,
+                "survival_low": low,
+                "survival_high": high,
+            }
+            for time, share, low, high in zip(
+                times, curve.share, curve.low, curve.high, strict=True
+            )
+        ]
+    write_table(table, keyed_table(rows))
+    write_table(curves, keyed_table(points))
+
+
+def _rate(lifetimes: Lifetimes, interval: float, confidence: float) -> Mapping[str, Any]:
+    rate = escape_rate(lifetimes, interval, confidence)
+    return {
+        "series": len(lifetimes.steps),
+        "survived_fraction": float((~lifetimes.escaped).mean()),
+        "escapes": rate.escapes,
+        "time_at_risk": rate.time_at_risk,
+        "escape_rate": rate.rate,
+        "escape_rate_low": rate.low,
+        "escape_rate_high": rate.high,
+    }
+
+
+if __name__ == "__main__":
+    run_job(snakemake, survival_table)  # noqa: F821 - Snakemake puts it there
