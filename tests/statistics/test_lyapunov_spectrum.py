@@ -7,9 +7,11 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.reservoir import ReservoirSeed, make_reservoir
 from burstcast.esn.training import TrainingSeries, train
+from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.registry import available_kinds, linearises
 from burstcast.statistics import lyapunov_spectrum as module
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum, summarise
@@ -95,6 +97,14 @@ def test_network_that_has_learnt_lorenz_has_its_exponents():
     assert kaplan_yorke_dimension(mean) == pytest.approx(2.062, abs=0.005)
 
 
+def test_equations_that_are_learnt_have_the_exponents_of_lorenz():
+    series = lorenz_series(6, 2000)
+    options = {"window_lt": 0.1, "degree": 2, "noise": 0.0, "significance": 3.0}
+    model = QuadraticModel.fit(series, ForecastingCase(Lorenz63(), 0.01, 2, 50, options))
+    found = spectrum(model, series[:, -10:], 2000).exponents.mean(axis=0)
+    np.testing.assert_allclose(found, [0.906, 0.0, -14.57], rtol=0, atol=0.1)
+
+
 def test_runs_do_not_depend_on_how_many_run_side_by_side(monkeypatch):
     washouts = lorenz_series(5, 10)
     equations = EquationsFromTruth(Lorenz63(), 0.01, 2)
@@ -114,7 +124,9 @@ def test_too_short_runs_are_refused():
 
 
 def test_kinds_say_whether_they_linearise():
-    assert {"esn", "equations", "equations_noisy"} <= set(filter(linearises, available_kinds()))
+    assert {"esn", "equations", "equations_noisy", "quadratic"} <= set(
+        filter(linearises, available_kinds())
+    )
 
     class Other(MadeUpForecaster):
         def start(self, washout):

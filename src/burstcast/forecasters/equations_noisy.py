@@ -12,7 +12,7 @@ from burstcast.arrays import FloatArray
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
-from burstcast.systems.lyapunov import propagated, tangent_flow
+from burstcast.systems.lyapunov import with_perturbations
 
 
 @dataclass(frozen=True)
@@ -64,11 +64,6 @@ class EquationsFromObservation(Forecaster):
         self, memory: FloatArray, tangent: FloatArray, steps: int
     ) -> tuple[FloatArray, FloatArray]:
         """Integrate the linearised equations, too (see `Forecaster.advance_tangent`)."""
-        memory, columns = propagated(
-            tangent_flow(self.system),
-            memory,
-            np.ascontiguousarray(tangent.transpose(2, 0, 1)),
-            self.time_step,
-            steps * self.sampling_stride,
+        return with_perturbations(
+            self.system, memory, tangent, self.time_step, steps * self.sampling_stride
         )
-        return memory, np.ascontiguousarray(columns.transpose(1, 2, 0))

@@ -16,7 +16,7 @@ from burstcast.observation_noise import observation_noise
 from burstcast.polynomials.regression import polynomial_coefficients
 from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
-from burstcast.systems.lyapunov import propagated, tangent_flow
+from burstcast.systems.lyapunov import with_perturbations
 
 
 @dataclass(frozen=True)
@@ -95,11 +95,6 @@ class QuadraticModel(Forecaster):
         self, memory: FloatArray, tangent: FloatArray, steps: int
     ) -> tuple[FloatArray, FloatArray]:
         """Integrate the linearised equations, too (see `Forecaster.advance_tangent`)."""
-        memory, columns = propagated(
-            tangent_flow(self.system),
-            memory,
-            np.ascontiguousarray(tangent.transpose(2, 0, 1)),
-            self.time_step,
-            steps * self.sampling_stride,
+        return with_perturbations(
+            self.system, memory, tangent, self.time_step, steps * self.sampling_stride
         )
-        return memory, np.ascontiguousarray(columns.transpose(1, 2, 0))

@@ -180,7 +180,7 @@ def lyapunov_spectrum(
     flow = tangent_flow(system)
 
     def advance(state: FloatArray, tangent: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return propagated(flow, state, tangent, time_step, orthonormalisation_steps)
+        return _propagated(flow, state, tangent, time_step, orthonormalisation_steps)
 
     log_growth = tangent_growth(
         advance,
@@ -242,7 +242,7 @@ def tangent_growth(
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 state, tangent = advance(state, tangent)
-            finite = np.isfinite(state).all() and np.isfinite(tangent).all()
+            finite = bool(np.isfinite(state).all() and np.isfinite(tangent).all())
         except FloatingPointError:
             finite = False
         if not finite:
@@ -335,19 +335,19 @@ class _TangentFlow(DynamicalSystem):
         return self.system.observable(state[: self.system.dimension])
 
 
-def propagated(
-    flow: DynamicalSystem, state: FloatArray, tangent: FloatArray, time_step: float, steps: int
+def with_perturbations(
+    system: DynamicalSystem, state: FloatArray, tangent: FloatArray, time_step: float, steps: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Take states and perturbations of them some steps further.
+    """Integrate a system together with perturbations of its states.
 
     Parameters
     ----------
-    flow
-        Tangent flow of the system (`tangent_flow`).
+    system
+        The equations; their parameters are numbers.
     state
         ``(dimension, batch)``.
     tangent
-        Perturbations in columns, ``(batch, dimension, number)``.
+        Perturbations of each state, ``(dimension, number, batch)``.
     time_step
         Step of the scheme, in time units.
     steps
@@ -355,13 +355,22 @@ def propagated(
 
     Returns
     -------
-    Both, so many steps later.
+    Both, so many steps later: the states bit for bit those without perturbations.
 
     Raises
     ------
     FloatingPointError
         If a trajectory leaves the range of floating-point numbers.
     """
+    columns = np.ascontiguousarray(tangent.transpose(2, 0, 1))
+    state, columns = _propagated(tangent_flow(system), state, columns, time_step, steps)
+    return state, np.ascontiguousarray(columns.transpose(1, 2, 0))
+
+
+def _propagated(
+    flow: DynamicalSystem, state: FloatArray, tangent: FloatArray, time_step: float, steps: int
+) -> tuple[FloatArray, FloatArray]:
+    """States ``(dimension, batch)`` and perturbations in columns ``(batch, dimension, number)``."""
     batch, dimension, number = tangent.shape
     columns = np.empty((2, dimension, batch, number))
     columns[0] = state[:, :, np.newaxis]
