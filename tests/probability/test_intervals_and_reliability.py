@@ -5,31 +5,16 @@ import pytest
 from helpers_probability import count_by_series, informative_sample
 
 from burstcast.probability.brier import brier_skill
-from burstcast.probability.intervals import (
-    percentile_interval,
-    ratio_with_interval,
-    series_weights,
-)
+from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.reliability import reliability_diagram
 from burstcast.probability.scores import probability_scores
-
-
-def test_each_resample_draws_as_many_series():
-    weights = series_weights(12, 300, np.random.default_rng(0))
-    assert weights.shape == (300, 12)
-    assert (weights.sum(axis=1) == 12).all()
-
-
-def test_intervals_are_quantiles_of_what_is_defined():
-    samples = np.array([np.nan, *np.arange(101.0), np.inf])
-    assert percentile_interval(samples, 0.9) == pytest.approx((5, 95))
-    assert np.isnan(percentile_interval(np.full(3, np.nan), 0.9)).all()
+from burstcast.resampling import bootstrap_weights
 
 
 def test_a_ratio_of_sums_is_resampled_series_by_series():
     generator = np.random.default_rng(5)
     top, bottom = generator.random(30), generator.random(30) + 1
-    weights = series_weights(30, 400, generator)
+    weights = bootstrap_weights(30, 400, generator)
     value, low, high = ratio_with_interval(top, bottom, weights, 0.9)
     assert value == pytest.approx(top.sum() / bottom.sum())
     ratios = [
@@ -47,7 +32,7 @@ def test_clustered_events_widen_the_interval():
 
     def width(series, count):
         found = count_by_series(probability, happened, series, count)
-        skill = brier_skill(found.resampled(series_weights(count, 500, generator)))
+        skill = brier_skill(found.resampled(bootstrap_weights(count, 500, generator)))
         low, high = percentile_interval(skill, 0.9)
         return high - low
 
@@ -69,7 +54,7 @@ def test_all_scores_of_the_whole_are_those_of_one_resample_with_every_series_onc
 def bars(probability, happened, series, seed=1, confidence=0.9):
     outcomes = count_by_series(probability, happened, series, 40)
     generator = np.random.default_rng(seed)
-    weights = series_weights(40, 2000, generator)
+    weights = bootstrap_weights(40, 2000, generator)
     return reliability_diagram(outcomes, 5, weights, confidence, generator)
 
 

@@ -10,9 +10,9 @@ from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.probability.calibration import Calibration
-from burstcast.probability.intervals import series_weights
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
+from burstcast.resampling import bootstrap_weights
 from burstcast_workflow.harness.storage import read_json, read_netcdf
 from burstcast_workflow.jobs.gather import files_of_cases, gathered
 
@@ -180,7 +180,7 @@ class CaseProbabilities:
     def weights(self, prediction_time_lt: float) -> IntArray:
         """Weights of the series in each resample: the same for all who are compared."""
         generator = self.stream("bootstrap", prediction_time_lt)
-        return series_weights(self.points.series, self.resamples, generator)
+        return bootstrap_weights(self.points.series, self.resamples, generator)
 
     def stream(self, purpose: str, prediction_time_lt: float, *names: str) -> np.random.Generator:
         """Source of random numbers for one prediction time."""

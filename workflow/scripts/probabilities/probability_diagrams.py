@@ -4,8 +4,8 @@ from typing import Any
 
 from burstcast.probability.alarms import counts_at_all_levels, false_alarm_rate
 from burstcast.probability.economic_value import economic_value
-from burstcast.probability.intervals import percentile_interval
 from burstcast.probability.reliability import reliability_diagram
+from burstcast.resampling import percentile_interval
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import keyed_table, write_table

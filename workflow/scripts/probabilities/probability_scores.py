@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.probability.intervals import percentile_interval
 from burstcast.probability.scores import probability_scores
+from burstcast.resampling import percentile_interval
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import keyed_table, write_table

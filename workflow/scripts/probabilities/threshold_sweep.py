@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from burstcast.probability.intervals import percentile_interval
 from burstcast.probability.scores import probability_scores
+from burstcast.resampling import percentile_interval
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import keyed_table, write_table
