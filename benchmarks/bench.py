@@ -65,7 +65,7 @@ DOCUMENT = ROOT / "docs" / "performance.md"
 CASE = "Re400"
 SPECTRAL_RADIUS, INPUT_SCALING, TIKHONOV = 0.6, 1.0, 1e-9
 CORES = 2  # of the machine that the campaign's duration is predicted for
-# Operations of one hyperbolic tangent in the numba backend, and of what joins its argument.
+# Operations of one hyperbolic tangent in the compiled backend, and of what joins its argument.
 TANH_OPERATIONS = 33
 
 
@@ -263,7 +263,7 @@ class Stages:
             network["input_bias"],
             np.random.default_rng(neurons),
         )
-        self._compiled = Dynamics(reservoir, SPECTRAL_RADIUS, INPUT_SCALING, "numba")
+        self._compiled = Dynamics(reservoir, SPECTRAL_RADIUS, INPUT_SCALING, "compiled")
         self._scipy = replace(self._compiled, backend="scipy")
         self._textbook = textbook.TextbookNetwork(self._compiled)
         # per neuron and step: products with the matrix, the input, the hyperbolic tangent
@@ -546,7 +546,7 @@ class Stages:
             network["input_bias"],
             np.random.default_rng(self._neurons),
         )
-        dynamics = Dynamics(sparse, SPECTRAL_RADIUS, INPUT_SCALING, "numba")
+        dynamics = Dynamics(sparse, SPECTRAL_RADIUS, INPUT_SCALING, "compiled")
         arguments = self._readout.weights, self._data.training.input_range
         seconds = self._clock.seconds(
             lambda: dynamics.closed_loop(*arguments, self._closed_states, 100)

@@ -34,8 +34,8 @@ SECONDS_PER = {
 """Seconds that a unit of work takes on one core."""
 
 # Seconds before a script computes, and MiB that it holds then: Python with NumPy and NetCDF; with
-# the numba backend; with scikit-optimize, too; with Matplotlib.
-_PLAIN, _COMPILED, _SEARCHING, _DRAWING = (0.6, 90), (1.2, 190), (2.5, 290), (2.5, 210)
+# SciPy and the compiled backend; with scikit-optimize, too; with Matplotlib.
+_PLAIN, _COMPILED, _SEARCHING, _DRAWING = (0.6, 90), (0.7, 160), (2.0, 260), (2.5, 210)
 _MIB_PER_NUMBER = 8 / 2**20
 _SCIPY_SLOWER = 4.0  # a network's step with the backend that is not compiled
 _TYPICAL_LYAPUNOV_TIME = 60  # in steps, where it is not known before it is computed

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-import burstcast.esn
+from burstcast.esn import backend_compiled
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import Reservoir, make_reservoir
 
-BACKENDS = ["numba", "scipy"]
+BACKENDS = ["compiled", "scipy"]
 RANGE = np.array([2.0, 0.5, 1.0, 3.0])
 
 
@@ -67,7 +67,7 @@ def test_closed_loop_is_the_textbook_equation(backend, dimension):
         np.testing.assert_allclose(final[:, trajectory], state, rtol=0, atol=1e-13)
 
 
-def test_numba_and_scipy_agree_to_rounding(reservoir):
+def test_compiled_and_scipy_agree_to_rounding(reservoir):
     generator = np.random.default_rng(2)
     weights = 5 * random_readout(reservoir, generator)
     states = generator.uniform(-1, 1, size=(reservoir.neurons, 19))
@@ -193,7 +193,7 @@ def test_tanh_is_accurate_to_a_few_units_in_the_last_place():
     inputs = np.concatenate(
         [np.geomspace(1e-300, 1e3, 30001), np.linspace(0, 25, 50001), [0.0, 20.0, 1e300]]
     )
-    states = Dynamics(reservoir, 1.0, 1.0, "numba").open_loop(inputs[None, None, :])
+    states = Dynamics(reservoir, 1.0, 1.0, "compiled").open_loop(inputs[None, None, :])
     exact = np.tanh(inputs.astype(np.longdouble))
     error = np.abs(states[0] - exact) / np.spacing(exact.astype(float))
     assert error.max() < 8
@@ -202,24 +202,27 @@ def test_tanh_is_accurate_to_a_few_units_in_the_last_place():
     np.testing.assert_array_equal(states[1], -states[0])
 
 
-def test_scipy_backend_never_loads_numba():
+def test_the_compiler_is_loaded_by_the_first_network_that_runs_compiled():
     script = (
         "import sys, numpy as np\n"
         "from burstcast.esn.reservoir import make_reservoir\n"
         "from burstcast.esn.dynamics import Dynamics\n"
         "reservoir = make_reservoir(30, 2, 5, 0.1, np.random.default_rng(0))\n"
-        "Dynamics(reservoir, 0.5, 1.0, 'scipy').open_loop(np.zeros((2, 2, 1)))\n"
-        "sys.exit('numba' in sys.modules)\n"
+        "for backend in ('scipy', 'compiled'):\n"
+        "    Dynamics(reservoir, 0.5, 1.0, backend).open_loop(np.zeros((2, 2, 1)))\n"
+        "    print(*({'numba', 'llvmlite'} & set(sys.modules)))\n"
     )
-    subprocess.run([sys.executable, "-c", script], check=True)
+    output = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert output.stdout.splitlines() == ["", "llvmlite"]
 
 
-def test_missing_numba_says_what_to_do(reservoir, monkeypatch):
-    monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.delitem(sys.modules, "burstcast.esn.backend_numba", raising=False)
-    monkeypatch.delattr(burstcast.esn, "backend_numba", raising=False)
+def test_a_missing_compiler_says_what_to_do(reservoir, monkeypatch):
+    monkeypatch.setitem(sys.modules, "llvmlite.binding", None)
+    backend_compiled._compiled.cache_clear()
     with pytest.raises(RuntimeError, match='backend "scipy"'):
-        Dynamics(reservoir, 0.5, 1.0, "numba").open_loop(np.zeros((1, 4, 1)))
+        Dynamics(reservoir, 0.5, 1.0, "compiled").open_loop(np.zeros((1, 4, 1)))
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ def reservoirpy_reservoir(dynamics):
     )
 
 
-@pytest.mark.parametrize("backend", ["numba", "scipy"])
+@pytest.mark.parametrize("backend", ["compiled", "scipy"])
 def test_reservoirpy_gives_the_same_states_and_forecast(reservoir, signal, backend):
     dynamics = Dynamics(reservoir, 0.6, 0.7, backend)
     input_range = np.ptp(signal, axis=(0, 2))

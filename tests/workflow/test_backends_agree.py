@@ -34,7 +34,7 @@ def tables(tmp_path_factory):
     """Tables of the same campaign with each backend, and the horizons of its networks."""
     project = Project.create(tmp_path_factory.mktemp("backends") / "project", preset=QUICK)
     made = {}
-    for backend in ("numba", "scipy"):
+    for backend in ("compiled", "scipy"):
         directory = f"results/{backend}"
         forecasters = {"esn": {"backend": backend}}
         overlay = {**SMALL, "results": directory, "forecasters": forecasters}
@@ -62,7 +62,7 @@ def test_scores_agree_within_their_intervals(tables):
     scores = tables["scipy"]["scores"].melt(
         id_vars=keys, value_vars=["precision", "recall", "f_score"], var_name="metric"
     )
-    intervals = tables["numba"]["intervals"].dropna(subset=["low", "high"])
+    intervals = tables["compiled"]["intervals"].dropna(subset=["low", "high"])
     both = intervals.merge(scores, on=[*keys, "metric"], suffixes=("", "_scipy"))
     assert len(both) == len(intervals) > 0
     inside = both["value"].between(both["low"], both["high"])
@@ -71,9 +71,9 @@ def test_scores_agree_within_their_intervals(tables):
 
 
 def test_horizons_agree_within_their_intervals(tables):
-    numba, scipy = (tables[backend]["horizons"] for backend in ("numba", "scipy"))
-    both = numba.merge(scipy, on=["network", "event"], suffixes=("", "_scipy"))
-    assert len(both) == len(numba) > 0
+    compiled, scipy = (tables[backend]["horizons"] for backend in ("compiled", "scipy"))
+    both = compiled.merge(scipy, on=["network", "event"], suffixes=("", "_scipy"))
+    assert len(both) == len(compiled) > 0
     generator = np.random.default_rng(1)
     for network, events in both.groupby("network"):
         horizons = events["prediction_horizon_lt"].to_numpy()

@@ -185,7 +185,7 @@ def test_settings_are_found_by_their_path():
         "case.training": {"series": 10, "noise": 0.01},
         "case.training.noise": 0.01,
         "forecasters.esn.connectivity": 20,
-        "forecaster.options": {"backend": "numba", "connectivity": 20, "input_bias": 0.1},
+        "forecaster.options": {"backend": "compiled", "connectivity": 20, "input_bias": 0.1},
         "forecaster.divergence_bound": 10,
         "washout_lt": 0.5,
         "search": PAPER.config["search"],

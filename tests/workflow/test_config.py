@@ -269,7 +269,7 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
         ("search.tikhonov", ["1e-6"], ["search.tikhonov[0]", "write 1.0e-6"]),
         ("horizon.tolerance", "2.5e3", ["horizon.tolerance", "write 2.5e+3"]),
         ("horizon.tolerance", "none", ["horizon.tolerance is the text 'none'", "above 0"]),
-        ("forecasters.esn.backend", "fortran", ["forecasters.esn.backend", "numba or scipy"]),
+        ("forecasters.esn.backend", "fortran", ["forecasters.esn.backend", "compiled or scipy"]),
         ("washout_lt", -1, ["washout_lt is -1", "[Lyapunov times]"]),
         ("search.input_scaling", [1], ["search.input_scaling is [1]", "[low, high]"]),
         ("campaign.0.forecasters.esn.neurons", [500, 500], ["esn.neurons has 500 twice"]),

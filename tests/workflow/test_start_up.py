@@ -59,9 +59,8 @@ def place(module: str) -> Path:
 
 
 def loaded(script: Path) -> set[str]:
-    """Packages that a script and our modules load; the numba backend is loaded on demand."""
-    reached = [module for module in modules(script) if module != "burstcast.esn.backend_numba"]
-    return libraries(script).union(*(libraries(place(module)) for module in reached))
+    """Packages that a script and our modules load."""
+    return libraries(script).union(*(libraries(place(module)) for module in modules(script)))
 
 
 def allowed(script: Path, patterns: list[str]) -> bool:

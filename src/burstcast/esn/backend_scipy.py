@@ -1,6 +1,6 @@
 """Dynamics of the reservoir in numpy and scipy: the plain implementation.
 
-It is the reference for `burstcast.esn.backend_numba`, and serves where numba is not available.
+It is the reference for `burstcast.esn.backend_compiled`, and serves where that does not run.
 The state of a trajectory is bit for bit the same whatever the batch that it is part of: every
 product is one of a sparse matrix with a batch, summed in the order of the row's entries. (A product
 of BLAS would depend on the size of the batch.)

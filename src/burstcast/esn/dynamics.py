@@ -14,6 +14,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.esn.backend_compiled import CompiledBackend
 from burstcast.esn.backend_scipy import ScipyBackend
 from burstcast.esn.reservoir import Reservoir
 
@@ -71,7 +72,7 @@ class Dynamics:
     input_scaling
         sigma_in, multiplies the input weights, those of the bias included.
     backend
-        Implementation: "numba" (compiled) or "scipy". They agree to rounding error.
+        Implementation: "compiled" or "scipy". They agree to rounding error.
 
     Raises
     ------
@@ -82,15 +83,15 @@ class Dynamics:
     reservoir: Reservoir
     spectral_radius: float
     input_scaling: float
-    backend: Literal["numba", "scipy"] = "numba"
+    backend: Literal["compiled", "scipy"] = "compiled"
 
     def __post_init__(self) -> None:
         for name in ("spectral_radius", "input_scaling"):
             value = getattr(self, name)
             if not (value >= 0 and np.isfinite(value)):
                 raise ValueError(f"{name} must be finite and not negative, not {value}")
-        if self.backend not in ("numba", "scipy"):
-            raise ValueError(f"the backend is 'numba' or 'scipy', not {self.backend!r}")
+        if self.backend not in ("compiled", "scipy"):
+            raise ValueError(f"the backend is 'compiled' or 'scipy', not {self.backend!r}")
 
     def open_loop(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
         """States after a sequence of inputs.
@@ -220,17 +221,14 @@ class Dynamics:
         arguments = (recurrent, self.reservoir.input_column, weight, self.reservoir.input_bias)
         if self.backend == "scipy":
             return ScipyBackend(*arguments)
-        # Imported here only: numba takes half a second to load, and may be missing.
         try:
-            from burstcast.esn import backend_numba
+            return CompiledBackend(*arguments)
         except Exception as error:
             raise RuntimeError(
-                "the numba backend cannot be loaded "
-                f"({type(error).__name__}: {error}); repair the installation of numba (it also "
-                'needs a directory to write to, NUMBA_CACHE_DIR), or take the backend "scipy", '
-                "which is several times slower"
+                f"the compiled backend does not run ({type(error).__name__}: {error}); repair the "
+                'installation of llvmlite, or take the backend "scipy", which is several times '
+                "slower"
             ) from error
-        return backend_numba.NumbaBackend(*arguments)
 
     def _panels(
         self, inputs: FloatArray, states: FloatArray, edges: Sequence[int], steps_per_panel: int

@@ -2,22 +2,18 @@
 
 A system is written down once, in numpy (`burstcast.systems.base.DynamicalSystem`). Here one
 Runge-Kutta step of it is taken with symbols instead of numbers: each operation on a symbol is noted
-down as an instruction on eight numbers, one per trajectory. LLVM, the compiler below numba, makes
-machine code of the notes, in which a step's temporaries stay in registers or the nearest cache.
+down as an instruction on eight numbers, one per trajectory. LLVM makes machine code of the notes
+(`burstcast.machine_code`), in which a step's temporaries stay in registers or the nearest cache.
 
 It does the operations that numpy does, in numpy's order, and none is fused or reordered: sums,
 differences, products, quotients and square roots are exactly rounded in both, so that the results
 are the same bits, in any batch, on any processor. What cannot be noted down (another function, a
 decision that depends on a state, a matrix product, thousands of components) is left to numpy, and
 so is a system whose compiled step and numpy step differ in a single bit.
-
-Compiling takes some hundredths of a second in each process: nothing is kept on disk.
 """
 
-import ctypes
 import logging
 import numbers
-import struct
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
@@ -25,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import ByteArray, FloatArray
+from burstcast.machine_code import MachineCode, hexadecimal
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.runge_kutta import step
 
@@ -127,11 +124,11 @@ def _noted(instruction: str, left: object, right: object) -> Any:
     return symbol.notes.add(f"{instruction} {_VECTOR} {_operand(left)}, {_operand(right)}")
 
 
-def _operand(value: object) -> str:
+def _operand(value: Any) -> str:
     """How an instruction refers to a symbol or a number."""
     if isinstance(value, _Symbol):
         return value.name
-    return _everywhere(f"double 0x{struct.pack('>d', value).hex()}")
+    return _everywhere(f"double {hexadecimal(value)}")
 
 
 def _everywhere(entry: str) -> str:
@@ -147,8 +144,8 @@ def _everywhere(entry: str) -> str:
 _PROGRAM = """
 declare {vector} @llvm.sqrt.v{width}f64({vector})
 
-define void @run(ptr %states, i64 %row, i64 %trajectories, i64 %kept, i64 %stride,
-                 ptr %choice, ptr %largest) {{
+define void @run(ptr %states, ptr %choice, ptr %largest,
+                 i64 %row, i64 %trajectories, i64 %kept, i64 %stride) {{
 entry:
   %state = alloca {vector}, i64 {dimension}, align 64
   %rows = mul i64 %row, {dimension}
@@ -315,22 +312,8 @@ class CompiledSteps:
     """
 
     def __init__(self, program: str) -> None:
-        # loaded here only: it takes a moment, and whoever integrates nothing does without it
-        import llvmlite.binding as llvm
-
-        llvm.initialize_native_target()
-        llvm.initialize_native_asmprinter()
-        module = llvm.parse_assembly(program)
-        module.verify()
-        target = llvm.Target.from_default_triple().create_target_machine(
-            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2
-        )
-        self._engine = llvm.create_mcjit_compiler(module, target)  # holds the machine code
-        self._engine.finalize_object()
-        pointer, integer = ctypes.c_void_p, ctypes.c_int64
-        self._run = ctypes.CFUNCTYPE(
-            None, pointer, integer, integer, integer, integer, pointer, pointer
-        )(self._engine.get_function_address("run"))
+        self._code = MachineCode(program)
+        self._run = self._code.function("run", pointers=3, integers=4)
 
     def run(
         self,
@@ -385,12 +368,9 @@ class CompiledSteps:
         samples, _, row = states.shape
         self._run(
             states.ctypes.data,
-            row,
-            trajectories,
-            samples,
-            stride,
             None if choice is None else choice.ctypes.data,
             None if largest is None else largest.ctypes.data,
+            *(row, trajectories, samples, stride),
         )
 
 

@@ -132,7 +132,7 @@ class PointValidator:
     observable: Callable[[FloatArray], FloatArray]
     plan: ValidationPlan
     tikhonov: Sequence[float]
-    backend: Literal["numba", "scipy"]
+    backend: Literal["compiled", "scipy"]
 
     def __call__(
         self, point: HyperparameterPoint, strategies: Sequence[ValidationStrategy]

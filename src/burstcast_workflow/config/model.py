@@ -233,7 +233,7 @@ class EchoStateNetwork(Section):
     divergence_bound: float = setting(
         "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
     )
-    backend: Literal["numba", "scipy"] = setting("implementation of the reservoir's dynamics")
+    backend: Literal["compiled", "scipy"] = setting("implementation of the reservoir's dynamics")
 
 
 class Observation(Section):

@@ -224,8 +224,3 @@ JOBS_OF_NETWORKS = ("scan", "search", "train")
 # The harness is in no fingerprint: its version stands for it, in all of them.
 HARNESS = "burstcast_workflow.harness"
 VERSION_OF_HARNESS = "burstcast_workflow.harness.version"
-
-
-def may_be_found_otherwise(module: str, loaded: set[str]) -> bool:
-    """Whether code may depend on a module that it imports while it runs: backends are chosen."""
-    return module == "burstcast.esn.backend_numba" and "burstcast.esn.dynamics" in loaded

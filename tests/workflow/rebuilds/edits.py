@@ -134,7 +134,7 @@ _VALUES: dict[str, Any] = {
     "case_defaults.actuation.start_lt": -0.5,
     "cases.Re400.recycle_validation.series": 3,
     "cases.Re400.lyapunov.published_exponent": 0.0174,
-    "forecasters.esn.backend": "numba",
+    "forecasters.esn.backend": "compiled",
     "forecasters.observation.noise": 0.01,
     "search.spectral_radius": [0.2, 1],
     "search.input_scaling": [0.2, 10],

@@ -23,7 +23,6 @@ from dependencies import (
     STRATEGIES_BY_NAME,
     VERSION_OF_HARNESS,
     and_what_follows,
-    may_be_found_otherwise,
 )
 from edits import CodeEdit, ConfigEdit, added_statement, changed_meanings, merged, tiny_config
 from helpers_rebuilds import PARTS, ROOT, JobServer, Outcome, Project, jobs_since
@@ -100,7 +99,7 @@ class Laboratory:
         work = self.base.copy(self.directory / "work")
         scratch = self._from_scratch(overlay)
         return self._judged(
-            work, overlay, scratch, f"-> {edit.value}", edit, set(edit.expected), None, start
+            work, overlay, scratch, f"-> {edit.value}", edit, set(edit.expected), start
         )
 
     def code_trial(self, path: str) -> Trial:
@@ -112,24 +111,22 @@ class Laboratory:
         edit, scratch = self._edit_that_runs(path)
         work = self.base.copy(self.directory / "work")
         (work.directory / path).write_text(edit.text)
-        least, most = self.jobs_with(edit.module)
-        return self._judged(work, {}, scratch, edit.what, edit, least, most, start)
+        expected = self.jobs_with(edit.module)
+        return self._judged(work, {}, scratch, edit.what, edit, expected, start)
 
-    def jobs_with(self, module: str) -> tuple[set[str], set[str]]:
-        """Jobs that must run again when a module or script has changed, and those that may."""
+    def jobs_with(self, module: str) -> set[str]:
+        """Jobs that must run again when a module or script has changed."""
         if module == VERSION_OF_HARNESS:
-            return set(ALL), set(ALL)
+            return set(ALL)
         if module == HARNESS or module.startswith(f"{HARNESS}."):
-            return set(), set()
-        least, most = set(), set()
+            return set()
+        jobs = set()
         for script in (name for name in self.loaded if name.endswith(".py")):
             for job in _jobs_of(script):
                 loaded = self._loaded_by(script, job)
                 if module == script or module in loaded:
-                    least.add(job)
-                elif may_be_found_otherwise(module, loaded):
-                    most.add(job)
-        return and_what_follows(least), and_what_follows(least | most)
+                    jobs.add(job)
+        return and_what_follows(jobs)
 
     def _loaded_by(self, script: str, job: str) -> set[str]:
         """Modules that a script loads at its start, and those that its job finds by name."""
@@ -152,8 +149,8 @@ class Laboratory:
     def _edit_that_runs(self, path: str) -> tuple[CodeEdit, dict[str, str]]:
         """Find an edit that changes tables, if there is one among the first few."""
         added = added_statement(path)
-        _, most = self.jobs_with(added.module)
-        if not most:
+        jobs = self.jobs_with(added.module)
+        if not jobs:
             return added, self.base_tables
         found = added, self.base_tables
         for number, edit in enumerate(changed_meanings(path)):
@@ -190,12 +187,10 @@ class Laboratory:
         scratch: dict[str, str],
         what: str,
         edit: ConfigEdit | CodeEdit,
-        least: set[str],
-        most: set[str] | None,
+        expected: set[str],
         start: float,
     ) -> Trial:
         """Run the edited copy, and compare."""
-        most = least if most is None else most
         problems = []
         would = work.dry_run(overlay=overlay)
         before = work.logs()
@@ -204,9 +199,9 @@ class Laboratory:
             problems.append(f"the run failed: {outcome.text[-2000:]}")
         ran = jobs_since(before, work.logs())
         rerun = {_job(name) for name in ran}
-        if missed := least - rerun:
+        if missed := expected - rerun:
             problems.append(f"did not run again: {', '.join(sorted(missed))}")
-        if extra := rerun - most:
+        if extra := rerun - expected:
             problems.append(f"ran again for nothing: {', '.join(sorted(extra))}")
         tables = work.tables()
         different = sorted(name for name in scratch if tables.get(name) != scratch[name])

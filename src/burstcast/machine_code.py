@@ -1,0 +1,254 @@
+"""Functions written down in LLVM's language, instruction by instruction, and made machine code.
+
+LLVM is the compiler below numba. What is written here are its instructions on vectors of numbers,
+one number for each of some trajectories that are next to each other in memory (its lanes). They
+are carried out as written, in this order, each of them rounded as the standard of floating-point
+arithmetic asks for: the results are the same bits on any processor. A processor whose registers
+hold fewer numbers takes several instructions for one.
+
+Making machine code takes some hundredths of a second in each process; nothing is kept on disk.
+"""
+
+import ctypes
+import struct
+from collections.abc import Callable, Sequence
+
+ALIGNMENT = 64
+"""Bytes to which vectors in memory are aligned: a cache line."""
+
+
+class Lanes:
+    """Text of a function that works on vectors of ``width`` numbers.
+
+    Values are the names that LLVM knows them by (``%v12``), or numbers; integers have 64 bits.
+
+    Parameters
+    ----------
+    width
+        Numbers in a vector, a power of two.
+    name
+        Of the function.
+    pointers, integers
+        Names of the arguments, the former first.
+    """
+
+    def __init__(
+        self, width: int, name: str, pointers: Sequence[str], integers: Sequence[str]
+    ) -> None:
+        self.width, self.name = width, name
+        self.vector = f"<{width} x double>"
+        self.arguments = (len(pointers), len(integers))
+        arguments = [f"ptr %{one}" for one in pointers] + [f"i64 %{one}" for one in integers]
+        fused = f"llvm.fma.v{width}f64"
+        self._lines = [
+            f"declare {self.vector} @{fused}({', '.join([self.vector] * 3)})",
+            "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
+            "declare i64 @llvm.smin.i64(i64, i64)",
+            f"define void @{name}({', '.join(arguments)}) {{",
+            "entry:",
+        ]
+        self._block = "entry"
+        self._names = 0
+
+    @property
+    def text(self) -> str:
+        """The whole program."""
+        return "\n".join([*self._lines, "  ret void", "}", ""])
+
+    def _add(self, instruction: str) -> str:
+        name = self._name()
+        self._lines.append(f"  {name} = {instruction}")
+        return name
+
+    def _name(self) -> str:
+        self._names += 1
+        return f"%v{self._names}"
+
+    def _begin(self, block: str) -> None:
+        self._lines.append(f"{block}:")
+        self._block = block
+
+    # -- integers, pointers, memory ---------------------------------------------------------------
+
+    def plus(self, one: str, other: str | int) -> str:
+        """Sum of two integers."""
+        return self._add(f"add i64 {one}, {other}")
+
+    def times(self, one: str, other: str | int) -> str:
+        """Product of two integers."""
+        return self._add(f"mul i64 {one}, {other}")
+
+    def smaller(self, one: str, other: str) -> str:
+        """Return the smaller of two integers."""
+        return self._add(f"call i64 @llvm.smin.i64(i64 {one}, i64 {other})")
+
+    def integer_at(self, array: str, index: str) -> str:
+        """Entry of an array of integers of 32 bits."""
+        short = self._add(f"load i32, ptr {self._place(array, 'i32', index)}")
+        return self._add(f"sext i32 {short} to i64")
+
+    def number_at(self, array: str, index: str) -> str:
+        """Place of an entry of an array of numbers."""
+        return self._place(array, "double", index)
+
+    def copy(self, target: str, source: str, size: str) -> None:
+        """Copy so many bytes from one place to another."""
+        self._lines.append(
+            f"  call void @llvm.memcpy.p0.p0.i64(ptr {target}, ptr {source}, i64 {size}, i1 false)"
+        )
+
+    def vector_at(self, array: str, index: str) -> str:
+        """Place of a vector of an aligned array of vectors."""
+        return self._place(array, self.vector, index)
+
+    def load(self, array: str, index: str) -> str:
+        """Vector of an aligned array of vectors."""
+        place = self.vector_at(array, index)
+        return self._add(f"load {self.vector}, ptr {place}, align {ALIGNMENT}")
+
+    def store(self, array: str, index: str, vector: str) -> None:
+        """Make a vector that of this index in an aligned array of vectors."""
+        place = self.vector_at(array, index)
+        self._lines.append(f"  store {self.vector} {vector}, ptr {place}, align {ALIGNMENT}")
+
+    def _place(self, array: str, kind: str, index: str) -> str:
+        return self._add(f"getelementptr {kind}, ptr {array}, i64 {index}")
+
+    # -- vectors ----------------------------------------------------------------------------------
+
+    def fill(self, number: float) -> str:
+        """Vector of equal numbers."""
+        return f"<{', '.join([f'double {hexadecimal(number)}'] * self.width)}>"
+
+    def fill_from(self, array: str, index: str) -> str:
+        """Vector whose numbers all equal an entry of an array."""
+        number = self._add(f"load double, ptr {self.number_at(array, index)}")
+        first = self._add(f"insertelement {self.vector} poison, double {number}, i64 0")
+        everywhere = f"<{self.width} x i32> zeroinitializer"
+        return self._add(f"shufflevector {self.vector} {first}, {self.vector} poison, {everywhere}")
+
+    def add(self, x: str, y: str) -> str:
+        """Compute ``x + y``."""
+        return self._add(f"fadd {self.vector} {x}, {y}")
+
+    def multiply(self, x: str, y: str) -> str:
+        """Compute ``x * y``."""
+        return self._add(f"fmul {self.vector} {x}, {y}")
+
+    def divide(self, x: str, y: str) -> str:
+        """Compute ``x / y``."""
+        return self._add(f"fdiv {self.vector} {x}, {y}")
+
+    def fused(self, x: str, y: str, z: str) -> str:
+        """Compute ``x * y + z``, rounded once."""
+        operands = ", ".join(f"{self.vector} {operand}" for operand in (x, y, z))
+        return self._add(f"call {self.vector} @llvm.fma.v{self.width}f64({operands})")
+
+    def clamp(self, x: str, bound: float) -> str:
+        """``x`` limited to [-bound, bound]; what is not a number stays so."""
+        for relation, limit in (("ogt", self.fill(bound)), ("olt", self.fill(-bound))):
+            beyond = self._add(f"fcmp {relation} {self.vector} {x}, {limit}")
+            x = self._add(
+                f"select <{self.width} x i1> {beyond}, {self.vector} {limit}, {self.vector} {x}"
+            )
+        return x
+
+    # -- loops ------------------------------------------------------------------------------------
+
+    def loop(
+        self,
+        start: str,
+        stop: str,
+        body: Callable[..., Sequence[str] | None],
+        carried: Sequence[str] = (),
+        *,
+        kind: str = "",
+        step: int = 1,
+    ) -> list[str]:
+        """Write a loop down: ``for index in range(start, stop, step)``.
+
+        Parameters
+        ----------
+        start, stop, step
+            Range of the index.
+        body
+            Writes down what is done; called with the index and the carried values, it returns the
+            latter's next values.
+        carried
+            Values before the first round.
+        kind
+            Type of the carried values; empty: vectors.
+
+        Returns
+        -------
+        list of str
+            The carried values after the last round.
+        """
+        kind = kind or self.vector
+        self._names += 1
+        inside, after, before = f"loop{self._names}", f"after{self._names}", self._block
+        index, values = self._name(), [self._name() for _ in carried]
+        enter = self._add(f"icmp slt i64 {start}, {stop}")
+        self._lines.append(f"  br i1 {enter}, label %{inside}, label %{after}")
+        self._begin(inside)
+        place = len(self._lines)  # of what is known after the body only
+        results = list(body(index, *values) or [])
+        following = self.plus(index, step)
+        more = self._add(f"icmp slt i64 {following}, {stop}")
+        self._lines.append(f"  br i1 {more}, label %{inside}, label %{after}")
+        last = self._block
+        ways = [(index, "i64", start, following)] + [
+            (value, kind, initial, result)
+            for value, initial, result in zip(values, carried, results, strict=True)
+        ]
+        self._lines[place:place] = [
+            f"  {name} = phi {one} [ {initial}, %{before} ], [ {result}, %{last} ]"
+            for name, one, initial, result in ways
+        ]
+        self._begin(after)
+        return [
+            self._add(f"phi {one} [ {initial}, %{before} ], [ {result}, %{last} ]")
+            for _, one, initial, result in ways[1:]
+        ]
+
+
+def hexadecimal(number: float) -> str:
+    """A number as LLVM reads it, with all its bits."""
+    return f"0x{struct.pack('>d', number).hex()}"
+
+
+class MachineCode:
+    """Machine code of a program, for this processor.
+
+    Parameters
+    ----------
+    text
+        The program, in LLVM's language.
+
+    Raises
+    ------
+    RuntimeError
+        If it is no program.
+    """
+
+    def __init__(self, text: str) -> None:
+        # loaded here only: it takes a moment, and whoever computes nothing does without it
+        import llvmlite.binding as llvm
+
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+        module = llvm.parse_assembly(text)
+        module.verify()
+        processor = llvm.Target.from_default_triple().create_target_machine(
+            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2
+        )
+        self._engine = llvm.create_mcjit_compiler(module, processor)
+        self._engine.finalize_object()
+
+    def function(self, name: str, pointers: int, integers: int) -> Callable[..., None]:
+        """Return a function of so many addresses and integers, in this order; it returns nothing.
+
+        It must not be called after this object is gone.
+        """
+        types = [ctypes.c_void_p] * pointers + [ctypes.c_int64] * integers
+        return ctypes.CFUNCTYPE(None, *types)(self._engine.get_function_address(name))
