@@ -27,7 +27,13 @@ import yaml
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from burstcast import durations
-from burstcast.dataset import component_scales, generate_ensemble, initial_states, observe
+from burstcast.dataset import (
+    SERIES_PER_BATCH,
+    component_scales,
+    generate_ensemble,
+    initial_states,
+    observe,
+)
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import MomentsAccumulator, solve_ridge
@@ -587,12 +593,12 @@ class ByNumpy(DynamicalSystem):
         return self._system.observable(state)
 
 
-def integration(data: Data, clock: Clock, *, quick: bool) -> tuple[list[Row], dict[str, float]]:
+def integration(data: Data, clock: Clock) -> tuple[list[Row], dict[str, float]]:
     """The ensemble of the case and its Lyapunov exponents; their constants of the cost model."""
     setting = data.case["ensemble"]
     steps = (setting["duration"] + setting["transient"]) / setting["time_step"]
     systems = {"compiled": data.system, "numpy": ByNumpy(data.system)}
-    measured, whole = 128 if quick else 512, steps * setting["series"]
+    measured, whole = SERIES_PER_BATCH, steps * setting["series"]
     per_step = {
         name: clock.seconds(lambda system=system: list(data.ensemble(measured, system)))
         / (measured * steps)
@@ -694,7 +700,7 @@ def main() -> None:
         rows += stages.rows()
         rates = stages.rates()  # those of the last size
         print(f"{neurons} neurons measured", flush=True)
-    integrations, integration_rates = integration(data, clock, quick=options.quick)
+    integrations, integration_rates = integration(data, clock)
     rates |= integration_rates
     measured = [
         f"{machine()}. One thread; dgemm reaches {clock.peak:.1f} GFLOP/s.",
