@@ -10,7 +10,7 @@ from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.tangent import ClosedLoopTangent
 
 
-@pytest.fixture(params=["numba", "scipy"])
+@pytest.fixture(params=["compiled", "scipy"])
 def network(request):
     """Of no use, but with a bounded flow and every kind of connection."""
     generator = np.random.default_rng(8)
