@@ -10,7 +10,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 export NUMBA_NUM_THREADS := 1
 
-.PHONY: demo test test-long test-slurm paper why bench slurm check clean
+.PHONY: demo test test-long test-slurm paper why prune bench slurm check clean
 
 demo: $(VENV)/installed
 	$(SNAKEMAKE) --configfile workflow/presets/quick.yaml $(ARGS)
@@ -35,6 +35,10 @@ test-slurm: $(VENV)/installed
 why: $(VENV)/installed
 	@$(BIN)/python -m burstcast_workflow.why $(ARGS)
 
+# What results are not of this campaign any more; ARGS=--remove removes them
+prune: $(VENV)/installed
+	@$(BIN)/python -m burstcast_workflow.prune $(ARGS)
+
 bench: $(VENV)/installed
 	$(BIN)/python benchmarks/bench.py $(ARGS)
 
@@ -56,4 +60,4 @@ $(VENV)/installed: requirements.lock pyproject.toml
 	touch $@
 
 clean:
-	rm -rf $(VENV) .snakemake .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) .snakemake .pytest_cache .mypy_cache .ruff_cache src/burstcast/__pycache__/numba-*

@@ -96,6 +96,14 @@ class Records:
         """Where the record of a file is."""
         return Path(f"{self.results}/{DIRECTORY}/{self.name(path)}.json")
 
+    def names(self) -> list[str]:
+        """Names of all files that are there and have a record, from the results directory on."""
+        root = Path(f"{self.results}/{DIRECTORY}")
+        found = sorted(
+            str(record.relative_to(root)).removesuffix(".json") for record in root.rglob("*.json")
+        )
+        return [name for name in found if os.path.exists(self.path(name))]
+
     def found(self, path: str, *, read: bool = False) -> tuple[Record | None, str]:
         """Find the record of a file, if the file is still what its job wrote.
 

@@ -83,14 +83,8 @@ class Run:
         OvertakenError
             If a run on this machine that is alive has it.
         """
+        self.check_idle()
         host, process = socket.gethostname(), os.getpid()
-        found = self._read()
-        other = found.get("process", 0)
-        if found.get("host") == host and other != process and _started(other) == found["started"]:
-            raise OvertakenError(
-                f"another run, process {other}, is at work in {self.results}: wait for it, or "
-                f"choose another directory (results)"
-            )
         claim = {
             "token": self.token,
             "host": host,
@@ -104,6 +98,23 @@ class Run:
         partial = path.with_name(f"{_CLAIM}.{self.token}")
         partial.write_text(json.dumps(claim, indent=1))
         os.replace(partial, path)
+
+    def check_idle(self) -> None:
+        """Check that no other run is at work in the results directory, as far as one can see.
+
+        Raises
+        ------
+        OvertakenError
+            If a run on this machine that is alive has it.
+        """
+        found = self._read()
+        other = found.get("process", 0)
+        here = found.get("host") == socket.gethostname() and other != os.getpid()
+        if here and _started(other) == found["started"]:
+            raise OvertakenError(
+                f"another run, process {other}, is at work in {self.results}: wait for it, or "
+                f"choose another directory (results)"
+            )
 
     def plan(self) -> dict[str, Any]:
         """Tell what was planned: the claim with the ``config`` and the ``code``.

@@ -3,9 +3,13 @@
 import json
 import os
 import shutil
+import subprocess
+import sys
 
 import pytest
-from helpers_rebuilds import RESULTS, Project
+from helpers_rebuilds import RESULTS, Project, digests
+
+from burstcast_workflow.figure_registry import FIGURES
 
 NETWORKS = [f"Re400/esn-N{neurons}-RV-seed0/forecaster.nc" for neurons in (30, 40)]
 NOTHING = "Nothing would run: all results are up to date.\n"
@@ -116,3 +120,94 @@ def test_an_input_that_is_damaged_when_a_job_reads_it_fails_the_job(project):
     assert outcome.status == 1
     damaged = f"{RESULTS}/{name}"
     assert f"{damaged} is not what its job wrote: remove it (rm {damaged})" in outcome.text
+
+
+# -- nothing stale is shown ------------------------------------------------------------------------
+
+SMALLER = {
+    "campaign": [
+        {
+            "reynolds": [400],
+            "forecasters": {
+                "esn": {"neurons": [40], "validation": ["SSV", "RV"], "seeds": 1},
+                "equations": {},
+            },
+        }
+    ],
+    "statistics": {"forecasters": {"esn": None}},
+}
+
+
+def prune(project: Project, *arguments: str, overlay: dict | None = None) -> tuple[int, list[str]]:
+    """What ``make prune`` says, by lines, and its status."""
+    result = subprocess.run(
+        [
+            *(sys.executable, "-m", "burstcast_workflow.prune"),
+            *arguments,
+            *project.options("-n", overlay=overlay)[1:],
+        ],
+        cwd=project.directory,
+        env=project.environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return result.returncode, (result.stdout + result.stderr).splitlines()
+
+
+def test_results_of_a_former_campaign_are_listed_and_removed(project, finished):
+    status, said = prune(project)
+    assert (status, said) == (
+        0,
+        [f"0 files in {RESULTS}: not of this campaign any more (--remove?)"],
+    )
+    (project.results / "notes.txt").write_text("a user's own, which is no result")
+    status, stale = prune(project, overlay=SMALLER)
+    count = len(stale) - 1
+    assert stale[-1].startswith(f"{count} files in {RESULTS}: not of this campaign any more")
+    files = {name.removeprefix(f"{RESULTS}/") for name in stale[:-1]}
+    gone = ("esn-N30-", "equations_noisy/", "long_term.nc", "tables/statistics", "statistics_")
+    assert {"tables/statistics.csv", "Re400/esn-N40-RV-seed0/long_term.nc"} < files
+    assert "Re400/scan/esn-N30-seed0-RV+SSV.csv" in files
+    assert all(any(part in name for part in gone) for name in files)
+    assert "notes.txt" not in files
+    # a part of the campaign says nothing of the rest
+    assert prune(project, "tables", overlay=SMALLER)[0] == 2
+    assert prune(project, "--remove", overlay=SMALLER)[1] == [
+        *stale[:-1],
+        f"{count} files in {RESULTS}: removed",
+    ]
+    assert not any((project.results / name).exists() for name in files)
+    assert not (project.results / "Re400" / "equations_noisy").exists()
+    assert (project.results / "notes.txt").exists()
+    assert prune(project, overlay=SMALLER)[1][0].startswith("0 files")
+    # nothing else has gone
+    left = set(digests(finished.project.results)) - set(digests(project.results))
+    assert left == files
+
+
+def test_a_source_that_is_missing_is_an_error(project):
+    """Snakemake takes figures that are there for sources, and has nothing to do."""
+    figures = project.results / "figures"
+    figures.mkdir(exist_ok=True)
+    overlay = {"figures": {"published_overlay": True}}
+    for name in [name for name, figure in FIGURES.items() if figure.published]:
+        for suffix in ("pdf", "png"):
+            (figures / f"{name}.{suffix}").write_text("")
+    (project.directory / "resources" / "published_percentiles.csv").unlink()
+    outcome = project.snakemake("-n", "figures", overlay=overlay)
+    assert outcome.status == 1
+    assert "nothing makes it" in outcome.text
+    assert "source file is missing" in outcome.text
+
+
+def test_a_clock_that_is_wrong_is_told(project):
+    """An input that another machine has written an hour from now."""
+    path = project.results / "Re400" / "events.nc"
+    later = path.stat().st_mtime + 3600
+    os.utime(path, (later, later))
+    target, overlay = f"{RESULTS}/Re400/equations/horizon.nc", {"horizon": {"tolerance": 0.3}}
+    outcome = project.snakemake(target, overlay=overlay)
+    assert outcome.status == 1
+    assert "This could indicate a clock skew problem" in outcome.text
+    assert f"{RESULTS}/Re400/events.nc" in outcome.text

@@ -1,0 +1,117 @@
+"""Results that the campaign does not make any more: named, and removed where that is wanted.
+
+::
+
+    python -m burstcast_workflow.prune [--remove] [options of snakemake]
+
+A stage that was switched off and networks that left the campaign leave files behind, which nothing
+keeps up to date. The records know them all (`burstcast_workflow.harness.records`): what has a
+record, and is not made by any job of the plan of the whole campaign, is stale. Files without a
+record, a user's own, are never looked at.
+"""
+
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from burstcast_workflow.harness.records import Records
+from burstcast_workflow.harness.run import OvertakenError, Run
+from burstcast_workflow.why import planned
+
+_REMOVE = "--remove"
+
+
+class PartOfCampaignError(ValueError):
+    """A plan has only a part of the campaign."""
+
+
+def stale_files(results: str, workflow: Any) -> list[str]:
+    """Files below a results directory that the campaign does not make any more.
+
+    Parameters
+    ----------
+    results
+        The directory, as the rules spell it.
+    workflow
+        Of Snakemake, after planning.
+
+    Returns
+    -------
+    Their names, from the directory on.
+
+    Raises
+    ------
+    PartOfCampaignError
+        If the plan is not that of the whole campaign.
+    """
+    options, jobs = workflow.dag_settings, list(workflow.dag.jobs)
+    targets = {job.rule.name for job in jobs if not job.output}
+    # as a module, its rules may have a prefix
+    whole = any(name == "all" or name.endswith("_all") for name in targets)
+    if not whole or options.until or options.omit_from or options.batch:
+        raise PartOfCampaignError("this looks at the whole campaign: leave out targets")
+    records = Records(results)
+    made = {records.name(str(path)) for job in jobs for path in job.output}
+    return [name for name in records.names() if name not in made]
+
+
+def stale_note(results: str, workflow: Any) -> str:
+    """One line about stale files for the end of a run; empty if none are known."""
+    try:
+        count = len(stale_files(results, workflow))
+    except PartOfCampaignError:
+        return ""
+    counted = f"{count} file{'s' if count > 1 else ''}"
+    said = f"Not of this campaign any more: {counted} in {results} (make prune lists them)."
+    return said if count else ""
+
+
+def remove(results: str, names: Sequence[str]) -> None:
+    """Remove files with their records, and directories that are empty then.
+
+    Parameters
+    ----------
+    results
+        The results directory.
+    names
+        Of files, from the directory on.
+
+    Raises
+    ------
+    OvertakenError
+        If a run is at work there.
+    """
+    Run("", results).check_idle()
+    records = Records(results)
+    for name in names:
+        for path in (Path(records.path(name)), records.file(records.path(name))):
+            path.unlink(missing_ok=True)
+            for above in path.parents[: len(path.relative_to(results).parts) - 1]:
+                with suppress(OSError):  # not empty
+                    above.rmdir()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """List stale files; remove them if told so."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    workflow = planned([argument for argument in given if argument != _REMOVE])
+    run = Run.current()
+    assert run is not None  # the workflow has made it
+    try:
+        names = stale_files(run.results, workflow)
+        if _REMOVE in given:
+            remove(run.results, names)
+    except (PartOfCampaignError, OvertakenError) as error:
+        print(error, file=sys.stderr)
+        return 2
+    for name in names:
+        print(f"{run.results}/{name}")
+    what = "removed" if _REMOVE in given else f"not of this campaign any more ({_REMOVE}?)"
+    print(f"{len(names)} files in {run.results}: {what}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
