@@ -47,8 +47,8 @@ def predicted_jobs(
     found = []
     for job in workflow.dag.jobs:
         if job.output:  # a target has none
-            cost_class = job.rule.ruleinfo.resources[1]["mem_mb"].cost_class
-            cost = model.predicted(cost_class, job.rule.name, job.wildcards_dict)
+            memory = job.rule.ruleinfo.resources[1]["mem_mb"]
+            cost = model.predicted(memory.cost_class, memory.stage, job.wildcards_dict)
             record = Path(workflow.overwrite_workdir or "", job.benchmark)
             found.append(PredictedJob(job.rule.name, job.wildcards_dict, cost, record))
     rules = [rule.name for rule in workflow.rules]

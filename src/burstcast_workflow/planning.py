@@ -11,10 +11,13 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
+import snakemake.api  # noqa: F401 - other modules of Snakemake cannot be imported before it
+from snakemake.dag import DAG
 from snakemake.exceptions import WorkflowError
 from snakemake.persistence import RECORD_FORMAT_VERSION, MetadataRecord, PersistenceBase
 
 from burstcast_workflow.fingerprint import Sources
+from burstcast_workflow.harness.code_check import numba_cache
 from burstcast_workflow.harness.records import Record, Records, digest
 from burstcast_workflow.harness.run import OvertakenError, Run
 
@@ -23,9 +26,8 @@ FORMER = " as it was"
 
 _snakemakes_own = PersistenceBase.metadata
 _marked_incomplete = PersistenceBase.incomplete
-
-
 _stop_caching = PersistenceBase.deactivate_cache
+_plan = DAG.init
 
 
 def claim_before_jobs(run: Run, config: Mapping[str, Any], sources: Sources) -> None:
@@ -45,12 +47,44 @@ def claim_before_jobs(run: Run, config: Mapping[str, Any], sources: Sources) -> 
     def planning_is_over(self: PersistenceBase) -> None:
         _stop_caching(self)
         if any(True for _ in self.dag.needrun_jobs()):
+            code = sources.all_fingerprints()
+            os.environ["NUMBA_CACHE_DIR"] = numba_cache(code)  # jobs take it over
             try:
-                run.claim(config, sources.all_fingerprints())
+                run.claim(config, code)
             except OvertakenError as error:
                 raise WorkflowError(str(error)) from None
 
     PersistenceBase.deactivate_cache = planning_is_over
+
+
+def refuse_what_nothing_makes(results: str) -> None:
+    """Make it an error if the campaign needs a result that is there, but that no job makes.
+
+    Snakemake takes such a file for a source, whether its name matches no rule or something is
+    missing that it was made from, and has nothing to do.
+
+    Parameters
+    ----------
+    results
+        The results directory, as the rules spell it.
+    """
+
+    async def planned(self: DAG) -> None:
+        await _plan(self)
+        options = self.workflow.dag_settings
+        if options.until or options.omit_from or options.batch or options.allowed_rules:
+            return
+        made = {str(path) for job in self.jobs for path in job.output}
+        wanted = {str(path) for job in self.jobs for path in job.input}
+        lost = sorted(path for path in wanted - made if path.startswith(f"{results}/"))
+        if lost:
+            more = f", as {len(lost) - 1} others" if len(lost) > 1 else ""
+            raise WorkflowError(
+                f"{lost[0]} is there, but nothing makes it{more}: its name matches no rule, or a "
+                f"source file is missing that it comes from (without it, Snakemake says which)"
+            )
+
+    DAG.init = planned
 
 
 def plan_by_records(results: str) -> None:

@@ -1,6 +1,7 @@
 """Using burstcast from elsewhere: as a module, in another directory, by workflow/Snakefile."""
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -25,6 +26,8 @@ def planned_jobs(directory, *arguments):
     command = [sys.executable, "-m", "snakemake", "--dry-run", "--cores", "1", *arguments]
     result = subprocess.run(command, cwd=directory, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stdout + result.stderr
+    if "Nothing to be done" in result.stdout + result.stderr:
+        return {}
     found = re.findall(r"^(\w+) +(\d+)$", result.stdout + result.stderr, re.MULTILINE)
     return {rule: int(count) for rule, count in found}
 
@@ -50,3 +53,27 @@ def test_another_workflow_takes_it_as_a_module(tmp_path, expected, prefix):
 def test_a_snakefile_below_workflow(tmp_path, expected):
     arguments = ["-s", PROJECT / "workflow" / "Snakefile", "--configfile", TINY]
     assert planned_jobs(tmp_path, *arguments) == expected
+
+
+COUNTS = "Re400/esn-N40-RV-seed0/control/prediction_triggered-prediction_time1-window1/counts.json"
+
+
+@pytest.mark.parametrize("prefix", ["", "below"])
+def test_a_module_runs_and_its_results_are_known(tmp_path, finished, prefix):
+    """Files say the stages that made them, whatever the rules are called; where they are, too."""
+    where = f"\n    prefix: {prefix!r}" if prefix else ""
+    module = MODULE.replace("    config: config", f"    config: config{where}")
+    (tmp_path / "Snakefile").write_text(f"{module} as flow_*\n", encoding="utf-8")
+    results = tmp_path / prefix / "results" / "tiny"
+    # what another rule has made, under its own name, is taken over with its records
+    shutil.copytree(finished.project.results, results)
+    table = results / "tables" / "control.csv"
+    assert planned_jobs(tmp_path, str(table.relative_to(tmp_path))) == {}
+    before = table.read_bytes()
+    for path in (table, results / COUNTS):
+        path.unlink()
+    command = [sys.executable, "-m", "snakemake", "--cores", "1", table.relative_to(tmp_path)]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert table.read_bytes() == before
+    assert planned_jobs(tmp_path, str(table.relative_to(tmp_path))) == {}

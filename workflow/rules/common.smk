@@ -19,10 +19,19 @@ from burstcast_workflow.figure_registry import (
     figure_names,
 )
 from burstcast_workflow.fingerprint import Sources
-from burstcast_workflow.harness.code_check import CodeChangedError, check_imports
+from burstcast_workflow.harness.code_check import (
+    CodeChangedError,
+    check_imports,
+    compile_by_content,
+)
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.run import OvertakenError, Run
-from burstcast_workflow.planning import claim_before_jobs, plan_by_records
+from burstcast_workflow.planning import (
+    claim_before_jobs,
+    plan_by_records,
+    refuse_what_nothing_makes,
+)
+from burstcast_workflow.prune import stale_note
 from burstcast_workflow.setting_groups import listed
 from burstcast_workflow.summary import campaign_summary
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
@@ -35,8 +44,12 @@ PROJECT = Path(str(workflow.current_basedir)).parents[1]
 try:
     check_imports(PROJECT / "src")
     if workflow.is_main_process:
+        compile_by_content(PROJECT / "src")
         config = load(config, workflow.configfiles, defaults=PROJECT / "config.yaml")
-        run = Run.new(config["results"])
+        # where another workflow's prefix puts it, if it has this one as a module
+        run = Run.new(
+            workflow.modifier.path_modifier.replace_prefix(config["results"])
+        )
     else:  # a job of a cluster: what was planned, whatever the files say by now
         run = Run.of_job()
         config = run.plan()["config"]
@@ -44,8 +57,9 @@ except (CodeChangedError, ConfigError, OvertakenError) as error:
     # without the traceback, in which nobody would find the message
     raise WorkflowError(str(error)) from None
 sources = Sources(PROJECT)
-plan_by_records(config["results"])
+plan_by_records(run.results)
 if workflow.is_main_process:
+    refuse_what_nothing_makes(run.results)
     claim_before_jobs(run, dict(config), sources)
 campaign = Campaign(config)
 costs = CostModel(campaign)
@@ -91,7 +105,7 @@ onstart:
 onsuccess:
     print(
         f"\n{campaign_summary(Path(TABLES))}\n\nTables: {TABLES}/*.csv and *.tex. "
-        f"Figures: {RESULTS}/figures/*.pdf and *.png.",
+        f"Figures: {RESULTS}/figures/*.pdf and *.png.\n{stale_note(RESULTS, workflow)}",
         file=sys.stderr,
     )
 
@@ -107,7 +121,8 @@ onerror:
 
 def cost_of(job):
     """Class of a job's cost, and its stage."""
-    return job.rule.ruleinfo.resources[1]["mem_mb"].cost_class, job.rule.name
+    memory = job.rule.ruleinfo.resources[1]["mem_mb"]
+    return memory.cost_class, memory.stage
 
 
 def of_cases(name):
@@ -179,21 +194,22 @@ def reads(script, paths="", **values):
     return {"settings": settings, "code": code}
 
 
-def needs(cost_class, cached=False):
+def needs(stage, cost_class, cached=False):
     """Resources of a stage: what a scheduler is asked for, and whether the cache keeps its results.
 
+    ``stage`` is its name, whatever the rule is called where this workflow is a module of another;
     ``cost_class`` says what sort of work it is (`burstcast_workflow.costs`).
     """
 
     @of_job
-    def memory(wildcards, attempt, rulename):
-        return costs.predicted(cost_class, rulename, wildcards).mib_for(attempt)
+    def memory(wildcards, attempt):
+        return costs.predicted(cost_class, stage, wildcards).mib_for(attempt)
 
     @of_job
-    def runtime(wildcards, attempt, rulename):
-        return costs.predicted(cost_class, rulename, wildcards).minutes_for(attempt)
+    def runtime(wildcards, attempt):
+        return costs.predicted(cost_class, stage, wildcards).minutes_for(attempt)
 
-    memory.cost_class = cost_class  # for the report of costs
+    memory.cost_class, memory.stage = cost_class, stage  # for the report of costs
     return {"mem_mb": memory, "runtime": runtime, "cached": int(cached)}
 
 
@@ -277,7 +293,7 @@ def stage(
         conda:
             ENVIRONMENT
         resources:
-            **needs(cost, cached),
+            **needs(rule_name, cost, cached),
         params:
             **reads(f"{name}.py", settings, **values),
         message:
@@ -337,7 +353,7 @@ def files_of_figure(wildcards):
         for name, paths in files.items()
     }
     overlay = figure.published and config["figures"]["published_overlay"]
-    return {**found, "published": PUBLISHED} if overlay else found
+    return {**found, "published": local(PUBLISHED)} if overlay else found
 
 
 @of_job

@@ -25,7 +25,7 @@ rule figure:
     conda:
         ENVIRONMENT
     resources:
-        **needs("figure"),
+        **needs("figure", "figure"),
     params:
         settings=settings_of_figure,
         code=code_of_figure,

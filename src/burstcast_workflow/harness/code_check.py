@@ -5,7 +5,14 @@ perhaps in another environment. A result of other code under the record of this 
 believed for good.
 """
 
-from collections.abc import Collection, Sequence
+import hashlib
+import marshal
+import os
+import py_compile
+import sys
+from collections.abc import Collection, Iterable, Sequence
+from contextlib import suppress
+from importlib.util import MAGIC_NUMBER, cache_from_source
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +58,65 @@ def check_imports(sources: Path) -> None:
             f"from {package_root()}, another copy: install this one (make does), or set PYTHONPATH "
             f"to {sources}"
         )
+
+
+# of compiled modules: what Python looks at before it runs one (PEP 552)
+_HEADER_LENGTH = 16
+_BY_CONTENT = MAGIC_NUMBER + bytes([0b11, 0, 0, 0])
+
+
+def compile_by_content(sources: Path) -> None:
+    """Compile the project's modules so that Python compares them with the content of their sources.
+
+    By itself it compares size and time of change only, and runs an old compiled module after an
+    edit that keeps both. A module that is compiled like this stays so.
+
+    Parameters
+    ----------
+    sources
+        Directory of the project's packages.
+
+    Raises
+    ------
+    CodeChangedError
+        If this process itself runs a module that was compiled from another source.
+    """
+    running = {
+        os.path.abspath(getattr(one, "__file__", "") or "") for one in [*sys.modules.values()]
+    }
+    stale = []
+    for path in sorted(sources.absolute().glob("burstcast*/**/*.py")):
+        compiled = Path(cache_from_source(str(path)))
+        before = compiled.read_bytes() if compiled.exists() else b""
+        if before.startswith(_BY_CONTENT):
+            continue
+        # where nothing may be written, or a source is not Python, Python says so itself
+        with suppress(OSError, py_compile.PyCompileError):
+            mode = py_compile.PycInvalidationMode.CHECKED_HASH
+            py_compile.compile(str(path), doraise=True, invalidation_mode=mode)
+            if str(path) in running and before.startswith(MAGIC_NUMBER):
+                old, new = (text[_HEADER_LENGTH:] for text in (before, compiled.read_bytes()))
+                stale += [path.name] if marshal.loads(old) != marshal.loads(new) else []
+    if stale:
+        raise CodeChangedError(
+            f"Python had compiled {', '.join(stale)} from another source with the same size and "
+            f"time: it is compiled anew now, run again"
+        )
+
+
+def numba_cache(code: Iterable[str]) -> str:
+    """Directory of what numba compiles for jobs: another one for other code of the library.
+
+    Numba compares size and time of change of a source, too.
+
+    Parameters
+    ----------
+    code
+        Fingerprints of all modules.
+    """
+    library = "\n".join(sorted(entry for entry in code if entry.startswith("burstcast.")))
+    above = os.environ.get("NUMBA_CACHE_DIR") or package_root() / "burstcast" / "__pycache__"
+    return f"{above}/numba-{hashlib.sha256(library.encode()).hexdigest()[:12]}"
 
 
 def script_of(snakemake: Any) -> Path:

@@ -91,14 +91,14 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     start = time.monotonic()
     run = Run.current()
     records = None if run is None else Records(run.results)
-    identity = job_identity(snakemake.rule, snakemake.wildcards)
+    script, code = script_of(snakemake), list(snakemake.params.code)
+    identity = job_identity(stage_of(script), snakemake.wildcards)
     declared = canonical(dict(snakemake.params.settings), "params.settings")
     settings = Settings(declared, identity)
     logger.info("%s starts with settings %s", label, canonical_json(declared))
     files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
     given = {**files, "settings": settings, "provenance": provenance(identity, declared)}
     arguments = arguments_for(function, given)
-    script, code = script_of(snakemake), list(snakemake.params.code)
     planned = code if run is None else run.plan()["code"]
     check_code(script, code, planned)
     for path in snakemake.output:
@@ -112,7 +112,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         outputs = {name: Path(path) for name, path in snakemake.output.items()}
         key = entry_key(identity, declared, code, inputs.by_name, list(outputs))
         cached = restore(directory, key, outputs)
-        keep = partial(store, directory, key, snakemake.rule, outputs)
+        keep = partial(store, directory, key, identity["rule"], outputs)
     if not cached:
         function(**arguments)
         if unread := settings.unread():
@@ -148,6 +148,11 @@ def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Prov
 def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
     """Rule and wildcards of a job, numbers as numbers."""
     return {"rule": rule, **{name: _value(text) for name, text in wildcards.items()}}
+
+
+def stage_of(script: Path) -> str:
+    """Stage that a script belongs to: its rule, whatever a workflow calls it that has this one."""
+    return "figure" if script.parent.name == "figures" else script.stem
 
 
 def _by_name(files: Any) -> dict[str, Any]:
