@@ -1,0 +1,200 @@
+"""Whatever is wrong with a config: a plan, or messages that name settings; never a traceback.
+
+The number of mutations is BURSTCAST_MUTATIONS (500), their seed BURSTCAST_SEED (it is printed).
+"""
+
+import copy
+import datetime
+import json
+import math
+import os
+import random
+
+import pytest
+import yaml
+from helpers_rebuilds import ROOT, Project
+from snakemake.utils import update_config
+
+from burstcast_workflow.alarms import alarm_records
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.canonical import canonical_json
+from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.costs import CostModel
+from burstcast_workflow.figure_registry import FIGURES, figure_case, figure_names
+
+NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))
+SEED = int(os.environ.get("BURSTCAST_SEED", "2026"))
+PLANNED_BY_SNAKEMAKE = 12  # of each 500
+PRESETS = ("tiny", "miniature", "quick", "control_frontier")
+
+# of all types, in and out of range, as YAML reads them
+VALUES = [
+    *(
+        None,
+        True,
+        False,
+        "",
+        " ",
+        "text",
+        "1",
+        "1e-6",
+        "1.0e5",
+        "nan",
+        "../x",
+        "a/b",
+        "{case}",
+        "é\n",
+    ),
+    *(0, 1, 2, 3, -1, 7, 100, 10**6, 10**12, 2**64, 10**400, -(10**400)),
+    *(0.0, -0.0, 0.5, 1.5, -2.5, 1e-9, 1e-320, 1e300, math.nan, math.inf, -math.inf),
+    *([], {}, [1], [1, 1], [0.5, "x"], [[]], [None], [2, 1], {"x": 1}, {1: 2}, {None: []}, [{}]),
+    *(
+        datetime.date(2026, 1, 1),
+        b"bytes",
+        "Re400",
+        "Re1e3",
+        "esn-N40-RV-seed0",
+        "mfe",
+        "RV",
+        "numba",
+    ),
+]
+Place = tuple[str | int, ...]
+
+
+def places(node: object, path: Place = ()) -> list[Place]:
+    """Paths of everything in a config, sections and settings."""
+    found = [path] if path else []
+    items = (
+        node.items()
+        if isinstance(node, dict)
+        else enumerate(node if isinstance(node, list) else [])
+    )
+    for key, value in items:
+        found += places(value, (*path, key))
+    return found
+
+
+def at(node, path: Place):
+    for key in path:
+        node = node[key]
+    return node
+
+
+def mutated(config: dict, chance: random.Random) -> tuple[dict, list[str]]:
+    """A config with one to three changes, and what they are."""
+    config, said = copy.deepcopy(config), []
+    for _ in range(chance.choice([1, 1, 1, 2, 3])):
+        path = chance.choice(places(config))
+        *above, key = path
+        parent, value = at(config, above), at(config, path)
+        kind = chance.choice(["value", "value", "scaled", "scaled", "missing", "extra", "copied"])
+        if kind == "scaled" and isinstance(value, (int, float)) and not isinstance(value, bool):
+            new = value * chance.choice([-1, 0.1, 0.5, 2, 3, 10, 1000])
+        elif kind == "copied":
+            new = copy.deepcopy(at(config, chance.choice(places(config))))
+        else:
+            new = copy.deepcopy(chance.choice(VALUES))
+        if kind == "missing":
+            del parent[key]
+        elif kind == "extra" and isinstance(parent, dict):
+            key = chance.choice([f"{key}x", f"{key}"[:-1], "", 3, None, chance.choice(path)])
+            parent[key] = new
+        else:
+            parent[key] = new
+        said.append(f"{kind} {'.'.join(map(str, (*above, key)))}: {new!r:.80}")
+        if not config:
+            break
+    return config, said
+
+
+def base(chance: random.Random) -> dict:
+    """The config of a campaign, as Snakemake merges it."""
+    config = yaml.safe_load((ROOT / "config.yaml").read_text())
+    if preset := chance.choice(["", *PRESETS]):
+        update_config(
+            config, yaml.safe_load((ROOT / f"workflow/presets/{preset}.yaml").read_text())
+        )
+    return config
+
+
+def planned(config: dict) -> int:
+    """Expand a campaign as the workflow does; the number of what it has."""
+    campaign = Campaign(config)
+    costs = CostModel(campaign)
+    records = [
+        *campaign.keys(campaign.forecasters),
+        *campaign.control_keys(),
+        *campaign.strategy_keys(),
+        *campaign.of_each_case("case.ensemble", "case.event_threshold"),
+        *alarm_records(campaign, campaign.case_names),
+    ]
+    canonical_json(records)
+    for one in {(one.case, one.name.kind): one for one in campaign.forecasters}.values():
+        campaign.modules(one.identity)
+        campaign.settings(["forecaster.options", "case.training"], one.identity, {})
+        for cost_class, stage in (("training", "train"), ("closed_loop", "forecast")):
+            cost = costs.predicted(cost_class, stage, one.identity)
+            assert cost.mib_for(1) > 0
+            assert cost.minutes_for(1) > 0
+    for name in figure_names(campaign):
+        figure = next(
+            known for known in sorted(FIGURES, key=len, reverse=True) if name.startswith(known)
+        )
+        case = figure_case(campaign, figure, name.removeprefix(figure))
+        FIGURES[figure].files(campaign, case)
+        canonical_json(FIGURES[figure].values(campaign, case))
+    return len(records)
+
+
+def outcome(config: dict) -> list[str]:
+    """What is wrong with a config; nothing if it has a plan."""
+    try:
+        loaded = load(config, defaults=ROOT / "config.yaml")
+    except ConfigError as error:
+        return error.problems
+    planned(loaded)
+    return []
+
+
+@pytest.mark.long
+def test_mutated_configs_have_a_plan_or_clear_messages(capsys):
+    trials = [random.Random(f"{SEED} {number}") for number in range(NUMBER)]
+    counts, failures = {"plans": 0, "messages": 0}, []
+    sections = (*Configuration.model_fields, "case", "the key")
+    for number, chance in enumerate(trials):
+        config, said = mutated(base(chance), chance)
+        try:
+            problems = outcome(config)
+        except Exception as error:
+            failures.append(f"{number}: {said}: {type(error).__name__}: {error}")
+            continue
+        counts["messages" if problems else "plans"] += 1
+        for problem in problems:
+            # of a reasonable length, and about a setting
+            if len(problem) > 600 or not any(name in problem for name in sections):
+                failures.append(f"{number}: {said}: {problem}")
+    with capsys.disabled():
+        print(f"\nseed {SEED}: {NUMBER} mutations, {json.dumps(counts)}, {len(failures)} failures")
+    assert not failures, "\n".join(failures)
+    assert min(counts.values()) > NUMBER / 20  # it tries both
+
+
+@pytest.mark.long
+def test_snakemake_says_what_a_mutated_config_has(tmp_path, job_server, capsys):
+    """A sample of the same, through Snakemake from a file."""
+    project = Project.create(tmp_path / "project", job_server)
+    counts = {"plans": 0, "messages": 0}
+    for number in range(max(1, NUMBER * PLANNED_BY_SNAKEMAKE // 500)):
+        chance = random.Random(f"{SEED} snakemake {number}")
+        tiny = yaml.safe_load((ROOT / "workflow/presets/tiny.yaml").read_text())
+        config, said = mutated(tiny, chance)
+        result = project.snakemake("-n", "--quiet", "rules", overlay=config)
+        assert "Traceback" not in result.text, (said, result.text)
+        counts["messages" if result.status else "plans"] += 1
+        if result.status:
+            assert result.text.count("The configuration has") == 1, (said, result.text)
+            assert not (project.directory / "results").exists()
+    with capsys.disabled():
+        print(f"\nseed {SEED}: {json.dumps(counts)} through Snakemake")
