@@ -298,6 +298,27 @@ FIGURES: Mapping[str, Figure] = {
         cases=_with_sizes,
         published=True,
     ),
+    "forecast_skill": Figure(
+        {"scores": "tables/probability_scores.csv"},
+        "figures.fixed_neurons",
+        "shown_case shown_validation",
+        _every,
+    ),
+    "reliability": Figure(
+        {"bins": "tables/reliability.csv"},
+        "figures.fixed_neurons figures.reynolds_prediction_times_lt",
+        "shown_case shown_validation",
+    ),
+    "economic_value": Figure(
+        {"values": "tables/economic_value.csv"},
+        "figures.fixed_neurons figures.reynolds_prediction_times_lt",
+        "shown_case shown_validation",
+    ),
+    "alarm_lead_times": Figure(
+        {"lead_times": "tables/lead_times.csv"},
+        "figures.fixed_neurons",
+        "shown_case shown_validation",
+    ),
     "by_reynolds": Figure(
         {
             "horizon": "tables/horizon_percentiles.csv",

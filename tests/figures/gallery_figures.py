@@ -7,12 +7,15 @@ import pandas as pd
 from helpers_figures import THRESHOLD, burst, percentile_rows
 from matplotlib.figure import Figure
 
+from burstcast.figures.alarm_lead_times import alarm_lead_times
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.control_tradeoff import control_tradeoff
+from burstcast.figures.economic_value import economic_value
 from burstcast.figures.energy_density import energy_density
+from burstcast.figures.forecast_skill import forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
 from burstcast.figures.horizon_schematic import horizon_schematic
@@ -25,6 +28,7 @@ from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.profile_errors import profile_errors
+from burstcast.figures.reliability import reliability
 from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.suppressed_event import suppressed_event
 from burstcast.figures.survival import survival
@@ -190,6 +194,87 @@ def reynolds_rows(metric: str, times: tuple[float, ...] | None) -> pd.DataFrame:
     )
 
 
+ALARMS = {  # how good, between 0 and 1
+    "esn_committee": 0.9,
+    "esn": 0.8,
+    "equations": 1.0,
+    "equations_filtered": 0.97,
+    "equations_noisy": 0.7,
+    "quadratic": 0.65,
+    "quadratic_filtered": 0.95,
+    "linear_inverse": 0.05,
+    "analogues": 0.3,
+    "persistence": 0.1,
+    "observable_now": 0.1,
+    "climatology": 0.0,
+}
+
+
+def alarm_rows(x: str, positions: tuple[float, ...], **keys: object) -> pd.DataFrame:
+    """Scores that fall with x, of three networks, their committee and everybody else."""
+    rows: list[dict[str, object]] = []
+    for kind, good in ALARMS.items():
+        network = kind in ("esn", "esn_committee")
+        for seed in range(3 if kind == "esn" else 1):
+            for position in positions:
+                value = good * (1.0 - 0.1 * (1.0 - good + 0.1 * seed) * position)
+                rows.append(
+                    {
+                        "case": "Re400",
+                        "forecaster": kind,
+                        "neurons": 2000.0 if network else np.nan,
+                        "validation": "RV" if network else np.nan,
+                        "seed": seed if kind == "esn" else np.nan,
+                        x: position,
+                        "value": value,
+                        "low": value - 0.03,
+                        "high": value + 0.02,
+                        **keys,
+                    }
+                )
+    return pd.DataFrame(rows)
+
+
+def score_rows(*metrics: str, x: str = "prediction_time_lt") -> pd.DataFrame:
+    return pd.concat([alarm_rows(x, (1.0, 2.0, 3.0, 4.0), metric=metric) for metric in metrics])
+
+
+def value_rows() -> pd.DataFrame:
+    ratios = (0.01, 0.03, 0.1, 0.3, 0.9)
+    return pd.concat(
+        [alarm_rows("cost_loss_ratio", ratios, prediction_time_lt=time) for time in (2.0, 3.0)]
+    )
+
+
+def reliability_rows() -> pd.DataFrame:
+    """Committees tell many probabilities, who forecasts once tells two, climatology one."""
+    rows = []
+    for kind, good in ALARMS.items():
+        levels = {"esn_committee": 11, "esn": 0, "climatology": 1}.get(kind, 2)
+        network = kind == "esn_committee"
+        for probability in ("calibrated", "votes"):
+            for number, mean in enumerate(np.linspace(0, 1, 11)):
+                told = number in np.linspace(0, 10, levels).astype(int)
+                frequency = mean * (good if probability == "votes" else 0.95)
+                rows.append(
+                    {
+                        "case": "Re400",
+                        "forecaster": kind,
+                        "neurons": 2000.0 if network else np.nan,
+                        "validation": "RV" if network else np.nan,
+                        "probability": probability,
+                        "prediction_time_lt": 3.0,
+                        "bin": number,
+                        "forecasts": (7000 if number == 0 else 40) if told else 0,
+                        "mean_probability": mean if told else np.nan,
+                        "observed_frequency": frequency if told else np.nan,
+                        "consistency_low": max(0.0, mean - 0.1) if told else np.nan,
+                        "consistency_high": min(1.0, mean + 0.1) if told else np.nan,
+                    }
+                )
+    return pd.DataFrame(rows)
+
+
 def _vorticity() -> Figure:
     grid = np.meshgrid(X, Y, Z, indexing="ij")
     wave = np.cos(grid[0] / 2) * np.sin(grid[2]) * (1 - grid[1] ** 2)
@@ -226,6 +311,12 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     ),
     "horizon_evaluations": _evaluations,
     "horizon_by_size": lambda: horizon_by_size(percentile_rows({"mean_horizon_lt": 4.5})),
+    "forecast_skill": lambda: forecast_skill(score_rows("f_score", "brier_skill"), 2000, "RV"),
+    "reliability": lambda: reliability(reliability_rows(), [3.0], 2000, "RV"),
+    "economic_value": lambda: economic_value(value_rows(), [2.0, 3.0], 2000, "RV"),
+    "alarm_lead_times": lambda: alarm_lead_times(
+        score_rows("warned_fraction", "false_alarms_per_lt", x="lead_time_lt"), 2000, "RV"
+    ),
     "by_reynolds": lambda: by_reynolds(
         reynolds_rows("mean_horizon_lt", None),
         reynolds_rows("f_score", PREDICTION_TIMES),

@@ -13,7 +13,10 @@ from gallery_figures import (
     X,
     Y,
     Z,
+    alarm_rows,
+    reliability_rows,
     reynolds_rows,
+    score_rows,
     search_trace,
 )
 from helpers_figures import THRESHOLD, burst, drawn_texts, overlapping_texts, percentile_rows
@@ -23,12 +26,15 @@ from matplotlib.figure import Figure
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.control_density import ControlledDensity, control_density
+from burstcast.figures.forecast_skill import forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import horizon_evaluations
 from burstcast.figures.observable_and_density import observable_and_density
+from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
 from burstcast.figures.parts.percentile_curves import nearest_value, select
 from burstcast.figures.parts.style import ordered_validations, true_runs
 from burstcast.figures.prediction_examples import prediction_examples
+from burstcast.figures.reliability import reliability
 from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 
@@ -206,3 +212,53 @@ def test_the_network_schematic_prints_the_numbers_in_use() -> None:
     shown = " ".join(texts(GALLERY["network_schematic"]()))
     for number in ("N_r = 2000", "N_u = 9", "0.29", "0.33", "0.1"):
         assert number in shown
+
+
+def test_single_networks_are_their_median_and_quartiles_and_others_as_they_are() -> None:
+    rows = alarm_rows("prediction_time_lt", (1.0, 2.0))
+    median = median_network(rows, "prediction_time_lt")
+    single = rows[rows["forecaster"] == "esn"]
+    at_two = single.loc[single["prediction_time_lt"] == 2.0, "value"]
+    shown = median[(median["forecaster"] == "esn") & (median["prediction_time_lt"] == 2.0)]
+    expected = np.percentile(at_two, [50, 25, 75])
+    np.testing.assert_allclose(shown[["value", "low", "high"]].to_numpy()[0], expected)
+    others = rows[rows["forecaster"] != "esn"].reset_index(drop=True)
+    pd.testing.assert_frame_equal(median[median["forecaster"] != "esn"], others)
+
+
+def test_alarms_of_one_size_and_strategy_and_of_everybody_else_are_shown() -> None:
+    rows = alarm_rows("prediction_time_lt", (1.0,))
+    networks = rows["neurons"].notna()
+    small = rows[networks].assign(neurons=500.0)
+    other = rows[networks].assign(validation="SSV")
+    table = pd.concat([rows, small, other])
+    pd.testing.assert_frame_equal(alarms_shown(table, 1900, "RV"), rows)
+    pd.testing.assert_frame_equal(alarms_shown(rows, 1900, "WFV"), rows)
+    with pytest.raises(ValueError, match="neurons"):
+        alarms_shown(rows[~networks], 2000, "RV")
+
+
+def test_prediction_times_that_are_not_in_the_table_are_not_shown() -> None:
+    table = pd.DataFrame({"prediction_time_lt": [1.0, 2.0]})
+    assert times_shown(table, [2.0, 3.0]) == [2.0]
+    assert times_shown(table, [3.0]) == [2.0]
+
+
+def test_everybody_has_a_curve_of_skill() -> None:
+    scores = score_rows("f_score", "brier_skill")
+    left, right = forecast_skill(scores, 2000, "RV").axes
+    committee = scores[(scores["forecaster"] == "esn_committee") & (scores["metric"] == "f_score")]
+    for panel in (left, right):
+        assert lines_with(panel, committee["value"].tolist()) == 1
+        assert len(panel.get_lines()) == scores["forecaster"].nunique()
+
+
+def test_reliability_is_drawn_of_those_who_tell_probabilities() -> None:
+    rows = reliability_rows()
+    diagram, _ = reliability(rows, [3.0], 2000, "RV").axes
+    mean = np.linspace(0, 1, 11)
+    assert lines_with(diagram, (0.95 * mean).tolist()) == 1
+    assert lines_with(diagram, (0.9 * mean).tolist()) == 1
+    without = rows[rows["forecaster"] != "esn_committee"]
+    two = pd.concat([without, without[:1].assign(forecaster="esn", neurons=2000.0)])
+    assert len(reliability(two, [3.0], 2000, "RV").axes) == 2 * 9

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from burstcast.figures.parts.percentile_curves import select
-from burstcast.figures.parts.style import GREY
+from burstcast.figures.parts.style import BLUE, GREY, VERMILLION
 
 _MAUVE = "#8A5A83"
 _PALE = "#A0A0A0"
@@ -20,9 +20,12 @@ class _Look(NamedTuple):
     linestyle: str | tuple[float, tuple[float, ...]]
 
 
-# The equations in grey, learnt ones in mauve, and in front of them where they do as well: solid or
-# with wide gaps where a filter comes first, dashed where they start from one observation.
+# Networks in colours; the equations in grey, learnt ones in mauve, and in front of them where they
+# do as well: solid or with wide gaps where a filter comes first, dashed where they start from one
+# observation.
 _LOOKS = {
+    "esn_committee": _Look("committee of networks", BLUE, "-"),
+    "esn": _Look("single network", VERMILLION, (0.0, (3.5, 1.2))),
     "equations": _Look("equations, true state", GREY, _DOTS),
     "equations_filtered": _Look("equations, filtered", GREY, "-"),
     "equations_noisy": _Look("equations, noisy state", GREY, _DASHES),
@@ -31,12 +34,25 @@ _LOOKS = {
     "analogues": _Look("analogues", _PALE, _DASHES),
     "linear_inverse": _Look("linear inverse model", _PALE, _DOTS),
     "persistence": _Look("persistence", _PALE, _LONG),
+    "observable_now": _Look("observable now", _PALE, (0.0, (6.0, 1.5, 1.0, 1.5))),
+    "climatology": _Look("climatology", _PALE, "-"),
 }
 
 
 def forecaster_label(kind: str) -> str:
     """What figures call a kind of forecaster."""
     return _look(kind).label
+
+
+def forecaster_style(kind: str) -> dict[str, Any]:
+    """Label, colour and line style of a kind of forecaster, as keywords of a line."""
+    return _look(kind)._asdict()
+
+
+def ordered_forecasters(kinds: Collection[str]) -> list[str]:
+    """Kinds as legends list them; unknown ones last, by name."""
+    known = [kind for kind in _LOOKS if kind in kinds]
+    return [*known, *sorted(set(kinds) - set(known))]
 
 
 def _look(kind: str) -> _Look:
@@ -66,12 +82,11 @@ def draw_references(
     leave_out
         Kinds that are not drawn.
     """
-    kinds = set(percentiles["forecaster"].dropna()) - {"esn"}
-    for kind in [*(kind for kind in _LOOKS if kind in kinds), *sorted(kinds - set(_LOOKS))]:
+    for kind in ordered_forecasters(set(percentiles["forecaster"].dropna()) - {"esn"}):
         rows = select(percentiles, forecaster=kind, metric=metric)
         if kind in leave_out or rows.empty:
             continue
-        line: dict[str, Any] = {**_look(kind)._asdict(), "linewidth": 1.0, "zorder": 1.5}
+        line: dict[str, Any] = {**forecaster_style(kind), "linewidth": 1.0, "zorder": 1.5}
         if x is None:
             axes.axhline(float(rows["p50"].iloc[0]), **line)
         else:

@@ -240,8 +240,13 @@ def draw_threshold(
         )
 
 
-def legend_above(figure: Figure, axes: Iterable[Axes], more: Sequence[Artist] = ()) -> None:
-    """Draw a legend above the panels: what they label, each label once, then ``more``."""
+def legend_above(
+    figure: Figure, axes: Iterable[Axes], more: Sequence[Artist] = (), columns: int | None = None
+) -> None:
+    """Draw a legend above the panels: what they label, each label once, then ``more``.
+
+    In one row unless it has at most some columns.
+    """
     entries: dict[str, Artist] = {}
     for panel in axes:
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
@@ -252,5 +257,5 @@ def legend_above(figure: Figure, axes: Iterable[Axes], more: Sequence[Artist] = 
         list(entries.values()),
         list(entries),
         loc="outside upper center",
-        ncols=max(1, len(entries)),
+        ncols=max(1, min(len(entries), columns or len(entries))),
     )

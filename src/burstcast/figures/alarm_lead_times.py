@@ -1,0 +1,56 @@
+"""How long before events alarms come, and how often for nothing."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+from burstcast.figures.parts.alarm_scores import alarms_shown, draw_alarms
+from burstcast.figures.parts.percentile_curves import require_single_case, say_where_empty
+from burstcast.figures.parts.style import (
+    DOUBLE_COLUMN,
+    legend_above,
+    letter_panels,
+    new_figure,
+    styled,
+)
+
+_LABELS = {
+    "warned_fraction": "Share of events warned of",
+    "false_alarms_per_lt": "False alarms per LT",
+}
+
+
+@styled
+def alarm_lead_times(lead_times: pd.DataFrame, neurons: float, validation: str) -> Figure:
+    """Draw the share of events warned of, and false alarms, against lead time.
+
+    Who raises no false alarm has no curve there: the axis is logarithmic.
+
+    Parameters
+    ----------
+    lead_times
+        Of one case: forecaster, neurons, validation, seed, lead_time_lt, metric, value, low, high.
+    neurons, validation
+        Of the networks that are shown; see `burstcast.figures.parts.alarm_scores.alarms_shown`.
+
+    Raises
+    ------
+    ValueError
+        If the table holds several cases, or no network.
+    """
+    require_single_case(lead_times)
+    lead_times = alarms_shown(lead_times, neurons, validation)
+    figure = new_figure(DOUBLE_COLUMN, 3.4)
+    panels = figure.subplots(1, 2, sharex=True)
+    for axes, (metric, label) in zip(panels, _LABELS.items(), strict=True):
+        draw_alarms(axes, lead_times[lead_times["metric"] == metric], "lead_time_lt")
+        axes.set_xlabel("Lead time [LT]")
+        axes.set_ylabel(label)
+        axes.xaxis.set_major_locator(MultipleLocator(1))
+        axes.margins(x=0.02)
+    panels[0].set_ylim(bottom=0.0)
+    panels[1].set_yscale("log")  # baselines raise orders of magnitude more
+    legend_above(figure, panels, columns=4)
+    say_where_empty(panels)
+    letter_panels(list(panels))
+    return figure

@@ -1,0 +1,63 @@
+"""What forecasts are worth to those who can protect themselves, at a cost."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
+
+from burstcast.figures.parts.alarm_scores import alarms_shown, draw_alarms, times_shown
+from burstcast.figures.parts.percentile_curves import require_single_case, say_where_empty
+from burstcast.figures.parts.style import (
+    DOUBLE_COLUMN,
+    legend_above,
+    letter_panels,
+    new_figure,
+    styled,
+)
+
+_LOWEST = -0.1
+
+
+@styled
+def economic_value(
+    values: pd.DataFrame, prediction_times_lt: Sequence[float], neurons: float, validation: str
+) -> Figure:
+    """Draw the value against the cost-loss ratio, a panel for each prediction time.
+
+    Parameters
+    ----------
+    values
+        Of calibrated probabilities, of one case: forecaster, neurons, validation,
+        prediction_time_lt, cost_loss_ratio, value, low, high.
+    prediction_times_lt
+        Which are shown, of those in the table; the longest in the table where it has none of them.
+    neurons, validation
+        Of the networks that are shown; see `burstcast.figures.parts.alarm_scores.alarms_shown`.
+
+    Raises
+    ------
+    ValueError
+        If the table holds several cases, or no network.
+    """
+    require_single_case(values)
+    values = alarms_shown(values, neurons, validation)
+    shown = times_shown(values, prediction_times_lt)
+    figure = new_figure(DOUBLE_COLUMN, 3.4)
+    panels = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
+    for axes, time in zip(panels, shown, strict=True):
+        of_time = values[np.isclose(values["prediction_time_lt"], time)]
+        draw_alarms(axes, of_time, "cost_loss_ratio")
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(FixedLocator([0.01, 0.03, 0.1, 0.3, 1.0]))
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.set_title(f"PT = {time:g} LT", loc="center")
+        axes.set_xlabel("Cost-loss ratio")
+    panels[0].set_ylabel("Relative economic value")
+    panels[0].set_ylim(_LOWEST, 1.03)
+    legend_above(figure, panels, columns=4)
+    say_where_empty(panels)
+    letter_panels(list(panels))
+    return figure

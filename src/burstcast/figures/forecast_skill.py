@@ -1,0 +1,58 @@
+"""How good alarms and probabilities are, against prediction time: everybody beside each other."""
+
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+from burstcast.figures.parts.alarm_scores import alarms_shown, draw_alarms
+from burstcast.figures.parts.percentile_curves import (
+    METRIC_LABELS,
+    PREDICTION_TIME_LABEL,
+    require_single_case,
+    say_where_empty,
+)
+from burstcast.figures.parts.style import (
+    DOUBLE_COLUMN,
+    legend_above,
+    letter_panels,
+    new_figure,
+    styled,
+)
+
+_LABELS = {"f_score": METRIC_LABELS["f_score"], "brier_skill": "Brier skill score"}
+_LOWEST = -0.1
+"""Skills below are cut off: they are no use to anybody, and would squeeze the others."""
+
+
+@styled
+def forecast_skill(scores: pd.DataFrame, neurons: float, validation: str) -> Figure:
+    """Draw F-score and Brier skill against prediction time.
+
+    Parameters
+    ----------
+    scores
+        Of calibrated probabilities, of one case: forecaster, neurons, validation, seed,
+        prediction_time_lt, metric, value, low, high.
+    neurons, validation
+        Of the networks that are shown; see `burstcast.figures.parts.alarm_scores.alarms_shown`.
+
+    Raises
+    ------
+    ValueError
+        If the table holds several cases, or no network.
+    """
+    require_single_case(scores)
+    scores = alarms_shown(scores, neurons, validation)
+    figure = new_figure(DOUBLE_COLUMN, 3.6)
+    panels = figure.subplots(1, 2, sharex=True)
+    for axes, (metric, label) in zip(panels, _LABELS.items(), strict=True):
+        draw_alarms(axes, scores[scores["metric"] == metric], "prediction_time_lt")
+        axes.set_xlabel(PREDICTION_TIME_LABEL)
+        axes.set_ylabel(label)
+        axes.xaxis.set_major_locator(MultipleLocator(1))
+        axes.set_ylim(0.0 if metric == "f_score" else _LOWEST, 1.03)
+        axes.margins(x=0.02)
+    legend_above(figure, panels, columns=4)
+    say_where_empty(panels)
+    letter_panels(list(panels))
+    return figure

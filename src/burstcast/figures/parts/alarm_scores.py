@@ -1,0 +1,103 @@
+"""Scores of all who raise alarms, as curves with their intervals."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from burstcast.figures.parts.percentile_curves import nearest_value
+from burstcast.figures.parts.reference_forecasters import (
+    forecaster_style,
+    ordered_forecasters,
+)
+
+_NETWORKS = ("esn", "esn_committee")
+_BOLD = 1.4  # lines of networks; the others are thinner
+
+
+def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.DataFrame:
+    """Rows of one size and strategy of networks, and those of everybody else.
+
+    Parameters
+    ----------
+    table
+        Of one case: forecaster, neurons, validation, ...
+    neurons, validation
+        Which networks. Where the table has no such size, the nearest one; where it has no such
+        strategy, all strategies of that size.
+
+    Raises
+    ------
+    ValueError
+        If the table has no network.
+    """
+    networks = table["forecaster"].isin(_NETWORKS)
+    chosen = networks & (table["neurons"] == nearest_value(table[networks], "neurons", neurons))
+    if (chosen & (table["validation"] == validation)).any():
+        chosen &= table["validation"] == validation
+    return table[~networks | chosen]
+
+
+def times_shown(table: pd.DataFrame, wanted: Sequence[float]) -> list[float]:
+    """Prediction times of the table among those wanted, or else its longest."""
+    times = table["prediction_time_lt"]
+    return [time for time in wanted if np.isclose(times, time).any()] or [float(times.max())]
+
+
+def median_network(table: pd.DataFrame, x: str) -> pd.DataFrame:
+    """Replace single networks by the median and the quartiles over them, for each value of x.
+
+    Parameters
+    ----------
+    table
+        Rows of one metric: forecaster, value, low, high, and the column ``x``.
+    x
+        Name of the column on the horizontal axis.
+    """
+    single = table["forecaster"] == "esn"
+    values = table[single].groupby(x)["value"]
+    levels = {"value": 0.5, "low": 0.25, "high": 0.75}
+    median = pd.DataFrame({name: values.quantile(level) for name, level in levels.items()})
+    median = median.reset_index().assign(forecaster="esn")
+    return pd.concat([table[~single], median], ignore_index=True)
+
+
+def draw_alarms(axes: Axes, table: pd.DataFrame, x: str) -> None:
+    """Draw a curve for each kind of forecaster, with a band from ``low`` to ``high``.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    table
+        Rows of one metric: forecaster, value, low, high, and the column ``x``; those of single
+        networks are drawn as `median_network`.
+    x
+        Name of the column on the horizontal axis.
+    """
+    table = median_network(table, x)
+    for kind in ordered_forecasters(set(table["forecaster"])):
+        rows = table[(table["forecaster"] == kind) & table["value"].notna()].sort_values(x)
+        if rows.empty:
+            continue
+        style = forecaster_style(kind)
+        if kind == "esn":
+            style["label"] = "median network"
+        network = kind in _NETWORKS
+        position, value = (rows[name].to_numpy(dtype=np.float64) for name in (x, "value"))
+        axes.fill_between(
+            position,
+            rows["low"],
+            rows["high"],
+            color=style["color"],
+            alpha=0.2 if network else 0.12,
+            linewidth=0,
+        )
+        axes.plot(
+            position,
+            value,
+            linewidth=_BOLD if network else 1.0,
+            zorder=2.5 if network else 2.0,
+            **style,
+        )

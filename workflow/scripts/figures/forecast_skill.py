@@ -1,0 +1,25 @@
+"""(a) F-score of the alarms, whose threshold was chosen on the calibration series, and (b) Brier
+skill of the calibrated probabilities, against prediction time. Bands: bootstrap intervals over the
+test series; of single networks, median (line) and quartiles (band) over the ensemble. The committee
+is the share of these networks that forecast an event. Skills below -0.1 are cut off.
+"""
+
+from matplotlib.figure import Figure
+
+from burstcast.figures.forecast_skill import forecast_skill
+from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.figures import calibrated, of_case
+
+
+def draw(*, scores: str, settings: Settings) -> Figure:
+    """Draw the scores of one case."""
+    return forecast_skill(
+        calibrated(of_case(settings, scores)),
+        settings["figures.fixed_neurons"],
+        settings["shown_validation"],
+    )
+
+
+if __name__ == "__main__":
+    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there
