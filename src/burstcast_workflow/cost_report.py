@@ -6,19 +6,25 @@
 
 All jobs of the campaign are listed by rule, as Snakemake plans them, with their predicted time.
 Where results have ``benchmark:`` records, the median of their times and the largest memory are
-compared with the predictions for the same jobs: ``!`` marks what is beyond a factor of two.
+compared with the predictions for the same jobs: ``!`` marks what is beyond a factor of two. Where
+forecasts have records, what each kind of forecaster took follows: times are those of one machine,
+so that no table of the campaign holds them.
 """
 
 import csv
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from statistics import median
 
 from burstcast_workflow.costs import SECONDS_PER, Cost, CostModel
+from burstcast_workflow.identifiers import parsed
 from burstcast_workflow.why import planned
+
+TRAINING_RULES = ("search", "train", "fit")
+"""What makes a forecaster, beside the scan that networks of a reservoir share."""
 
 
 @dataclass(frozen=True)
@@ -81,14 +87,71 @@ def report(jobs: Sequence[PredictedJob]) -> str:
     return "\n".join([*lines, f"total of {len(jobs)} jobs, in minutes on one core: {minutes:.1f}"])
 
 
+def forecasters_report(jobs: Sequence[PredictedJob]) -> str:
+    """Measured times and memory of training and forecasting, by case and kind; "" without records.
+
+    Networks of a size and strategy share a line, with the medians over those whose jobs all have
+    records. A scan counts in full for each network that it serves. A job whose results came from
+    the cache has the time of a copy.
+    """
+    measured: dict[tuple[str, str], dict[str, Cost]] = {}
+    scans: dict[tuple[str, str], Cost] = {}
+    for job in jobs:
+        if not job.record.exists():
+            continue
+        if job.rule == "scan":
+            scans[job.wildcards["case"], job.wildcards["reservoir"]] = job.measured()
+        elif job.rule in (*TRAINING_RULES, "forecast"):
+            key = (job.wildcards["case"], job.wildcards["forecaster"])
+            measured.setdefault(key, {})[job.rule] = job.measured()
+    lines: dict[tuple[str, str], list[tuple[Cost, Cost]]] = {}
+    for (case, identifier), costs in measured.items():
+        name = parsed(identifier)
+        if name.neurons is not None:  # a network
+            reservoir = replace(name, validation=None).identifier
+            if (case, reservoir) in scans:
+                costs["scan"] = scans[case, reservoir]
+            needed = {"scan", "search", "train", "forecast"}
+        else:
+            needed = {"fit", "forecast"}
+        if needed <= costs.keys():
+            training = [cost for rule, cost in costs.items() if rule != "forecast"]
+            total = Cost(
+                sum(cost.seconds for cost in training), max(cost.memory_mib for cost in training)
+            )
+            kind = replace(name, seed=None).identifier
+            lines.setdefault((case, kind), []).append((total, costs["forecast"]))
+    if not lines:
+        return ""
+    head = (
+        f"{'case':<10} {'forecaster':<26} {'number':>6} {'training [s]':>12} {'MiB':>5}"
+        f" {'forecast [s]':>12} {'MiB':>5}"
+    )
+    return "\n".join(
+        [head]
+        + [
+            f"{case:<10} {kind:<26} {len(both):>6}"
+            + "".join(
+                f" {median(cost.seconds for cost in costs):>12.1f}"
+                f" {max(cost.memory_mib for cost in costs):>5.0f}"
+                for costs in zip(*both, strict=True)
+            )
+            for (case, kind), both in lines.items()
+        ]
+    )
+
+
 def _ratio(measured: float, prediction: float) -> str:
     ratio = measured / prediction
     return f" {ratio:>5.2f}" + (" " if 0.5 <= ratio <= 2 else "!")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Print the report of a campaign."""
-    print(report(predicted_jobs(sys.argv[1:] if arguments is None else arguments)))
+    """Print the reports of a campaign."""
+    jobs = predicted_jobs(sys.argv[1:] if arguments is None else arguments)
+    print(report(jobs))
+    if text := forecasters_report(jobs):
+        print(f"\n{text}")
 
 
 if __name__ == "__main__":

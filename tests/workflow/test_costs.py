@@ -10,7 +10,13 @@ import yaml
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.cost_report import PredictedJob, main, predicted_jobs, report
+from burstcast_workflow.cost_report import (
+    PredictedJob,
+    forecasters_report,
+    main,
+    predicted_jobs,
+    report,
+)
 from burstcast_workflow.costs import SAFETY, SECONDS_PER, SNAKEMAKE_MIB, Cost, CostModel
 from burstcast_workflow.why import planned
 
@@ -390,3 +396,28 @@ def test_records_are_compared_with_the_predictions_of_their_jobs(tmp_path, capsy
     assert lines["classification_table"][7] == "0.00!"
     assert lines["classification_table"][9].endswith("!")
     assert len(lines["scan"]) == 5
+
+
+def test_training_and_forecasting_are_told_by_kind_of_forecaster(tmp_path):
+    case = {"case": "Re400"}
+    seconds = {"scan": 10.0, "search": 5.0, "train": 1.0, "forecast": 4.0}
+
+    def job(rule, time, memory, **wildcards):
+        record = tmp_path / rule / f"{'-'.join(wildcards.values())}.tsv"
+        write_record(record, time, memory)
+        return PredictedJob(rule, {**case, **wildcards}, Cost(1.0, 1.0), record)
+
+    jobs = []
+    for seed, factor in enumerate((1, 2, 6)):
+        jobs.append(job("scan", factor * seconds["scan"], 70, reservoir=f"esn-N30-seed{seed}"))
+        for rule in ("search", "train", "forecast"):
+            name = f"esn-N30-RV-seed{seed}"
+            jobs.append(job(rule, factor * seconds[rule], 90 + seed, forecaster=name))
+    # without a scan
+    jobs.append(job("forecast", 1000, 1000, forecaster="esn-N30-RV-seed3"))
+    jobs.append(job("fit", 0.5, 60, forecaster="quadratic"))
+    jobs.append(job("forecast", 3.0, 61, forecaster="quadratic"))
+    _, network, quadratic = forecasters_report(jobs).splitlines()
+    assert network.split() == ["Re400", "esn-N30-RV", "3", "32.0", "92", "8.0", "92"]
+    assert quadratic.split() == ["Re400", "quadratic", "1", "0.5", "60", "3.0", "61"]
+    assert forecasters_report(jobs[:2]) == ""
