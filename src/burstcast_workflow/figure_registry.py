@@ -92,6 +92,17 @@ def _panels(campaign: Campaign, case: str) -> list[dict[str, Any]]:
     ]
 
 
+def _frontier_network(campaign: Campaign, case: str) -> dict[str, Any] | None:
+    """Network whose control by all strategies is shown: the example's, or else the first one."""
+    names = [
+        run.forecaster.name
+        for run in campaign.strategy_runs
+        if run.case == case and run.forecaster is not None and run.forecaster.name.kind == "esn"
+    ]
+    name = next((name for name in names if name == campaign.example.name), next(iter(names), None))
+    return None if name is None else name.keys
+
+
 def _strategies(campaign: Campaign, case: str) -> list[str]:
     names = {one.name.validation for one in campaign.networks if one.case == case}
     return sorted((str(name) for name in names), reverse=True)
@@ -136,6 +147,7 @@ _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
         control_example(campaign), "prediction_time_lt", None
     ),
     "controlling": _control_kind,
+    "frontier_network": _frontier_network,
     "panels": _panels,
 }
 
@@ -191,6 +203,13 @@ def _controlled_systems(campaign: Campaign) -> list[str]:
     for case in _controlled(campaign):
         first.setdefault(campaign.cases[case]["system"], case)
     return list(first.values())
+
+
+def _with_frontier(campaign: Campaign) -> list[str]:
+    """Cases that are controlled in other ways than the paper's, too, the example's first."""
+    own = set(campaign.control_runs)
+    cases = {run.case for run in campaign.strategy_runs if run not in own}
+    return [case for case in _every(campaign) if case in cases]
 
 
 def _flows(cases: Cases) -> Cases:
@@ -401,6 +420,12 @@ FIGURES: Mapping[str, Figure] = {
         "SYSTEM control.prediction_times_lt",
         "panels",
         _controlled_systems,
+    ),
+    "control_frontier": Figure(
+        {"scores": "tables/control_strategies.csv"},
+        "SYSTEM case.training.noise control.span_lt",
+        "shown_case frontier_network",
+        _with_frontier,
     ),
 }
 """All figures by name, in the order of the paper."""

@@ -11,6 +11,7 @@ from burstcast.figures.alarm_lead_times import alarm_lead_times
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.control_density import ControlledDensity, control_density
+from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.control_tradeoff import control_tradeoff
 from burstcast.figures.economic_value import economic_value
@@ -177,6 +178,59 @@ def control_rows() -> pd.DataFrame:
             )
         ]
     )
+
+
+USUAL = {"span_lt": 20.0, "noise": 0.01}
+
+
+def frontier_rows() -> pd.DataFrame:
+    """Scores of control: the more a strategy acts, the less is left; nothing in one run."""
+    rows = []
+
+    def run(
+        forecaster: str,
+        strategy: str,
+        left: float,
+        acting: float,
+        conditions: dict[str, float] | None = None,
+        **settings: float,
+    ) -> None:
+        keys = {"horizon_lt": np.nan, "decision_interval_lt": np.nan, "prediction_time_lt": np.nan}
+        usual = {**USUAL, "quiet_lt": 3.0, "delay_lt": 0.0, "strength": 1.0}
+        for metric, value in (("relative_exceedance", left), ("control_fraction", acting)):
+            rows.append(
+                {
+                    **{"case": "Re400", "forecaster": forecaster, "strategy": strategy},
+                    **keys,
+                    **{"level": np.nan, **settings, "starts": "quiet", **usual},
+                    **(conditions or {}),
+                    **{"metric": metric, "value": value},
+                    **{"low": 0.5 * value, "high": 1.5 * value if value else 0.005},
+                }
+            )
+
+    for forecaster, factor in (("esn", 2.0), ("equations", 1.0)):
+        for horizon, left, acting in ((1.0, 2e-2, 0.1), (2.0, 1e-3, 0.05), (3.0, 0.0, 0.03)):
+            for interval in (0.1, 0.25):
+                run(
+                    *(forecaster, "receding_horizon", factor * left, acting * (1 + interval)),
+                    horizon_lt=horizon,
+                    decision_interval_lt=interval,
+                )
+        for conditions in (
+            *({"delay_lt": delay} for delay in (0.25, 1.0)),
+            *({"strength": strength} for strength in (0.25, 0.5)),
+            *({"noise": noise} for noise in (0.03, 0.1)),
+        ):
+            run(
+                *(forecaster, "receding_horizon", 2e-2 * factor, 0.06, conditions),
+                horizon_lt=2.0,
+                decision_interval_lt=0.25,
+            )
+        run(forecaster, "prediction_triggered", 0.2, 0.09, prediction_time_lt=1.0)
+    for level, left, acting in ((0.04, 0.01, 0.5), (0.06, 0.06, 0.24)):
+        run("none", "reactive", left, acting, level=level, decision_interval_lt=0.25)
+    return pd.DataFrame(rows)
 
 
 def reynolds_rows(metric: str, times: tuple[float, ...] | None) -> pd.DataFrame:
@@ -400,4 +454,5 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         ],
     ),
     "control_tradeoff": lambda: control_tradeoff(control_rows()),
+    "control_frontier": lambda: control_frontier(frontier_rows(), USUAL),
 }

@@ -10,10 +10,12 @@ from gallery_figures import (
     PREDICTION_TIMES,
     SCORES,
     TIME,
+    USUAL,
     X,
     Y,
     Z,
     alarm_rows,
+    frontier_rows,
     reliability_rows,
     reynolds_rows,
     score_rows,
@@ -26,13 +28,14 @@ from matplotlib.figure import Figure
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.control_density import ControlledDensity, control_density
+from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.forecast_skill import forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import horizon_evaluations
 from burstcast.figures.observable_and_density import observable_and_density
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
 from burstcast.figures.parts.percentile_curves import nearest_value, select
-from burstcast.figures.parts.style import ordered_validations, true_runs
+from burstcast.figures.parts.style import BLUE, ordered_validations, render, true_runs
 from burstcast.figures.prediction_examples import prediction_examples
 from burstcast.figures.reliability import reliability
 from burstcast.figures.search_landscape import search_landscape
@@ -262,3 +265,49 @@ def test_reliability_is_drawn_of_those_who_tell_probabilities() -> None:
     without = rows[rows["forecaster"] != "esn_committee"]
     two = pd.concat([without, without[:1].assign(forecaster="esn", neurons=2000.0)])
     assert len(reliability(two, [3.0], 2000, "RV").axes) == 2 * 9
+
+
+def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_conditions() -> None:
+    table = frontier_rows()
+    figure = control_frontier(table, USUAL)
+    frontier, by_delay, by_strength, by_noise = (
+        axes for axes in figure.axes if axes.get_xlabel() != ""
+    )
+    assert "delay" in by_delay.get_xlabel().lower()
+    # of the network, along the horizon, with decisions every 0.25 LT
+    curves = [line for line in frontier.get_lines() if line.get_linestyle() != "None"]
+    (slow,) = (line for line in curves if line.get_xdata()[0] == 0.125 and line.get_color() == BLUE)
+    assert list(slow.get_xdata()) == pytest.approx([0.125, 0.0625, 0.0375])
+    assert list(slow.get_ydata()) == pytest.approx([4e-2, 2e-3, 0.0])
+    # the runs without delay belong to the curve over delays
+    assert lines_with(by_delay, [2e-3, 4e-2, 4e-2]) == 1
+    assert lines_with(by_strength, [4e-2, 4e-2, 2e-3]) == 1
+    assert lines_with(by_noise, [2e-3, 4e-2, 4e-2]) == 1
+    # nothing left has a place on the axis, and the bound above it
+    low, high = frontier.get_ylim()
+    assert low < 0 < high
+    assert {"receding horizon, 2 LT", "reactive", "echo state network"} <= set(texts(figure))
+
+
+def test_the_frontier_leaves_out_other_spans_starts_and_spells_of_quiet() -> None:
+    table = frontier_rows()
+    plain = control_frontier(table, USUAL)
+    others = [
+        table.assign(**{name: value, "value": 0.123}).head(6)
+        for name, value in (("starts", "unselected"), ("span_lt", 200.0), ("quiet_lt", 0.0))
+    ]
+    more = control_frontier(pd.concat([table, *others]), USUAL)
+    assert render(more, "png") == render(plain, "png")
+
+
+def test_a_frontier_without_other_conditions_is_one_panel() -> None:
+    table = frontier_rows()
+    simple = table[(table["delay_lt"] == 0) & (table["strength"] == 1) & (table["noise"] == 0.01)]
+    figure = control_frontier(simple, USUAL)
+    assert len([axes for axes in figure.axes if axes.get_xlabel()]) == 1
+    assert overlapping_texts(drawn_texts(figure)) == []
+
+
+def test_a_frontier_of_nothing_says_so() -> None:
+    table = frontier_rows().assign(value=np.nan)
+    assert "no event occurred" in " ".join(texts(control_frontier(table, USUAL)))
