@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
 from burstcast.arrays import FloatArray
@@ -321,6 +322,9 @@ def _label_points(axes: Axes, rows: pd.DataFrame, along: str) -> None:
             "offset points",
             fontsize=6.5,
             color=GREY,
+            # legible where a curve passes behind it
+            path_effects=[withStroke(linewidth=1.5, foreground="white")],
+            zorder=5,
         )
 
 
@@ -378,6 +382,6 @@ def _logarithmic_with_nothing(panels: Sequence[Axes], runs: pd.DataFrame) -> Non
     highest = max(1.0, float(shares.max()), float(runs[f"high_{_LEFT}"].max()))
     for axes in panels:
         axes.set_yscale("symlog", linthresh=end, linscale=0.6)
-        axes.set_ylim(-0.25 * end, 1.6 * highest)
+        axes.set_ylim(-0.25 * end, 3.0 * highest)
         axes.axhspan(-0.25 * end, end, color=LIGHT_GREY, alpha=0.5, linewidth=0, zorder=0.2)
         axes.axhline(1.0, color=GREY, linewidth=0.5, zorder=0.5)
