@@ -141,13 +141,14 @@ def test_tables_have_every_network(finished, name):
     rows = table(finished, name)
     assert set(rows["case"]) == {"Re400"}
     assert set(rows["reynolds"]) == {400}
-    # the equations have no hyperparameters
-    bounds = {"equations", "equations_noisy"} if name != "hyperparameters" else set()
-    assert set(rows["forecaster"]) == {"esn", *bounds}
+    # only networks have hyperparameters
+    others = {"equations", "equations_noisy", "quadratic_filtered"}
+    others = others if name != "hyperparameters" else set()
+    assert set(rows["forecaster"]) == {"esn", *others}
     networks = rows[rows["forecaster"] == "esn"]
     assert set(zip(networks["neurons"], networks["validation"], strict=True)) == NETWORKS
     times = 3 if name == "classification" else 1
-    assert len(rows) == times * (len(NETWORKS) + len(bounds))
+    assert len(rows) == times * (len(NETWORKS) + len(others))
 
 
 def test_a_perfect_forecaster_is_perfect_and_a_noisy_one_nearly(finished):

@@ -32,6 +32,7 @@ _CONTROL = f"""{_SYSTEM} {_TIME} random_seed case.training.series
 # Whether forecasts have diverged is asked by those who judge them as a whole.
 _NETWORK = """forecasters.esn.connectivity forecasters.esn.input_bias forecasters.esn.backend"""
 _JUDGED = "forecasters.esn.divergence_bound"
+_LEARNT = "forecasters.observation.* forecasters.quadratic.* forecasters.filter.*"
 _TRUE = "random_seed case.training.series"
 
 _SCORED = """random_seed case.event_threshold bootstrap.* classification.prediction_times_lt
@@ -55,12 +56,15 @@ READS = {
     "train": f"{_TIME} {_OBSERVED} {_RESERVOIR} washout_lt",
     "fit/equations": f"{_SYSTEM} {_TIME} {_TRUE}",
     "fit/equations_noisy": f"{_SYSTEM} {_TIME} {_OBSERVED}",
+    "fit/quadratic_filtered": f"{_SYSTEM} {_TIME} {_OBSERVED} {_LEARNT}",
     "forecast/esn": f"{_SYSTEM} {_TIME} {_WINDOWS} {_NETWORK} {_JUDGED}",
     "forecast/equations": f"{_SYSTEM} {_TIME} {_WINDOWS}",
     "forecast/equations_noisy": f"{_SYSTEM} {_TIME} {_WINDOWS}",
+    "forecast/quadratic_filtered": f"{_SYSTEM} {_TIME} {_WINDOWS} {_LEARNT}",
     "horizon/esn": f"{_HORIZON} {_NETWORK}",
     "horizon/equations": _HORIZON,
     "horizon/equations_noisy": _HORIZON,
+    "horizon/quadratic_filtered": f"{_HORIZON} {_LEARNT}",
     "long_term/esn": f"{_LONG_TERM} {_NETWORK} {_JUDGED}",
     "lyapunov_spectrum/esn": f"{_SPECTRUM} {_NETWORK}",
     "control/esn": f"{_CONTROL} case.training.noise {_NETWORK}",
@@ -85,6 +89,7 @@ READS = {
     "calibration_forecast/esn": f"{_CALIBRATION_FORECAST} {_OBSERVED} {_NETWORK} {_JUDGED}",
     "calibration_forecast/equations": f"{_CALIBRATION_FORECAST} {_TRUE}",
     "calibration_forecast/equations_noisy": f"{_CALIBRATION_FORECAST} {_OBSERVED}",
+    "calibration_forecast/quadratic_filtered": f"{_CALIBRATION_FORECAST} {_OBSERVED} {_LEARNT}",
     "calibrate": f"""{_TIME} case.event_threshold classification.prediction_times_lt
         classification.window_lt classification.resolution_lt
         probability.prior_forecasts probability.threshold_factors""",
@@ -99,7 +104,8 @@ READS = {
         search.spectral_radius search.input_scaling search.tikhonov""",
 }
 
-_FORECASTS = "forecast/esn forecast/equations forecast/equations_noisy evaluation_set"
+_FORECASTS = """forecast/esn forecast/equations forecast/equations_noisy
+    forecast/quadratic_filtered evaluation_set"""
 
 COMES_FROM = {
     "lyapunov": "simulate",
@@ -111,12 +117,15 @@ COMES_FROM = {
     "train": "simulate search",
     "fit/equations": "simulate",
     "fit/equations_noisy": "simulate",
+    "fit/quadratic_filtered": "simulate",
     "forecast/esn": "train evaluation_set",
     "forecast/equations": "fit/equations evaluation_set",
     "forecast/equations_noisy": "fit/equations_noisy evaluation_set",
+    "forecast/quadratic_filtered": "fit/quadratic_filtered evaluation_set",
     "horizon/esn": "simulate train events",
     "horizon/equations": "simulate fit/equations events",
     "horizon/equations_noisy": "simulate fit/equations_noisy events",
+    "horizon/quadratic_filtered": "simulate fit/quadratic_filtered events",
     "long_term/esn": "simulate train",
     "lyapunov_spectrum/esn": "simulate train long_term/esn",
     "control/esn": "simulate train",
@@ -131,14 +140,17 @@ COMES_FROM = {
         control_without_forecast""",
     "dataset_table": "simulate events lyapunov",
     "hyperparameters_table": "search",
-    "horizon_table": "horizon/esn horizon/equations horizon/equations_noisy",
+    "horizon_table": """horizon/esn horizon/equations horizon/equations_noisy
+        horizon/quadratic_filtered""",
     "classification_table": _FORECASTS,
     "calibration_set": "simulate",
     "calibration_forecast/esn": "simulate train calibration_set",
     "calibration_forecast/equations": "simulate fit/equations calibration_set",
     "calibration_forecast/equations_noisy": "simulate fit/equations_noisy calibration_set",
+    "calibration_forecast/quadratic_filtered": """simulate fit/quadratic_filtered
+        calibration_set""",
     "calibrate": """calibration_set calibration_forecast/esn calibration_forecast/equations
-        calibration_forecast/equations_noisy""",
+        calibration_forecast/equations_noisy calibration_forecast/quadratic_filtered""",
     "probability_scores": f"{_FORECASTS} calibrate",
     "probability_diagrams": f"{_FORECASTS} calibrate",
     "lead_times": f"simulate {_FORECASTS} calibrate",

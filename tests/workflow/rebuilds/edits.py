@@ -114,6 +114,7 @@ _VALUES: dict[str, Any] = {
     "campaign.0.forecasters.esn.validation": ["RV"],
     "campaign.0.forecasters.equations": None,
     "campaign.0.forecasters.equations_noisy": None,
+    "campaign.0.forecasters.quadratic_filtered": None,
     "case_defaults.system": "lorenz63",
     "case_defaults.laminarisation_threshold": 0.3,
     "case_defaults.parameters.length_x": 13,  # a longer domain has more energy than the threshold
@@ -135,7 +136,10 @@ _VALUES: dict[str, Any] = {
     "cases.Re400.recycle_validation.series": 3,
     "cases.Re400.lyapunov.published_exponent": 0.0174,
     "forecasters.esn.backend": "compiled",
-    "forecasters.observation.noise": 0.01,
+    "forecasters.observation.noise": 0.02,
+    "forecasters.filter.members": 24,  # an even number
+    "forecasters.filter.inflation": 1.02,
+    "forecasters.quadratic.degree": 1,
     "search.spectral_radius": [0.2, 1],
     "search.input_scaling": [0.2, 10],
     "search.tikhonov": [1e-6, 1e-9],
@@ -204,6 +208,7 @@ _EXPECTED: dict[str, set[str]] = {
     "campaign.0.forecasters.esn.validation": TABLES_OF_NETWORKS,
     "campaign.0.forecasters.equations": TABLES_OF_FORECASTERS | TABLES_OF_CONTROL,
     "campaign.0.forecasters.equations_noisy": TABLES_OF_FORECASTERS,
+    "campaign.0.forecasters.quadratic_filtered": TABLES_OF_FORECASTERS,
     "statistics.forecasters.esn.validation": OF_LONG_RUNS | TABLES_OF_LONG_RUNS,
     "statistics.forecasters.equations": {
         *("long_term/equations", "lyapunov_spectrum/equations"),

@@ -88,7 +88,7 @@ def test_why_says_it_in_words(sample_lab):
     said = work.why("tables", overlay={"case_defaults": {"event_threshold": 0.08}}).splitlines()
     (threshold,) = [line for line in said if "event_threshold 0.07 -> 0.08 (Re400)" in line]
     assert "events (1), " in threshold
-    assert "horizon (6), " in threshold
+    assert "horizon (7), " in threshold
     module = "burstcast.forecast.classification"
     (code,) = [line for line in said if module in line]
     assert code.startswith(f"code of {module} changed: classification_table (1), latex")
