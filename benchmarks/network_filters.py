@@ -254,7 +254,7 @@ def main():
     for seed in range(arguments.networks):
         path = arguments.case / f"esn-N{arguments.neurons}-RV-seed{seed}" / "forecaster.nc"
         record = ForecasterRecord(read_netcdf(path), read_attributes(path))
-        options = {"backend": "numba", "divergence_bound": None}
+        options = {"backend": "compiled", "divergence_bound": None}
         case = ForecastingCase(SYSTEM, 0.25, 4, STEPS_PER_LT, options)
         network = NetworkForecaster.restore(record, case).network
         model_error = None
