@@ -47,9 +47,7 @@ try:
         compile_by_content(PROJECT / "src")
         config = load(config, workflow.configfiles, defaults=PROJECT / "config.yaml")
         # where another workflow's prefix puts it, if it has this one as a module
-        run = Run.new(
-            workflow.modifier.path_modifier.replace_prefix(config["results"])
-        )
+        run = Run.new(workflow.modifier.path_modifier.replace_prefix(config["results"]))
     else:  # a job of a cluster: what was planned, whatever the files say by now
         run = Run.of_job()
         config = run.plan()["config"]
