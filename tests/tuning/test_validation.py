@@ -240,7 +240,7 @@ def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
 
 
 def result(strategy, tikhonov, objective):
-    return Validation(strategy, tikhonov, objective, "cholesky", 1e-9)
+    return Validation(strategy, tikhonov, (objective,), "cholesky", 1e-9)
 
 
 def test_the_best_is_the_first_of_the_smallest_of_its_strategy():

@@ -233,11 +233,24 @@ def test_the_search_keeps_its_whole_trace(finished):
     assert set(trace["validation"]) == {"SSV"}
     assert sorted(set(trace["tikhonov"])) == [1e-12, 1e-9, 1e-6]
     assert trace["evaluation"].tolist() == sorted([*range(5)] * 3)
+    excess = trace["objective"] - trace["objective"].min()
+    np.testing.assert_allclose(trace["excess"], excess, rtol=0, atol=1e-12)
     chosen = json.loads((network / "hyperparameters.json").read_text())
     assert chosen["objective"] == trace["objective"].min()
     attributes = read_attributes(network / "forecaster.nc")
     for name in ("spectral_radius", "input_scaling", "tikhonov"):
         assert attributes[name] == chosen[name]
+
+
+def test_the_trace_tells_the_standard_errors_of_the_intervals(finished):
+    case = finished.project.results / "Re400"
+    trace = read_table(case / "esn-N40-RV-seed0" / "search.csv")
+    errors = read_netcdf(case / "scan" / "esn-N40-seed0-RV+SSV.nc")["log_error"]
+    of_grid = errors[np.tile(np.repeat([True, False], 3), 4)]  # RV, then SSV, at each point
+    assert of_grid.shape[1] > 1
+    np.testing.assert_allclose(of_grid.mean(axis=1), trace["objective"][:12], rtol=1e-12)
+    own = of_grid.std(axis=1, ddof=1) / np.sqrt(of_grid.shape[1])
+    np.testing.assert_allclose(trace["standard_error"][:12], own, rtol=1e-12)
 
 
 def test_files_say_what_made_them(finished):

@@ -10,7 +10,7 @@ from burstcast_workflow.harness.storage import read_netcdf
 
 TRAINING, TEST = 3, 12  # series of the tiny preset
 CHOSEN = (
-    "scan/*.csv",
+    "scan/*",
     "*/hyperparameters.json",
     "*/search.csv",
     "*/forecaster.nc",

@@ -13,7 +13,13 @@ from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.harness.storage import Variable, write_netcdf
-from burstcast_workflow.jobs.searches import point_validator, search_space, trace_rows
+from burstcast_workflow.jobs.searches import (
+    point_validator,
+    read_log_errors,
+    search_space,
+    trace_rows,
+    write_log_errors,
+)
 from burstcast_workflow.jobs.training import training_series
 
 STEPS = 25  # in a Lyapunov time
@@ -108,6 +114,17 @@ def test_rows_of_the_trace(ensemble):
         assert (row["spectral_radius"], row["input_scaling"]) == (0.5, 2.0)
         assert row["objective"] == validation.objective
         assert row["solver"] == validation.solver
+
+
+def test_errors_in_intervals_are_kept_by_rows_whatever_their_number(ensemble, tmp_path):
+    strategies = [SingleShotValidation(), RecycleValidation()]
+    validations = validator(SETTINGS, ensemble)(POINT, strategies)
+    path = str(tmp_path / "errors.nc")
+    write_log_errors(path, validations, {"rule": "scan"})
+    found = read_log_errors(path)
+    assert len(found[0]) == len(found[1]) < len(found[2]) == len(found[3])
+    assert found == [validation.log_errors for validation in validations]
+    assert [np.mean(row) for row in found] == [validation.objective for validation in validations]
 
 
 def test_the_search_space_is_that_of_the_settings():

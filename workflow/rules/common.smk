@@ -303,11 +303,15 @@ def stage(
 # -- of single stages --------------------------------------------------------------------------------
 
 
-@of_job
-def scan_of_network(wildcards):
-    """The scan that a network's search goes on from."""
-    reservoir, strategies = campaign.scan_of(wildcards.forecaster)
-    return f"{RESULTS}/{wildcards.case}/scan/{reservoir}-{strategies}.csv"
+def scan_of_network(suffix):
+    """A file of the scan that a network's search goes on from."""
+
+    @of_job
+    def path(wildcards):
+        reservoir, strategies = campaign.scan_of(wildcards.forecaster)
+        return f"{RESULTS}/{wildcards.case}/scan/{reservoir}-{strategies}.{suffix}"
+
+    return path
 
 
 def in_report(table, caption=None):

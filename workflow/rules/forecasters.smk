@@ -5,7 +5,10 @@ stage(
     "forecasters/scan",
     "objectives on the grid",
     inputs=files("ensemble time_unit"),
-    outputs={"scan": f"{CASE}/scan/{{reservoir}}-{{strategies}}.csv"},
+    outputs={
+        "scan": f"{CASE}/scan/{{reservoir}}-{{strategies}}.csv",
+        "scan_errors": f"{CASE}/scan/{{reservoir}}-{{strategies}}.nc",
+    },
     settings="SEARCH search.grid",
     cost="search_grid",
     cached=True,
@@ -13,7 +16,11 @@ stage(
 stage(
     "forecasters/search",
     "Bayesian search",
-    inputs={**files("ensemble time_unit"), "scan": scan_of_network},
+    inputs={
+        **files("ensemble time_unit"),
+        "scan": scan_of_network("csv"),
+        "scan_errors": scan_of_network("nc"),
+    },
     outputs={
         "hyperparameters": f"{FORECASTER}/hyperparameters.json",
         "trace": f"{FORECASTER}/search.csv",

@@ -35,8 +35,9 @@ class Validation:
         Name of the strategy.
     tikhonov
         beta.
-    objective
-        log10 of the mean square error of the observable, averaged over the intervals.
+    log_errors
+        log10 of the mean square error of the observable in each interval, in the order of the
+        strategy's folds.
     solver, reciprocal_condition
         How the ridge regression was solved, and the estimate of the reciprocal condition number of
         its matrix: of the fold where it is the smallest.
@@ -44,9 +45,14 @@ class Validation:
 
     strategy: str
     tikhonov: float
-    objective: float
+    log_errors: tuple[float, ...]
     solver: str
     reciprocal_condition: float
+
+    @property
+    def objective(self) -> float:
+        """Mean of the intervals' errors, which the search minimises."""
+        return float(np.mean(self.log_errors))
 
 
 def validate(
@@ -105,7 +111,7 @@ def validate(
                 Validation(
                     strategy=strategy.name,
                     tikhonov=beta,
-                    objective=float(np.mean(np.concatenate(errors[number]))),
+                    log_errors=tuple(np.concatenate(errors[number]).tolist()),
                     solver=worst.solver,
                     reciprocal_condition=worst.reciprocal_condition,
                 )

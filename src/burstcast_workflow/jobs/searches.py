@@ -3,9 +3,13 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from burstcast.arrays import FloatArray
 from burstcast.esn.reservoir import Reservoir
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
 from burstcast.tuning.validation import PointValidator, Validation
+from burstcast_workflow.harness.storage import Variable, read_netcdf, write_netcdf
 from burstcast_workflow.jobs.length_checks import (
     check_recycle_validation,
     check_single_shot_validation,
@@ -60,6 +64,28 @@ def point_validator(
         tikhonov=settings["search.tikhonov"],
         backend=settings["forecasters.esn.backend"],
     )
+
+
+def write_log_errors(
+    path: str, validations: Sequence[Validation], provenance: Mapping[str, str]
+) -> None:
+    """Write the errors in each interval, in the order of the rows of the trace.
+
+    Strategies have different numbers of intervals: a row ends with NaN where it has fewer.
+    """
+    width = max(len(validation.log_errors) for validation in validations)
+    errors = np.full((len(validations), width), np.nan)
+    for row, validation in zip(errors, validations, strict=True):
+        row[: len(validation.log_errors)] = validation.log_errors
+    meaning = "log10 of the mean square error of the observable in each interval"
+    variable = Variable(("row", "interval"), errors, "1", meaning)
+    write_netcdf(path, {"log_error": variable}, provenance)
+
+
+def read_log_errors(path: str) -> list[tuple[float, ...]]:
+    """Errors in each interval, one tuple for each row of the trace."""
+    errors: FloatArray = read_netcdf(path, "log_error")["log_error"]
+    return [tuple(row[~np.isnan(row)].tolist()) for row in errors]
 
 
 def trace_rows(

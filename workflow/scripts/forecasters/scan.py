@@ -3,20 +3,36 @@
 import pandas as pd
 
 from burstcast.tuning.strategies.registry import make_strategy
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import write_table
-from burstcast_workflow.jobs.searches import point_validator, search_space, trace_rows
+from burstcast_workflow.jobs.searches import (
+    point_validator,
+    search_space,
+    trace_rows,
+    write_log_errors,
+)
 
 
-def scan_grid(*, ensemble: str, time_unit: str | list[str], scan: str, settings: Settings) -> None:
+def scan_grid(
+    *,
+    ensemble: str,
+    time_unit: str | list[str],
+    scan: str,
+    scan_errors: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
     """Write the objective at every point, for every strategy and Tikhonov parameter."""
     validator = point_validator(settings, settings["reservoir"], ensemble, time_unit)
     strategies = [make_strategy(name) for name in settings["strategies"].split("+")]
-    rows = []
+    rows, validations = [], []
     for number, point in enumerate(search_space(settings).grid(settings["search.grid"])):
-        rows += trace_rows(number, "grid", point, validator(point, strategies))
+        of_point = validator(point, strategies)
+        rows += trace_rows(number, "grid", point, of_point)
+        validations += of_point
     write_table(scan, pd.DataFrame(rows))
+    write_log_errors(scan_errors, validations, provenance)
 
 
 if __name__ == "__main__":

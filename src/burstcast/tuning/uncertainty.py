@@ -1,0 +1,70 @@
+"""How well the objective of the search knows which of two points is the better one.
+
+All points are validated on the same intervals of the same data, so that what an interval does to
+all of them cancels in the difference of two: the standard error of a difference is far smaller than
+that of the objectives themselves, and still larger than many differences in a flat valley.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class ObjectiveUncertainty:
+    """Standard errors of objectives over the validation intervals; arrays ``(points,)``.
+
+    Attributes
+    ----------
+    standard_error
+        Of each objective by itself.
+    excess
+        Of each objective over the best one; zero for the best.
+    paired_standard_error
+        Of that difference, over the same intervals for both; zero for the best.
+    """
+
+    standard_error: FloatArray
+    excess: FloatArray
+    paired_standard_error: FloatArray
+
+
+def objective_uncertainty(log_errors: FloatArray) -> ObjectiveUncertainty:
+    """Standard errors of objectives, and of their differences from the best one.
+
+    The intervals are taken for independent of each other: they are Lyapunov times long.
+
+    Parameters
+    ----------
+    log_errors
+        log10 of the mean square error of each point (and Tikhonov parameter) in each interval,
+        ``(points, intervals)``; the objective is the mean over the intervals.
+
+    Returns
+    -------
+    Standard errors; NaN, except for the best point's difference from itself, where there is a
+    single interval.
+
+    Raises
+    ------
+    ValueError
+        If there is no point.
+    """
+    points, intervals = log_errors.shape
+    if points == 0:
+        raise ValueError("the search has no point")
+    objectives = log_errors.mean(axis=1)
+    best = int(np.argmin(objectives))
+    difference = log_errors - log_errors[best]
+    if intervals < 2:
+        unknown = np.full(points, np.nan)
+        error = np.where(np.arange(points) == best, 0.0, np.nan)
+        return ObjectiveUncertainty(unknown, difference.mean(axis=1), error)
+    root = np.sqrt(intervals)
+    return ObjectiveUncertainty(
+        log_errors.std(axis=1, ddof=1) / root,
+        difference.mean(axis=1),
+        difference.std(axis=1, ddof=1) / root,
+    )
