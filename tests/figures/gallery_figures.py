@@ -279,6 +279,7 @@ def alarm_rows(x: str, positions: tuple[float, ...], **keys: object) -> pd.DataF
                         "neurons": 2000.0 if network else np.nan,
                         "validation": "RV" if network else np.nan,
                         "seed": seed if kind == "esn" else np.nan,
+                        "probability": "calibrated",
                         x: position,
                         "value": value,
                         "low": value - 0.03,

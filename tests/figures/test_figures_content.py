@@ -249,7 +249,8 @@ def test_prediction_times_that_are_not_in_the_table_are_not_shown() -> None:
 
 def test_everybody_has_a_curve_of_skill() -> None:
     scores = score_rows("f_score", "brier_skill")
-    left, right = forecast_skill(scores, 2000, "RV").axes
+    votes = scores.assign(probability="votes", value=scores["value"] / 2)
+    left, right = forecast_skill(pd.concat([scores, votes]), 2000, "RV").axes
     committee = scores[(scores["forecaster"] == "esn_committee") & (scores["metric"] == "f_score")]
     for panel in (left, right):
         assert lines_with(panel, committee["value"].tolist()) == 1

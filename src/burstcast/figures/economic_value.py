@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
-from burstcast.figures.parts.alarm_scores import alarms_shown, draw_alarms, times_shown
+from burstcast.figures.parts.alarm_scores import alarms_shown, calibrated, draw_alarms, times_shown
 from burstcast.figures.parts.percentile_curves import require_single_case, say_where_empty
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
@@ -29,8 +29,8 @@ def economic_value(
     Parameters
     ----------
     values
-        Of calibrated probabilities, of one case: forecaster, neurons, validation,
-        prediction_time_lt, cost_loss_ratio, value, low, high.
+        Of one case: forecaster, neurons, validation, probability,
+        prediction_time_lt, cost_loss_ratio, value, low, high. Shown are calibrated probabilities.
     prediction_times_lt
         Which are shown, of those in the table; the longest in the table where it has none of them.
     neurons, validation
@@ -42,7 +42,7 @@ def economic_value(
         If the table holds several cases, or no network.
     """
     require_single_case(values)
-    values = alarms_shown(values, neurons, validation)
+    values = alarms_shown(calibrated(values), neurons, validation)
     shown = times_shown(values, prediction_times_lt)
     figure = new_figure(DOUBLE_COLUMN, 3.4)
     panels = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]

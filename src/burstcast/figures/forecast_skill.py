@@ -4,7 +4,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from burstcast.figures.parts.alarm_scores import alarms_shown, draw_alarms
+from burstcast.figures.parts.alarm_scores import alarms_shown, calibrated, draw_alarms
 from burstcast.figures.parts.percentile_curves import (
     METRIC_LABELS,
     PREDICTION_TIME_LABEL,
@@ -31,8 +31,8 @@ def forecast_skill(scores: pd.DataFrame, neurons: float, validation: str) -> Fig
     Parameters
     ----------
     scores
-        Of calibrated probabilities, of one case: forecaster, neurons, validation, seed,
-        prediction_time_lt, metric, value, low, high.
+        Of one case: forecaster, neurons, validation, seed, probability,
+        prediction_time_lt, metric, value, low, high. Shown are calibrated probabilities.
     neurons, validation
         Of the networks that are shown; see `burstcast.figures.parts.alarm_scores.alarms_shown`.
 
@@ -42,7 +42,7 @@ def forecast_skill(scores: pd.DataFrame, neurons: float, validation: str) -> Fig
         If the table holds several cases, or no network.
     """
     require_single_case(scores)
-    scores = alarms_shown(scores, neurons, validation)
+    scores = alarms_shown(calibrated(scores), neurons, validation)
     figure = new_figure(DOUBLE_COLUMN, 3.6)
     panels = figure.subplots(1, 2, sharex=True)
     for axes, (metric, label) in zip(panels, _LABELS.items(), strict=True):

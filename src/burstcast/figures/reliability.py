@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from burstcast.figures.parts.alarm_scores import alarms_shown, times_shown
+from burstcast.figures.parts.alarm_scores import alarms_shown, calibrated, times_shown
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.percentile_curves import require_single_case
 from burstcast.figures.parts.reference_forecasters import forecaster_label, ordered_forecasters
@@ -62,8 +62,7 @@ def reliability(
     times = times_shown(bins, prediction_times_lt)
     shown = np.isclose(bins["prediction_time_lt"].to_numpy()[:, np.newaxis], times).any(axis=1)
     bins = bins[shown & (bins["forecasts"] > 0)]
-    calibrated = bins[bins["probability"] == "calibrated"]
-    by_time = calibrated.groupby(["forecaster", "prediction_time_lt"])["bin"].nunique()
+    by_time = calibrated(bins).groupby(["forecaster", "prediction_time_lt"])["bin"].nunique()
     told = by_time.groupby("forecaster").max()
     kinds = ordered_forecasters(set(told.index[told > 2]) or set(told.index[told > 1]))
     if not kinds:
@@ -115,7 +114,7 @@ def _draw_diagram(axes: Axes, bins: pd.DataFrame) -> None:
 
 
 def _draw_counts(axes: Axes, bins: pd.DataFrame) -> None:
-    rows = bins[bins["probability"] == "calibrated"]
+    rows = calibrated(bins)
     axes.vlines(rows["mean_probability"], 0.5, rows["forecasts"], color=GREY, linewidth=3.0)
     axes.set_yscale("log")
     axes.set_ylim(bottom=0.5)

@@ -7,7 +7,6 @@ import pandas as pd
 
 from burstcast.published import published_percentiles
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.jobs.probabilities import CALIBRATED
 
 Settings = Mapping[str, Any]
 
@@ -24,12 +23,6 @@ def of_data(settings: Settings, table: str) -> pd.DataFrame:
     rows = of_case(settings, table)
     data: pd.DataFrame = rows.loc[rows["forecaster"] == "data"]
     return data
-
-
-def calibrated(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows of calibrated probabilities: shares of votes as they are have rows of their own."""
-    rows: pd.DataFrame = table.loc[table["probability"] == CALIBRATED]
-    return rows
 
 
 def published_beside(table: pd.DataFrame, published: str | None, name: str) -> pd.DataFrame | None:

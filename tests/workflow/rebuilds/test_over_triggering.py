@@ -280,7 +280,8 @@ GATHERED = """classification_table horizon_table
     calibrate/* probability_scores probability_diagrams lead_times threshold_sweep
     percentiles/classification percentiles/horizon
     latex/classification latex/classification_* latex/horizon latex/horizon_*
-    figure/classification_scores figure/horizon_by_size"""
+    figure/classification_scores figure/horizon_by_size
+    figure/forecast_skill figure/reliability figure/economic_value figure/alarm_lead_times"""
 GATHERED_CONTROL = """control_table control_density_table percentiles/control
     control_strategies_table latex/control_strategies
     latex/control latex/control_percentiles figure/control_tradeoff figure/control_density"""

@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 from burstcast.figures.forecast_skill import forecast_skill
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import calibrated, of_case
+from burstcast_workflow.jobs.figures import of_case
 
 
 def draw(*, scores: str, settings: Settings) -> Figure:
     """Draw the scores of one case."""
     return forecast_skill(
-        calibrated(of_case(settings, scores)),
+        of_case(settings, scores),
         settings["figures.fixed_neurons"],
         settings["shown_validation"],
     )

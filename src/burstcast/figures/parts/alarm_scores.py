@@ -39,6 +39,11 @@ def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.Dat
     return table[~networks | chosen]
 
 
+def calibrated(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows of calibrated probabilities: shares of votes as they are have rows of their own."""
+    return table[table["probability"] == "calibrated"]
+
+
 def times_shown(table: pd.DataFrame, wanted: Sequence[float]) -> list[float]:
     """Prediction times of the table among those wanted, or else its longest."""
     times = table["prediction_time_lt"]
