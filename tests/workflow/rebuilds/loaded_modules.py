@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 
 HARNESS = "burstcast_workflow.harness"
-REGISTRIES = ("systems", "forecasters", "tuning/strategies")
+REGISTRIES = ("systems", "forecasters", "tuning/strategies", "control/strategies")
 
 
 class EmptyHarness(MetaPathFinder, Loader):
