@@ -306,7 +306,8 @@ WITH_EFFECT = [
             "experiment.threshold - self.margin",
             "experiment.threshold - 2.0 * self.margin",
         ),
-        "control/*/receding_horizon-* control_strategies_table latex/control_strategies",
+        "control/*/receding_horizon-* control_strategies_table latex/control_strategies "
+        "figure/control_frontier",
     ),
     (
         Edit(
