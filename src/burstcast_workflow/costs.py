@@ -211,7 +211,7 @@ def _spectrum(job: _Job) -> _Account:
     perturbations = job("statistics.lyapunov_exponents")
     if job.name.kind != "esn":
         steps *= count * job.stride
-        return _PLAIN, {"tangent call": steps / 8, "tangent step": steps}, 0
+        return _PLAIN, {"tangent step": steps}, 0
     work = _network_steps(job, (1 + _SCIPY_SLOWER * perturbations) * count * steps)
     return _COMPILED, work, 8 * 6 * perturbations * job.neurons
 

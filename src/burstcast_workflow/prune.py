@@ -97,8 +97,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """List stale files; remove them if told so."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     workflow = planned([argument for argument in given if argument != _REMOVE])
-    run = Run.current()
-    assert run is not None  # the workflow has made it
+    run = workflow.globals["run"]
     try:
         names = stale_files(run.results, workflow)
         if _REMOVE in given:

@@ -1,4 +1,5 @@
 import signal
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -17,9 +18,12 @@ class Files(dict):
 
 
 @pytest.fixture
-def job(tmp_path):
+def job(tmp_path, monkeypatch):
     """Job of a figure with an input and a setting, as Snakemake hands it over."""
     handler = signal.getsignal(signal.SIGTERM)
+    monkeypatch.chdir(tmp_path)
+    for name in ("table.csv", "a.nc", "b.nc"):
+        Path(name).touch()
     script = tmp_path / "by_reynolds.py"
     script.write_text("import burstcast.figures.by_reynolds")
     code = fingerprint(script, package_root())

@@ -40,10 +40,8 @@ class Run:
 
     @classmethod
     def new(cls, results: str) -> "Run":
-        """Make a run, and let the jobs that this process starts know it."""
-        run = cls(secrets.token_hex(8), results)
-        os.environ[VARIABLE] = f"{run.token} {results}"
-        return run
+        """Make a run. It has nothing yet, and nobody knows it: one may merely plan."""
+        return cls(secrets.token_hex(8), results)
 
     @classmethod
     def of_job(cls) -> "Run":
@@ -69,7 +67,7 @@ class Run:
         return cls(*value.split(" ", 1)) if value else None
 
     def claim(self, config: Mapping[str, Any], code: Iterable[str]) -> None:
-        """Take the results directory.
+        """Take the results directory, and let the jobs that this process starts know the run.
 
         Parameters
         ----------
@@ -98,6 +96,7 @@ class Run:
         partial = path.with_name(f"{_CLAIM}.{self.token}")
         partial.write_text(json.dumps(claim, indent=1))
         os.replace(partial, path)
+        os.environ[VARIABLE] = f"{self.token} {self.results}"
 
     def check_idle(self) -> None:
         """Check that no other run is at work in the results directory, as far as one can see.
