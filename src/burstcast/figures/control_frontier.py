@@ -300,7 +300,7 @@ def _draw_frontier(axes: Axes, runs: pd.DataFrame, symbol: str) -> list[Line2D]:
             kinds = list(dict.fromkeys(own["kind"]))
             middle = own[own["kind"] == kinds[len(kinds) // 2]]
             first = _forecasters(middle["forecaster"])[0]
-            _label_points(axes, middle[middle["forecaster"] == first], along)
+            _label_ends(axes, middle[middle["forecaster"] == first], along)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(FixedLocator([0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -310,7 +310,9 @@ def _draw_frontier(axes: Axes, runs: pd.DataFrame, symbol: str) -> list[Line2D]:
     return _kind_handles(runs, linestyles)
 
 
-def _label_points(axes: Axes, rows: pd.DataFrame, along: str) -> None:
+def _label_ends(axes: Axes, rows: pd.DataFrame, along: str) -> None:
+    """Write at the ends of a curve where along it they are."""
+    rows = rows.sort_values(along).iloc[[0, -1]]
     unit = " LT" if along.endswith("_lt") else ""
     points = zip(rows[f"value_{_ACTING}"], rows[f"value_{_LEFT}"], rows[along], strict=True)
     for x, y, value in points:

@@ -1,9 +1,10 @@
 """Exceedance of the event threshold that control leaves, as a share of that without control, with
 confidence intervals over flows: (a) against the share of the time under actuation, along the
-horizon, the prediction time, the level or the probability of actuation that is written at some
-points; "every" is the interval between decisions. The other panels: against the delay and the
-strength of the actuator and the noise of the observations, for settings that were tried at several
-values. Below the shaded strip nothing is left; bars then end at the bound of the rule of three.
+horizon, the prediction time, the level or the probability of actuation that is written at the ends
+of some curves; "every" is the interval between decisions. The other panels: against the delay and
+the strength of the actuator and the noise of the observations, for settings that were tried at
+several values. The axis is linear in the shaded strip: a marker on 0 has left nothing, and its bar
+ends at the bound of the rule of three.
 Colours and fillings say who forecasts; of the networks, one is shown.
 """
 
