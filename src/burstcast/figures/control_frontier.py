@@ -312,7 +312,7 @@ def _draw_frontier(axes: Axes, runs: pd.DataFrame, symbol: str) -> list[Line2D]:
 
 def _label_ends(axes: Axes, rows: pd.DataFrame, along: str) -> None:
     """Write at the ends of a curve where along it they are."""
-    rows = rows.sort_values(along).iloc[[0, -1]]
+    rows = rows.sort_values(along).iloc[[0, -1]].drop_duplicates(along)
     unit = " LT" if along.endswith("_lt") else ""
     points = zip(rows[f"value_{_ACTING}"], rows[f"value_{_LEFT}"], rows[along], strict=True)
     for x, y, value in points:
