@@ -25,14 +25,12 @@ def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.Dat
         Of one case: forecaster, neurons, validation, ...
     neurons, validation
         Which networks. Where the table has no such size, the nearest one; where it has no such
-        strategy, all strategies of that size.
-
-    Raises
-    ------
-    ValueError
-        If the table has no network.
+        strategy, all strategies of that size. Where it has no network, as a table of committees
+        has none if there is but one seed, everybody is shown.
     """
     networks = table["forecaster"].isin(_NETWORKS)
+    if not networks.any():
+        return table
     chosen = networks & (table["neurons"] == nearest_value(table[networks], "neurons", neurons))
     if (chosen & (table["validation"] == validation)).any():
         chosen &= table["validation"] == validation
