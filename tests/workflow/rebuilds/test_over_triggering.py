@@ -284,7 +284,8 @@ GATHERED = """classification_table horizon_table
     figure/forecast_skill figure/reliability figure/economic_value figure/alarm_lead_times"""
 GATHERED_CONTROL = """control_table control_density_table percentiles/control
     control_strategies_table latex/control_strategies
-    latex/control latex/control_percentiles figure/control_tradeoff figure/control_density"""
+    latex/control latex/control_percentiles
+    figure/control_tradeoff figure/control_density figure/control_frontier"""
 GATHERED_LONG_RUNS = """statistics_table percentiles/statistics latex/statistics*
     survival_table percentiles/survival* latex/survival* figure/survival
     lyapunov_spectrum_table percentiles/lyapunov_spectrum latex/lyapunov_spectrum*
