@@ -423,7 +423,8 @@ def test_a_module_that_a_registry_does_not_have_is_an_error(tmp_path, harnessed)
 
 @pytest.mark.parametrize("path", SOURCES + SCRIPTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_fingerprints_see_all_code_of_the_project(path):
-    if path != ROOT / "src" / "burstcast" / "discovery.py":
+    # what finds modules by their names, and what compares the code that runs with its text
+    if path.name not in ("discovery.py", "code_check.py"):
         assert forbidden_imports(path) == []
 
 

@@ -36,7 +36,17 @@ SETTINGS = {
     "random_seed": 2022,
     "forecasters.esn.connectivity": 6,
     "forecasters.esn.input_bias": 0.1,
-    "forecaster.options": {"backend": "scipy"},
+    # of all kinds together
+    "forecaster.options": {
+        "backend": "scipy",
+        "noise": 0.01,
+        "members": 20,
+        "inflation": 1.0,
+        "window_lt": 0.2,
+        "degree": 2,
+        "significance": 4.0,
+        "neighbours": 5,
+    },
 }
 
 
@@ -179,7 +189,8 @@ def test_what_forecasters_may_know_of_their_case():
 def test_only_the_bound_is_given_the_truth(kind, network):
     made = network
     if kind != "esn":
-        made = forecaster_class(kind).fit(np.zeros((1, 2, 3)), forecasting_case(SETTINGS, []))
+        series = np.random.default_rng(4).normal(size=(3, 90, 3)).cumsum(axis=1)
+        made = forecaster_class(kind).fit(series, forecasting_case(SETTINGS, []))
     observed, true = np.zeros(3), np.ones(3)
     assert seen(made, observed, true) is (true if kind == "equations" else observed)
 

@@ -166,7 +166,10 @@ def test_results_of_a_former_campaign_are_listed_and_removed(project, finished):
     count = len(stale) - 1
     assert stale[-1].startswith(f"{count} files in {RESULTS}: not of this campaign any more")
     files = {name.removeprefix(f"{RESULTS}/") for name in stale[:-1]}
-    gone = ("esn-N30-", "equations_noisy/", "long_term.nc", "tables/statistics", "statistics_")
+    gone = (
+        *("esn-N30-", "equations_noisy/", "long_term.nc", "tables/statistics", "statistics_"),
+        *("survival", "lyapunov_spectrum", "kaplan_yorke"),
+    )
     assert {"tables/statistics.csv", "Re400/esn-N40-RV-seed0/long_term.nc"} < files
     assert "Re400/scan/esn-N30-seed0-RV+SSV.csv" in files
     assert all(any(part in name for part in gone) for name in files)
