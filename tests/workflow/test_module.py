@@ -58,6 +58,7 @@ def test_a_snakefile_below_workflow(tmp_path, expected):
 COUNTS = "Re400/esn-N40-RV-seed0/control/prediction_triggered-prediction_time1-window1/counts.json"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("prefix", ["", "below"])
 def test_a_module_runs_and_its_results_are_known(tmp_path, finished, prefix):
     """Files say the stages that made them, whatever the rules are called; where they are, too."""

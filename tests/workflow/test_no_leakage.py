@@ -55,6 +55,7 @@ def with_noise(finished, tmp_path):
     return project
 
 
+@pytest.mark.long
 def test_what_is_chosen_stays_bit_for_bit(finished, with_noise):
     names, test_set = chosen(finished.project), "Re400/evaluation_set.nc"
     assert len(names) > 20
@@ -69,6 +70,7 @@ def test_what_is_chosen_stays_bit_for_bit(finished, with_noise):
     }
 
 
+@pytest.mark.long
 def test_further_calibration_series_are_neither_training_nor_test(finished, with_noise, tmp_path):
     name = "Re400/calibration_set.nc"
     beyond = finished.project.copy(tmp_path / "beyond")
