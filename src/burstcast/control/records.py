@@ -19,6 +19,7 @@ import numpy.typing as npt
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.followed import EnergyMeans, FollowedFlows
 from burstcast.events import upward_crossings
+from burstcast.resampling import bootstrap_weights, percentile_interval
 
 
 @dataclass(frozen=True)
@@ -193,15 +194,12 @@ def score_flows(
     flows = len(records.row)
     weights = np.ones((resamples + 1, flows))
     if flows:
-        weights[1:] = generator.multinomial(flows, np.full(flows, 1 / flows), size=resamples)
+        weights[1:] = bootstrap_weights(flows, resamples, generator)
     values = _scores(records, span, weights)
-    tail = (1 - confidence) / 2
     intervals = {}
     for name in SCORES:
         value, resampled = values[name][0], values[name][1:]
-        defined = resampled[np.isfinite(resampled)]
-        low, high = np.quantile(defined, [tail, 1 - tail]) if defined.size else (np.nan, np.nan)
-        intervals[name] = Interval(float(value), float(low), float(high))
+        intervals[name] = Interval(float(value), *percentile_interval(resampled, confidence))
     return {**intervals, **_bounds_of_nothing(records, span, confidence, intervals)}
 
 

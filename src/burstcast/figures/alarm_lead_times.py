@@ -36,7 +36,7 @@ def alarm_lead_times(lead_times: pd.DataFrame, neurons: float, validation: str) 
     Raises
     ------
     ValueError
-        If the table holds several cases, or no network.
+        If the table holds several cases.
     """
     require_single_case(lead_times)
     lead_times = alarms_shown(lead_times, neurons, validation)

@@ -39,7 +39,7 @@ def economic_value(
     Raises
     ------
     ValueError
-        If the table holds several cases, or no network.
+        If the table holds several cases.
     """
     require_single_case(values)
     values = alarms_shown(calibrated(values), neurons, validation)

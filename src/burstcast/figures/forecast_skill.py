@@ -39,7 +39,7 @@ def forecast_skill(scores: pd.DataFrame, neurons: float, validation: str) -> Fig
     Raises
     ------
     ValueError
-        If the table holds several cases, or no network.
+        If the table holds several cases.
     """
     require_single_case(scores)
     scores = alarms_shown(calibrated(scores), neurons, validation)

@@ -55,7 +55,7 @@ def reliability(
     Raises
     ------
     ValueError
-        If the table holds several cases, or no network.
+        If the table holds several cases.
     """
     require_single_case(bins)
     bins = alarms_shown(bins, neurons, validation)

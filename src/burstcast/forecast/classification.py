@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.windows import WindowSummaries, crosses
+from burstcast.resampling import bootstrap_weights, percentile_interval
 
 
 @dataclass(frozen=True)
@@ -156,16 +157,12 @@ def bootstrap_interval(
     Lower and upper end for each score; NaN where it is undefined in every resample.
     """
     series = counts.true_positive.shape[-1]
-    weights = generator.multinomial(series, np.full(series, 1 / series), size=resamples)
+    weights = bootstrap_weights(series, resamples, generator)
     resampled = _map(counts, lambda values: weights @ values)
-    tail = (1 - confidence) / 2
-    intervals = {}
-    for name in ("precision", "recall", "f_score"):
-        scores: FloatArray = getattr(resampled, name)
-        defined = scores[np.isfinite(scores)]
-        low, high = np.quantile(defined, [tail, 1 - tail]) if defined.size else (np.nan, np.nan)
-        intervals[name] = (float(low), float(high))
-    return intervals
+    return {
+        name: percentile_interval(getattr(resampled, name), confidence)
+        for name in ("precision", "recall", "f_score")
+    }
 
 
 def _map(counts: Counts, function: Callable[[IntArray], IntArray]) -> Counts:
