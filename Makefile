@@ -22,8 +22,9 @@ paper: $(VENV)/installed
 	@echo
 	@echo "The results are in results/paper."
 
+# Two processes; tests that look at the same run of a campaign share one (tests/conftest.py).
 test: $(VENV)/installed check
-	$(BIN)/pytest $(ARGS)
+	$(BIN)/pytest -n 2 --dist loadgroup $(ARGS)
 
 test-long: $(VENV)/installed
 	$(BIN)/pytest -m long $(ARGS)
