@@ -296,6 +296,8 @@ class Campaign:
             value = self.config[section]
         for key in rest:
             value = value[key]
+        if path == "statistics.duration" and value is None:
+            return self.cases[wildcards["case"]]["ensemble"]["duration"]
         return value
 
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:

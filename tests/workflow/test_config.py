@@ -3,11 +3,13 @@ import os
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from snakemake.utils import update_config
 
-from burstcast_workflow.canonical import canonical_json
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast_workflow.canonical import canonical, canonical_json
 from burstcast_workflow.config import reference
 from burstcast_workflow.config.cases import block_cases, case_name, case_record, case_records
 from burstcast_workflow.config.loading import ConfigError, duplicated_keys, load
@@ -217,6 +219,138 @@ def lorenz() -> dict:
         "actuation": None,
         "recycle_validation": {"intervals_per_series": 10},
     }
+
+
+def laid_over(base, overlay):
+    """Mappings merged, all else replaced, as Snakemake does with configs."""
+    merged = copy.deepcopy(base)
+    update_config(merged, overlay)
+    return merged
+
+
+@pytest.mark.parametrize("path", [None, *PRESETS], ids=lambda path: path.stem if path else "paper")
+def test_cases_of_the_shear_flow_are_case_defaults_and_their_entry(config, path):
+    if path is not None:
+        update_config(config, read(path))
+    for name, record in case_records(load(config)).items():
+        expected = laid_over(config["case_defaults"], config["cases"].get(name, {}))
+        if name.startswith("Re"):
+            expected["parameters"]["reynolds"] = float(name.removeprefix("Re"))
+        assert record == canonical(expected)
+
+
+def test_a_case_of_another_system_starts_from_what_its_class_says(config):
+    """Independent of the code: all that a Lorenz case has, written down by hand."""
+    config["cases"]["lorenz"] = {"system": "lorenz63", "training": {"series": 7}}
+    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks(100)})
+    assert case_records(load(config))["lorenz"] == {
+        "system": "lorenz63",
+        "parameters": {},
+        "event_threshold": 40,
+        "laminarisation_threshold": None,
+        "ensemble": {
+            "series": 2000,
+            "initial_state": [1, 1, 20],
+            "perturbed_component": 3,
+            "perturbation": 5,
+            "time_step": 0.01,
+            "sampling_stride": 2,
+            "transient": 20,
+            "duration": 80,
+        },
+        "lyapunov": {
+            "time_unit": "published",
+            "published_exponent": None,
+            "series": 400,
+            "orthonormalisation_interval": 0.2,
+            "perturbation": 1e-8,
+            "saturation": 0.01,
+        },
+        "training": {"series": 7, "noise": 0.01},
+        "density": {"bins": 200, "range": [0, 50]},
+        "fixed_point": {"variation": 0.1, "above": 0},
+        "controlled_density": {"bins": 100, "range": [0, 50]},
+        "actuation": None,
+        "test_series": 300,
+        "recycle_validation": {"series": 4, "intervals_per_series": 22},
+    }
+
+
+def silent_lorenz(monkeypatch, **said):
+    """Let the Lorenz system say this of its cases, and nothing else."""
+    monkeypatch.setattr(Lorenz63, "case_defaults", said)
+
+
+def test_what_nobody_says_is_asked_for_in_one_message(config, monkeypatch):
+    silent_lorenz(monkeypatch, event_threshold=40, ensemble={"time_step": 0.01})
+    config["cases"]["mine"] = {"system": "lorenz63", "ensemble": {"sampling_stride": 2}}
+    config["campaign"].append({"cases": ["mine"], "forecasters": networks(100)})
+    assert only_problem(config) == (
+        "case mine: ensemble.initial_state, ensemble.perturbed_component, ensemble.perturbation, "
+        "ensemble.transient, ensemble.duration, density.range, fixed_point, "
+        "controlled_density.range are missing: the class Lorenz63 says nothing of them in its "
+        "case_defaults, and those of config.yaml are in units of another system; say them in "
+        "cases.mine"
+    )
+
+
+def test_what_follows_from_other_settings_need_not_be_said(config, monkeypatch):
+    silent_lorenz(monkeypatch)
+    entry = lorenz()
+    entry["density"]["range"] = [-20, 30]
+    entry["ensemble"]["perturbation"] = 0.5
+    for name in ("laminarisation_threshold", "actuation"):
+        del entry[name]
+    del entry["lyapunov"]["orthonormalisation_interval"]
+    config["cases"]["lorenz"] = entry
+    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks(100)})
+    record = case_records(load(config))["lorenz"]
+    assert record["fixed_point"] == {"variation": 0.5, "above": -20}
+    assert record["controlled_density"] == {"bins": 100, "range": [-20, 30]}
+    assert record["lyapunov"]["orthonormalisation_interval"] == pytest.approx(0.1)
+    assert (record["laminarisation_threshold"], record["actuation"]) == (None, None)
+
+
+def test_an_actuation_of_another_system_has_the_lyapunov_times_of_config_yaml(config):
+    config["cases"]["lorenz"] = {"system": "lorenz63", "actuation": {"parameters": {"rho": 20}}}
+    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks(100)})
+    assert case_records(load(config))["lorenz"]["actuation"] == {
+        "parameters": {"rho": 20},
+        "force": None,
+        "start_lt": -1,
+        "duration_lt": 1.5,
+    }
+
+
+def test_mistakes_in_what_a_class_says(config, monkeypatch):
+    silent_lorenz(monkeypatch, event_treshold=40, density={"range": [5, 1]})
+    config["cases"]["lorenz"] = {"system": "lorenz63"}
+    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks(100)})
+    problem = only_problem(config)
+    assert problem.startswith("case_defaults of the class Lorenz63 (system lorenz63): ")
+    assert "unknown setting event_treshold; did you mean event_threshold?" in problem
+    assert "density.range is [5, 1]; the first number must be below the second" in problem
+    silent_lorenz(monkeypatch, event_threshold=np.float64(40))
+    assert "event_threshold is np.float64(40.0) of type numpy.float64" in only_problem(config)
+
+
+@pytest.mark.parametrize(
+    ("value", "part"),
+    [
+        ("high", "is the text 'high'; it must be a number, or {quantile:"),
+        ({"quantile": 1}, "is the quantile 1; a quantile lies between 0 and 1"),
+        ({"quantil": 0.9}, "it must be a number, or {quantile:"),
+        ({"quantile": 0.9, "of": 1}, "it must be a number, or {quantile:"),
+        (None, "it must be a number, or {quantile:"),
+        (True, "it must be a number, or {quantile:"),
+        (float("inf"), "must be a finite number"),
+    ],
+)
+def test_event_thresholds_are_numbers_or_quantiles(config, value, part):
+    put(config, "cases.Re400.event_threshold", value)
+    problem = only_problem(config)
+    assert problem.startswith("cases.Re400.event_threshold is ")
+    assert part in problem
 
 
 def test_another_system_is_one_more_case(config):

@@ -69,9 +69,11 @@ stage(
         "table": f"{TABLES}/survival.csv",
         "curves": f"{TABLES}/survival_curve.csv",
     },
-    settings="statistics.duration bootstrap.confidence",
+    settings="bootstrap.confidence",
     cases=campaign.of_each_case(
-        "case.ensemble.time_step", "case.ensemble.sampling_stride"
+        "case.ensemble.time_step",
+        "case.ensemble.sampling_stride",
+        "statistics.duration",
     ),
     rows=campaign.keys(campaign.long_term_forecasters),
 )

@@ -1,7 +1,8 @@
 """The interface of a dynamical system: what the rest of the library asks of one."""
 
 import abc
-from typing import ClassVar, NamedTuple
+from collections.abc import Mapping
+from typing import Any, ClassVar, NamedTuple
 
 from burstcast.arrays import FloatArray
 
@@ -40,6 +41,9 @@ class DynamicalSystem(abc.ABC):
     """What the observable is, for axes and tables: "kinetic energy"."""
     observable_symbol: ClassVar[str]
     """Its symbol in TeX, without dollars: "k"."""
+    case_defaults: ClassVar[Mapping[str, Any]] = {}
+    """What a case of this system starts from, by the names of the settings of a case: thresholds,
+    bins, initial state, steps, noise, actuation, in the system's own units. All may be left out."""
 
     @abc.abstractmethod
     def right_hand_side(self, state: FloatArray) -> FloatArray:

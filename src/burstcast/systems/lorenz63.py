@@ -4,8 +4,9 @@ Small, fast and thoroughly studied: a second system beside the shear flow, for t
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -36,6 +37,21 @@ class Lorenz63(DynamicalSystem):
     dimension: ClassVar[int] = 3
     observable_name: ClassVar[str] = "z"
     observable_symbol: ClassVar[str] = "z"
+    case_defaults: ClassVar[Mapping[str, Any]] = {
+        "event_threshold": 40.0,
+        "ensemble": {
+            "initial_state": [1.0, 1.0, 20.0],
+            "perturbed_component": 3,
+            "perturbation": 5.0,
+            "time_step": 0.01,
+            "sampling_stride": 2,
+            "transient": 20.0,
+            "duration": 80.0,
+        },
+        "density": {"range": [0.0, 50.0]},
+        "fixed_point": {"variation": 0.1, "above": 0.0},
+        "lyapunov": {"orthonormalisation_interval": 0.2},
+    }
 
     def __post_init__(self) -> None:
         for name in ("sigma", "rho", "beta"):

@@ -35,6 +35,20 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     TypeError
         If the module defines more than one system.
     """
+    found = system_class(name)
+    return found(**checked_numbers(f"system {name!r}", "parameter", found, parameters))
+
+
+def system_class(name: str) -> type[DynamicalSystem]:
+    """Find the class of the system ``name``.
+
+    Raises
+    ------
+    ValueError
+        If there is no such system.
+    TypeError
+        If the module defines more than one system.
+    """
     classes = _systems_in(name) if name in module_names(burstcast.systems) else []
     if not classes:
         available = available_systems()
@@ -45,7 +59,7 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     if len(classes) > 1:
         names = ", ".join(system_class.__name__ for system_class in classes)
         raise TypeError(f"burstcast.systems.{name} must define one system, not several: {names}")
-    return classes[0](**checked_numbers(f"system {name!r}", "parameter", classes[0], parameters))
+    return classes[0]
 
 
 def parameters_of(system: DynamicalSystem) -> dict[str, float]:

@@ -1,10 +1,13 @@
 """The cases of a campaign: dynamical systems with their parameters, thresholds and datasets."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
+from burstcast.systems.registry import system_class
 from burstcast_workflow.canonical import canonical
+from burstcast_workflow.config.model import Case
+from burstcast_workflow.config.places import Place
 
 Config = dict[str, Any]
 
@@ -30,9 +33,11 @@ def campaign_cases(config: Mapping[str, Any]) -> list[str]:
 def case_records(config: Mapping[str, Any]) -> dict[str, Config]:
     """Complete record of each case that the campaign uses, in the order of their first use.
 
-    A record is ``case_defaults`` with the case's own entry laid over it: mappings are merged,
-    everything else is replaced. If the entry names another system, the parameters are replaced as a
-    whole, those of the actuation, too; without an actuation of its own the case is not controlled.
+    A case of the system of ``case_defaults`` (the shear flow) starts from ``case_defaults``. A case
+    of another system starts from what its class says (`DynamicalSystem.case_defaults`), and has of
+    ``case_defaults`` only what has no unit of an observable, a state or time: `WITHOUT_UNITS`. The
+    case's own entry is laid over that: mappings are merged, everything else is replaced.
+
     A name ``Re<number>`` sets the parameter ``reynolds``.
     """
     return {name: case_record(config, name) for name in campaign_cases(config)}
@@ -41,17 +46,103 @@ def case_records(config: Mapping[str, Any]) -> dict[str, Config]:
 def case_record(config: Mapping[str, Any], name: str) -> Config:
     """Complete record of one case; see `case_records`."""
     defaults, own = config["case_defaults"], config["cases"].get(name) or {}
-    if own.get("system", defaults["system"]) != defaults["system"]:
-        # what one system's parameters are changed to means nothing to another system
-        actuation = {**defaults["actuation"], "parameters": {}} if defaults["actuation"] else None
-        actuation = actuation if own.get("actuation") else None
-        defaults = {**defaults, "parameters": {}, "actuation": actuation}
-    record = _merged(defaults, own)
+    system = own.get("system", defaults["system"])
+    if system == defaults["system"]:
+        record = _merged(defaults, own)
+    else:
+        said = _merged(said_by_class(system), own)
+        shared = _part(defaults, WITHOUT_UNITS)
+        if not said.get("actuation"):
+            shared["actuation"] = None
+        record = _merged(shared, said)
+        _derive(record)
     if match := _REYNOLDS_NAME.fullmatch(name):
         # what the entry itself says stays, for the checks to compare
         record["parameters"].setdefault("reynolds", canonical(float(match[1])))
     result: Config = canonical(record, f"cases.{name}")
     return result
+
+
+WITHOUT_UNITS = (
+    "ensemble.series",
+    "lyapunov.time_unit",
+    "lyapunov.series",
+    "lyapunov.perturbation",
+    "lyapunov.saturation",
+    "training.series",
+    "training.noise",
+    "density.bins",
+    "controlled_density.bins",
+    "actuation.start_lt",
+    "actuation.duration_lt",
+    "test_series",
+    "recycle_validation.series",
+    "recycle_validation.intervals_per_series",
+)
+"""What cases of all systems have of ``case_defaults``: counts, shares, and Lyapunov times."""
+
+_SETTLED = 0.01
+"""Variation of an observable that has settled, in widths of its density's range."""
+
+_ORTHONORMALISATION_STEPS = 5
+"""Steps of a forecast between two QR factorisations."""
+
+
+def said_by_class(system: str) -> Config:
+    """What the class of a system says of its cases; nothing where there is no such class."""
+    try:
+        said = system_class(system).case_defaults
+    except (ValueError, TypeError):  # told with the case
+        return {}
+    result: Config = canonical(dict(said), f"case_defaults of the system {system}")
+    return result
+
+
+def _derive(record: Config) -> None:
+    """Fill in what follows from other settings, where neither class nor entry says it."""
+    record.setdefault("parameters", {})
+    record.setdefault("laminarisation_threshold", None)
+    lyapunov, ensemble = record["lyapunov"], record["ensemble"]
+    lyapunov.setdefault("published_exponent", None)
+    if "time_step" in ensemble and "sampling_stride" in ensemble:
+        interval = ensemble["time_step"] * ensemble["sampling_stride"]
+        lyapunov.setdefault("orthonormalisation_interval", _ORTHONORMALISATION_STEPS * interval)
+    if record["actuation"] is not None:
+        record["actuation"].setdefault("parameters", {})
+        record["actuation"].setdefault("force", None)
+    if "range" in record["density"]:
+        low, high = record["density"]["range"]
+        record["controlled_density"].setdefault("range", [low, high])
+        record.setdefault("fixed_point", {"variation": _SETTLED * (high - low), "above": low})
+
+
+def missing_settings(record: Mapping[str, Any]) -> list[str]:
+    """Settings that a case must have and nobody has given, by their paths in a case."""
+    missing: list[str] = []
+    for place in Place(Case).settings():
+        *above, last = place.name.split(".")
+        section: Any = record
+        for part in above:
+            section = section.get(part) if isinstance(section, Mapping) else None
+        if isinstance(section, Mapping) and last not in section:
+            missing.append(place.name)
+    return missing
+
+
+def _part(settings: Mapping[str, Any], paths: Iterable[str]) -> Config:
+    """Copy what lies at some paths, where there is anything."""
+    part: Config = {}
+    for path in paths:
+        *above, last = path.split(".")
+        section: Any = settings
+        for key in above:
+            section = section.get(key) if isinstance(section, Mapping) else None
+        if isinstance(section, Mapping) and last in section:
+            target = part
+            for key in above:
+                target = target.setdefault(key, {})
+            target[last] = section[last]
+    return part
 
 
 def _merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> Config:

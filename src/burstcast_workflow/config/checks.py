@@ -11,8 +11,15 @@ from burstcast import durations
 from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.statistics.profiles import flow_modes
-from burstcast.systems.registry import make_system
-from burstcast_workflow.config.cases import block_cases, campaign_cases, case_name, case_record
+from burstcast.systems.registry import make_system, system_class
+from burstcast_workflow.config.cases import (
+    block_cases,
+    campaign_cases,
+    case_name,
+    case_record,
+    missing_settings,
+    said_by_class,
+)
 from burstcast_workflow.config.kinds import RELATIONS, Section
 from burstcast_workflow.config.messages import model_problems, suggestion
 from burstcast_workflow.config.model import Case, Configuration
@@ -30,6 +37,8 @@ def contradictions(config: Settings) -> list[str]:
     Cases that the campaign does not use are not looked at: an overlay may shorten the series of all
     cases without adjusting those that it leaves out.
     """
+    if unsound := list(_class_defaults(config)):  # no case can be made of them
+        return unsound
     problems = [
         *_related(config, Configuration),
         *_campaign(config),
@@ -76,7 +85,7 @@ def _related(settings: Settings, model: type[Section]) -> Iterator[str]:
             bound = factors[0] if len(factors) == 1 else math.prod(factors)
             value = _at(settings, place.name)
             for item in value if isinstance(value, list) else [value]:
-                if item is None:  # may be left out
+                if item is None or isinstance(item, Mapping):  # left out; known to a job only
                     continue
                 if bound not in (None, []) and not _HOLDS[relation](item, bound):
                     verb = "has" if isinstance(value, list) else "is"
@@ -170,8 +179,9 @@ def _figures(config: Settings) -> Iterator[str]:
         )
     if name in _known_cases(config):
         record = case_record(config, name)
-        threshold, peak = record["event_threshold"], figures["flow_event"]["peak"]
-        if not peak > threshold and _is_flow(record):
+        threshold, peak = record.get("event_threshold"), figures["flow_event"]["peak"]
+        known = isinstance(threshold, int | float)
+        if known and not peak > threshold and _is_flow(record):
             yield (
                 f"figures.flow_event.peak is {peak}; it must be above the event_threshold of "
                 f"{name}, {threshold}"
@@ -189,10 +199,37 @@ def _is_flow(record: Settings) -> bool:
 # -- cases -----------------------------------------------------------------------------------------
 
 
+def _class_defaults(config: Settings) -> Iterator[str]:
+    """Check what classes of systems say of their cases as if it stood in the config."""
+    entries = [config["cases"].get(name) or {} for name in campaign_cases(config)]
+    for system in dict.fromkeys(entry["system"] for entry in entries if "system" in entry):
+        try:
+            problems = model_problems(said_by_class(system), Case, partial=True)
+        except (TypeError, ValueError) as error:  # no plain data
+            problems = [str(error)]
+        if problems:
+            name = system_class(system).__name__
+            yield f"case_defaults of the class {name} (system {system}): {'; '.join(problems)}"
+
+
 def _case(config: Settings, name: str) -> Iterator[str]:
     record = case_record(config, name)
-    if incomplete := model_problems(record, Case):  # an actuation where case_defaults has none
-        yield from incomplete
+    try:
+        owner = system_class(record["system"]).__name__
+    except (ValueError, TypeError) as error:
+        yield f"system: {error}"
+        return
+    another = record["system"] != config["case_defaults"]["system"]
+    if another and (missing := missing_settings(record)):
+        are, it = ("is", "it") if len(missing) == 1 else ("are", "them")
+        yield (
+            f"{', '.join(missing)} {are} missing: the class {owner} says nothing of {it} in its "
+            f"case_defaults, and those of config.yaml are in units of another system; say {it} in "
+            f"cases.{name}"
+        )
+        return
+    if wrong := model_problems(record, Case):
+        yield from wrong
         return
     yield from _related(record, Case)
     yield from _system(name, record)

@@ -1,5 +1,6 @@
 """What settings are made of: kinds of values, and sections of settings."""
 
+import math
 from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
@@ -34,6 +35,20 @@ def _rising(ends: list[float]) -> list[float]:
     return ends
 
 
+def _threshold(value: Any) -> Any:
+    number = value.get("quantile") if isinstance(value, dict) else value
+    known = not isinstance(value, dict) or list(value) == ["quantile"]
+    if not known or not isinstance(number, int | float) or isinstance(number, bool):
+        shown = f"the text {value!r}" if isinstance(value, str) else f"{value}"
+        raise PydanticCustomError("between", f"is {shown}; it must be {_THRESHOLD}")
+    if not math.isfinite(number):
+        raise PydanticCustomError("between", f"is {number}; it must be a finite number")
+    if isinstance(value, dict) and not 0 < number < 1:
+        text = f"is the quantile {number}; a quantile lies between 0 and 1"
+        raise PydanticCustomError("between", text)
+    return value
+
+
 def _strategy(name: str) -> str:
     if name not in available_strategies():
         text = f"is {name}; the validation strategies are {', '.join(available_strategies())}"
@@ -48,6 +63,7 @@ def _control_strategy(name: str) -> str:
     return name
 
 
+_THRESHOLD = "a number, or {quantile: <a number between 0 and 1>}"
 _PAIR = Field(min_length=2, max_length=2)
 _RESERVED = "nan|NaN|inf|Inf|infinity|Infinity|true|True|false|False|tables|figures|logs|benchmarks"
 
@@ -63,6 +79,7 @@ Range = Annotated[
 PositiveRange = Annotated[
     list[Positive], _PAIR, Words("[low, high], two rising numbers above 0"), AfterValidator(_rising)
 ]
+Threshold = Annotated[Any, AfterValidator(_threshold), Words(_THRESHOLD)]
 Strategy = Annotated[
     str,
     AfterValidator(_strategy),

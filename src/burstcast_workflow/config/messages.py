@@ -14,10 +14,10 @@ from burstcast_workflow.config.places import Place
 _NUMBER_AS_TEXT = re.compile(r"([+-]?)(\d*)(?:\.(\d*))?(?:[eE]([+-]?)(\d+))?")
 
 
-def model_problems(settings: Any, model: type[Section]) -> list[str]:
+def model_problems(settings: Any, model: type[Section], *, partial: bool = False) -> list[str]:
     """Check settings against their model; one message for each that is wrong.
 
-    The entries of ``cases`` may leave out what is in ``case_defaults``.
+    The entries of ``cases`` may leave settings out, and so may ``partial`` settings.
     """
     try:
         model.model_validate(settings)
@@ -27,7 +27,10 @@ def model_problems(settings: Any, model: type[Section]) -> list[str]:
                 Place(model), problem["type"], problem["loc"], problem["input"], problem["msg"]
             )
             for problem in error.errors(include_url=False)
-            if not (problem["type"] == "missing" and problem["loc"][:-1][:1] == ("cases",))
+            if not (
+                problem["type"] == "missing"
+                and (partial or problem["loc"][:-1][:1] == ("cases",))
+            )
         ]
         return list(dict.fromkeys(messages))
     return []

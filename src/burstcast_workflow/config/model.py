@@ -24,6 +24,7 @@ from burstcast_workflow.config.kinds import (
     Some,
     Strategy,
     SystemName,
+    Threshold,
     Whole,
     Words,
     setting,
@@ -205,8 +206,9 @@ class Case(Section):
 
     system: SystemName = setting("the equations, a module of burstcast.systems")
     parameters: dict[ParameterName, float] = setting("parameters of the equations")
-    event_threshold: float = setting(
-        "value of the observable that an extreme event reaches, k_e",
+    event_threshold: Threshold = setting(
+        "value of the observable that an extreme event reaches, k_e, or the share of its values in "
+        "the training series that are below it",
         OBSERVABLE,
         below="laminarisation_threshold",
     )
@@ -332,7 +334,9 @@ class Statistics(Section):
     forecasters: Choice = setting("forecasters that are run freely")
     starting_points: Count = setting("long runs of each forecaster, started in the training series")
     start_spacing_lt: Positive = setting("time between two starting points")
-    duration: Positive = setting("length of each long run", TIME)
+    duration: Annotated[Positive | None, Words("a number above 0, or null")] = setting(
+        "length of each long run; null: that of the case's series, ensemble.duration", TIME
+    )
     fixed_point_interval_lt: Positive = setting("end of a long run, which shows whether it settled")
     lyapunov_exponents: Whole = setting(
         "leading Lyapunov exponents of each forecaster's own flow; 0 for none", ge=0

@@ -33,9 +33,7 @@ def survival_table(
         keys = {**record["keys"], "forecaster": "data", "neurons": None}
         found.append(({**keys, "validation": None, "seed": None}, record, lifetimes_of_data(path)))
     for record, path in gathered(settings["rows"], long_term):
-        of_case = settings_of[record["identity"]["case"]]
-        duration = {"statistics.duration": settings["statistics.duration"]}
-        steps = long_run_steps({**of_case, **duration})
+        steps = long_run_steps(settings_of[record["identity"]["case"]])
         runs = read_netcdf(path, "fate", "lifetime")
         lifetimes = lifetimes_of_runs(runs["fate"], runs["lifetime"], steps)
         found.append((record["keys"], record, lifetimes))
