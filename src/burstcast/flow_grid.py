@@ -7,8 +7,8 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.statistics.profiles import flow_modes
-from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes
+from burstcast.systems.state_space import StateSpace
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class FlowGrid:
         return self.modes.midplane_velocity(states.T, self.x, self.z)
 
 
-def make_flow_grid(system: DynamicalSystem, points: Sequence[int]) -> FlowGrid:
+def make_flow_grid(system: StateSpace, points: Sequence[int]) -> FlowGrid:
     """Grid over the whole domain of a flow.
 
     Parameters

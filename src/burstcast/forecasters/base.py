@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
-from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.state_space import StateSpace
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class ForecastingCase:
     Attributes
     ----------
     system
-        The dynamical system.
+        What states are, and the observable: a dynamical system, unless they were measured.
     time_step
         Of its integration, in time units.
     sampling_stride
@@ -35,7 +35,7 @@ class ForecastingCase:
         Settings of the kind itself.
     """
 
-    system: DynamicalSystem
+    system: StateSpace
     time_step: float
     sampling_stride: int
     steps_per_lyapunov_time: int

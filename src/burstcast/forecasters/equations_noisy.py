@@ -42,7 +42,15 @@ class EquationsFromObservation(Forecaster):
 
     @classmethod
     def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
-        """Take the equations of the case."""
+        """Take the equations of the case.
+
+        Raises
+        ------
+        ValueError
+            If it has none: its series were measured.
+        """
+        if not isinstance(case.system, DynamicalSystem):
+            raise ValueError("measured series have no equations to forecast with")
         return cls(case.system, case.time_step, case.sampling_stride)
 
     def start(self, washout: FloatArray) -> FloatArray:

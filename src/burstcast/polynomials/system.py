@@ -5,6 +5,7 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.polynomials.basis import Monomial, monomials
 from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.state_space import StateSpace
 
 
 class PolynomialSystem(DynamicalSystem):
@@ -18,7 +19,7 @@ class PolynomialSystem(DynamicalSystem):
     degree
         Highest degree of the monomials.
     observed
-        System that the equations stand for, whose observable they have.
+        What the equations stand for, whose observable they have.
 
     Raises
     ------
@@ -26,7 +27,7 @@ class PolynomialSystem(DynamicalSystem):
         If there are not as many coefficients as monomials.
     """
 
-    def __init__(self, coefficients: FloatArray, degree: int, observed: DynamicalSystem) -> None:
+    def __init__(self, coefficients: FloatArray, degree: int, observed: StateSpace) -> None:
         basis = monomials(coefficients.shape[1], degree)
         if len(basis) != len(coefficients):
             raise ValueError(

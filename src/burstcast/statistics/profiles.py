@@ -14,9 +14,9 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.statistics.moments import StateMoments
-from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes, ProfileMatrices
+from burstcast.systems.state_space import StateSpace
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,14 @@ class Profiles:
     uv: FloatArray
 
 
-def flow_modes(system: DynamicalSystem) -> MoehlisFaisstEckhardtModes | None:
+def flow_modes(system: StateSpace) -> MoehlisFaisstEckhardtModes | None:
     """Velocity modes that a system's state is the amplitudes of; None for other systems."""
     if isinstance(system, MoehlisFaisstEckhardt):
         return MoehlisFaisstEckhardtModes(system.length_x, system.length_z)
     return None
 
 
-def equally_spaced_profiles(system: DynamicalSystem, points: int) -> ProfileMatrices | None:
+def equally_spaced_profiles(system: StateSpace, points: int) -> ProfileMatrices | None:
     """Profiles at equally spaced heights from wall to wall; None for a system without modes.
 
     Parameters

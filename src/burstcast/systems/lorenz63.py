@@ -35,6 +35,7 @@ class Lorenz63(DynamicalSystem):
     beta: float = 8.0 / 3.0
 
     dimension: ClassVar[int] = 3
+    component_names: ClassVar[tuple[str, ...]] = ("x", "y", "z")
     observable_name: ClassVar[str] = "z"
     observable_symbol: ClassVar[str] = "z"
     case_defaults: ClassVar[Mapping[str, Any]] = {

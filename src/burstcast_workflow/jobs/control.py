@@ -31,7 +31,7 @@ from burstcast_workflow.harness.storage import (
     write_netcdf,
 )
 from burstcast_workflow.jobs.bins import edges_of
-from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.systems import equations_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 Settings = Mapping[str, Any]
@@ -50,7 +50,7 @@ def control_experiment(
     Quiet flows begin with the first states of the kept series, unselected ones with the last:
     what follows them has had no say in what is kept.
     """
-    system, steps = system_of(settings), lyapunov_time(settings, time_unit)
+    system, steps = equations_of(settings), lyapunov_time(settings, time_unit)
     actuation = settings["case.actuation"]
     washout = durations.steps(settings["washout_lt"], steps)
     training = settings["case.training.series"]

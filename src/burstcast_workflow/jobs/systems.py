@@ -1,14 +1,22 @@
-"""The system of a job's case."""
+"""What a job's case has: a state with an observable, and equations, unless it was measured."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
+from burstcast.systems.state_space import MEASURED, StateSpace, make_measured
 
 Settings = Mapping[str, Any]
 
 
-def system_of(settings: Settings) -> DynamicalSystem:
-    """The dynamical system of a case."""
+def system_of(settings: Settings) -> StateSpace:
+    """What forecasts and scores ask about a case: a dynamical system, or measured series."""
+    if settings["case.system"] == MEASURED:
+        return make_measured(settings["case.parameters"])
+    return make_system(settings["case.system"], settings["case.parameters"])
+
+
+def equations_of(settings: Settings) -> DynamicalSystem:
+    """The dynamical system of a case (a ValueError if it was measured: it has no equations)."""
     return make_system(settings["case.system"], settings["case.parameters"])

@@ -16,7 +16,7 @@ from burstcast_workflow.harness.storage import read_rows, write_json
 from burstcast_workflow.jobs.data import kept_series
 from burstcast_workflow.jobs.length_checks import check_kept_series
 from burstcast_workflow.jobs.spectrum_files import write_spectrum
-from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.systems import equations_of
 
 
 def lyapunov(
@@ -28,7 +28,7 @@ def lyapunov(
     provenance: Provenance,
 ) -> None:
     """Write the exponents with their 95 % confidence intervals, and those of each series."""
-    system = system_of(settings)
+    system = equations_of(settings)
     time_step, series = settings["case.ensemble.time_step"], settings["case.lyapunov.series"]
     check_kept_series(kept_series(ensemble), {"lyapunov.series": series})
     states = read_rows(ensemble, "state", 0, series)

@@ -7,7 +7,7 @@ from burstcast.dataset import generate_ensemble, initial_states
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, write_json, write_netcdf
-from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.systems import equations_of
 
 
 def simulate(
@@ -18,7 +18,7 @@ def simulate(
     provenance: Provenance,
 ) -> None:
     """Write the kept series, their observable, and a summary."""
-    system = system_of(settings)
+    system = equations_of(settings)
     given = settings["case.ensemble"]
     start = initial_states(
         np.asarray(given["initial_state"], dtype=np.float64),

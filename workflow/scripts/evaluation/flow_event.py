@@ -5,7 +5,7 @@ import numpy as np
 from burstcast import durations
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.forecast.example_events import EventCriterion, isolated_events, predicted_event
-from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, read_json, read_rows, write_netcdf
@@ -81,7 +81,7 @@ def find_flow_event(
 
 
 def _variables(
-    system: DynamicalSystem,
+    system: StateSpace,
     time: FloatArray,
     true: FloatArray,
     forecast: FloatArray,

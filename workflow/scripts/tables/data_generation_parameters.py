@@ -7,7 +7,7 @@ from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import write_table
 from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.systems import equations_of
 
 
 def data_generation_parameters(*, summaries: list[str], table: str, settings: Settings) -> None:
@@ -15,7 +15,7 @@ def data_generation_parameters(*, summaries: list[str], table: str, settings: Se
     tables = {}
     for record, path in gathered(settings["cases"], summaries):
         case = record["settings"]
-        system = system_of(case)
+        system = equations_of(case)
         tables[record["identity"]["case"]] = data_parameters(
             system=described_parameters(case["case.system"], parameters_of(system)),
             symbol=system.observable_symbol,

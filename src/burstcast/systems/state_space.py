@@ -1,0 +1,50 @@
+"""What states are made of, and the observable of them: all that forecasts and scores ask for.
+
+A dynamical system has it, and so have measured series, whose equations nobody knows
+(`burstcast.systems.measured`).
+"""
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import burstcast.systems
+from burstcast.arrays import FloatArray
+from burstcast.discovery import concrete_classes
+
+MEASURED = "measured"
+"""Name of what stands where a system's name does, for series that were measured."""
+
+
+class StateSpace(Protocol):
+    """States of so many components, and a scalar observable of them."""
+
+    @property
+    def dimension(self) -> int:
+        """Number of components of a state."""
+
+    @property
+    def observable_name(self) -> str:
+        """What the observable is, for axes and tables: "kinetic energy"."""
+
+    @property
+    def observable_symbol(self) -> str:
+        """Its symbol in TeX, without dollars: "k"."""
+
+    def observable(self, state: FloatArray) -> FloatArray:
+        """Observable of states ``(dimension, ...)``, of shape ``(...)``."""
+
+
+def component_names(space: StateSpace) -> tuple[str, ...]:
+    """Names of the components: the attribute ``component_names``, or else a1, a2, ..."""
+    names = getattr(space, "component_names", None)
+    return tuple(names) if names else tuple(f"a{i}" for i in range(1, space.dimension + 1))
+
+
+def make_measured(description: Mapping[str, Any]) -> StateSpace:
+    """Make `burstcast.systems.measured.MeasuredSeries` of its fields.
+
+    Found by name, as systems are: only what is about measured series depends on its code.
+    """
+    (measured,) = concrete_classes(burstcast.systems, MEASURED, object)
+    series: StateSpace = measured(**description)  # type: ignore[assignment]
+    return series
