@@ -1,6 +1,10 @@
-"""Who raises alarms: every forecaster, committees of networks, and what needs no forecast."""
+"""Who raises alarms: every forecaster, committees, and what needs no forecast.
 
-from collections.abc import Iterable
+A committee is either of networks, all seeds of a size and strategy, or of the members of one
+forecaster's ensemble: those of a filter, or single analogues.
+"""
+
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,17 +24,21 @@ class Alarm:
     case
         The case.
     identifier
-        Its name: that of its forecaster, ``esn-N1000-RV-committee``, or one of `BASELINES`.
+        Its name: that of its forecaster, ``esn-N1000-RV-committee``,
+        ``quadratic_filtered-committee``, or one of `BASELINES`.
     name
         What its key columns are taken from.
     members
         Forecasters that vote; none for baselines.
+    by_members
+        Whether it is the members of their ensembles that vote.
     """
 
     case: str
     identifier: str
     name: ForecasterName
     members: tuple[CaseForecaster, ...]
+    by_members: bool = False
 
     @property
     def compared(self) -> bool:
@@ -48,26 +56,34 @@ def alarms_of(campaign: Campaign, case: str) -> list[Alarm]:
     return [
         *(Alarm(case, name, ForecasterName(name), ()) for name in BASELINES),
         *(Alarm(case, one.name.identifier, one.name, (one,)) for one in forecasters),
+        *(_committee(name, members) for name, members in committees.items() if len(members) > 1),
         *(
-            Alarm(
-                case,
-                f"{name.identifier}-committee",
-                replace(name, kind=f"{name.kind}_committee"),
-                tuple(members),
-            )
-            for name, members in committees.items()
-            if len(members) > 1
+            _committee(one.name, [one], by_members=True)
+            for one in campaign.ensemble_forecasters
+            if one.case == case
         ),
     ]
 
 
+def _committee(
+    name: ForecasterName, members: Sequence[CaseForecaster], by_members: bool = False
+) -> Alarm:
+    identifier, kind = f"{name.identifier}-committee", f"{name.kind}_committee"
+    named = replace(name, kind=kind)
+    return Alarm(members[0].case, identifier, named, tuple(members), by_members)
+
+
 def alarm_records(campaign: Campaign, cases: Iterable[str]) -> list[dict[str, Any]]:
-    """Records for jobs: alarms of cases, their members' identifiers, and their key columns."""
+    """Records for jobs: alarms of cases, the forecasters that vote, and their key columns.
+
+    ``ensembles`` are forecasters all of whose members vote.
+    """
     return [
         {
             "case": alarm.case,
             "alarm": alarm.identifier,
-            "members": [one.name.identifier for one in alarm.members],
+            "members": [] if alarm.by_members else _identifiers(alarm),
+            "ensembles": _identifiers(alarm) if alarm.by_members else [],
             "compared": alarm.compared,
             "keys": {
                 "case": alarm.case,
@@ -79,3 +95,7 @@ def alarm_records(campaign: Campaign, cases: Iterable[str]) -> list[dict[str, An
         for case in cases
         for alarm in alarms_of(campaign, case)
     ]
+
+
+def _identifiers(alarm: Alarm) -> list[str]:
+    return [one.name.identifier for one in alarm.members]

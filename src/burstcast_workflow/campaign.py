@@ -8,6 +8,7 @@ from typing import Any
 from burstcast import durations
 from burstcast.control.strategies.registry import strategy_class
 from burstcast.forecasters.registry import forecaster_class, linearises
+from burstcast.probability.members import has_members
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import module_of
@@ -138,6 +139,11 @@ class Campaign:
     def networks(self) -> tuple[CaseForecaster, ...]:
         """Those forecasters that are echo state networks."""
         return tuple(one for one in self.forecasters if one.name.kind == "esn")
+
+    @cached_property
+    def ensemble_forecasters(self) -> tuple[CaseForecaster, ...]:
+        """Those that tell an ensemble, whose members vote: of filters, analogues."""
+        return tuple(one for one in self.forecasters if _has_members(one.name.kind))
 
     def select(self, **values: object) -> tuple[CaseForecaster, ...]:
         """Forecasters whose case, kind, neurons, validation or seed have the given values."""
@@ -448,6 +454,12 @@ def _sees_truth(forecaster: str) -> bool:
     kind = parsed(forecaster).kind
     # networks, which do not, take long to import
     return kind != "esn" and forecaster_class(kind).sees_truth
+
+
+@cache
+def _has_members(kind: str) -> bool:
+    # networks, which have none, take long to import
+    return kind != "esn" and has_members(forecaster_class(kind))
 
 
 def _names(kind: str, axes: Mapping[str, Any] | None) -> Iterator[ForecasterName]:

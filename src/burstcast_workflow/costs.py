@@ -123,6 +123,16 @@ def _forecast(job: _Job) -> tuple[float, float]:
     return _test_series(job.campaign, job.case) * starts, job.start_up + reach
 
 
+def _member_forecast(job: _Job) -> tuple[float, float]:
+    points, steps = _forecast(job)
+    return points, job.start_up + job.members * (steps - job.start_up)
+
+
+def _calibration_member_forecast(job: _Job) -> tuple[float, float]:
+    points, steps = _calibration_forecast(job)
+    return points, job.members * steps
+
+
 def _calibration_forecast(job: _Job) -> tuple[float, float]:
     reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
     starts = job.starts("probability.start_spacing_lt", reach)
@@ -160,6 +170,8 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
     "closed_loop": lambda job: (64, job.start_up + job.steps("horizon.longest_lead_time_lt")),
     "forecast": _forecast,
     "calibration_forecast": _calibration_forecast,
+    "member_forecast": _member_forecast,
+    "calibration_member_forecast": _calibration_member_forecast,
     "horizon": _horizon,
     "long_term": _long_term,
     "control": lambda job: (job.flows, job.alarms * (job.start_up + job.reach)),

@@ -177,6 +177,16 @@ def test_a_filter_costs_its_members_over_the_washout():
     assert plain.memory_mib < half.memory_mib < filtered.memory_mib
 
 
+def test_forecasts_of_all_members_cost_each_of_them():
+    alone, members = (
+        predicted("closed_loop", stage, forecaster="quadratic_filtered")
+        for stage in ("forecast", "member_forecast")
+    )
+    # forecasts of 366 steps, from 9000 starting points with four steps each
+    steps = SECONDS_PER["integration step"] * 9000 * 4 * 366
+    assert members.seconds - alone.seconds == pytest.approx(39 * steps, rel=0.02)
+
+
 def test_other_kinds_of_forecasters_cost_what_the_equations_cost():
     for cost_class, stage in (("closed_loop", "forecast"), ("control", "control")):
         kinds = ("equations", "equations_noisy", "persistence")

@@ -1,5 +1,11 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
+
+def ensembles_of(case):
+    """Forecasters of a case that tell an ensemble."""
+    return [one for one in campaign.ensemble_forecasters if one.case == case]
+
+
 stage(
     "data/calibration_set",
     "starting points of the calibration",
@@ -20,12 +26,28 @@ stage(
     cached=True,
 )
 stage(
+    "evaluation/calibration_member_forecast",
+    "forecast the calibration set out of sample with all members",
+    inputs=files("ensemble forecaster calibration_set time_unit"),
+    outputs={
+        "calibration_member_forecast": f"{FORECASTER}/calibration_member_forecast.nc"
+    },
+    settings="FORECASTER OBSERVED WINDOWS washout_lt probability.calibration_series",
+    cost="leave_one_out",
+    cached=True,
+)
+stage(
     "probabilities/calibrate",
     "calibrate the probabilities, choose the thresholds of alarms",
     inputs={
         "calibration_forecasts": of_job(
             lambda wildcards: of_forecasters(
                 "calibration_forecast.nc", campaign.select(case=wildcards["case"])
+            )
+        ),
+        "calibration_member_forecasts": of_job(
+            lambda wildcards: of_forecasters(
+                "calibration_member_forecast.nc", ensembles_of(wildcards.case)
             )
         ),
         **files("calibration_set time_unit"),
@@ -37,17 +59,24 @@ stage(
     rows=of_job(
         lambda wildcards: campaign.keys(campaign.select(case=wildcards["case"]))
     ),
+    ensemble_rows=of_job(
+        lambda wildcards: campaign.keys(ensembles_of(wildcards["case"]))
+    ),
     alarms=of_job(lambda wildcards: alarm_records(campaign, [wildcards["case"]])),
 )
 
 # What tables of probabilities are made from.
 PROBABILITIES = {
     "forecasts": of_forecasters("forecast.nc"),
+    "member_forecasts": of_forecasters(
+        "member_forecast.nc", campaign.ensemble_forecasters
+    ),
     "evaluation_sets": of_cases("evaluation_set.nc"),
     "calibrations": of_cases("calibration.json"),
 }
 ALARMS = {
     "rows": campaign.keys(campaign.forecasters),
+    "ensemble_rows": campaign.keys(campaign.ensemble_forecasters),
     "alarms": alarm_records(campaign, campaign.case_names),
 }
 

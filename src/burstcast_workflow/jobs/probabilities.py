@@ -33,12 +33,15 @@ class ForecastPoints:
         Variables of the points (`burstcast_workflow.jobs.point_sets`).
     forecasts
         Window summaries by the identifier of the forecaster.
+    ensembles
+        Those of each member, where a forecaster tells an ensemble, likewise.
     windows, resolution_lt
         How many windows make up a prediction window, and how long each is in Lyapunov times.
     """
 
     data: Mapping[str, Any]
     forecasts: Mapping[str, WindowSummaries]
+    ensembles: Mapping[str, Sequence[WindowSummaries]]
     windows: int
     resolution_lt: float
 
@@ -55,8 +58,9 @@ class ForecastPoints:
         self, alarm: Record, prediction_time_lt: float, event_threshold: float
     ) -> FloatArray:
         """What an alarm is raised by: a share of votes, or a baseline's score; ``(points,)``."""
-        if alarm["members"]:
-            members = [self.forecasts[name] for name in alarm["members"]]
+        members = [self.forecasts[name] for name in alarm["members"]]
+        members += [one for name in alarm["ensembles"] for one in self.ensembles[name]]
+        if members:
             first = self._first(prediction_time_lt)
             return share_of_votes(members, first, self.windows, event_threshold)
         now: FloatArray = self.data["observable_now"]
@@ -84,15 +88,25 @@ class ForecastPoints:
 
 
 def forecast_points(
-    settings: Settings, point_set: str, forecasts: Mapping[str, str]
+    settings: Settings,
+    point_set: str,
+    forecasts: Mapping[str, str],
+    ensembles: Mapping[str, str],
 ) -> ForecastPoints:
     """Read the points of a case, and the forecasts from them by the forecaster's identifier."""
     resolution = settings["classification.resolution_lt"]
     names = ("series", "step", "observable_now", "washout_maximum", "first", "largest")
     found = {name: read_netcdf(path, "first", "largest") for name, path in forecasts.items()}
+    members = {name: read_netcdf(path, "first", "largest") for name, path in ensembles.items()}
     return ForecastPoints(
         read_netcdf(point_set, *names),
         {name: WindowSummaries(data["first"], data["largest"]) for name, data in found.items()},
+        {
+            name: [
+                WindowSummaries(*pair) for pair in zip(data["first"], data["largest"], strict=True)
+            ]
+            for name, data in members.items()
+        },
         round(settings["classification.window_lt"] / resolution),
         resolution,
     )
@@ -192,6 +206,7 @@ class CaseProbabilities:
 def cases_with_probabilities(
     settings: Settings,
     forecasts: Sequence[str],
+    member_forecasts: Sequence[str],
     evaluation_sets: Sequence[str],
     calibrations: Sequence[str],
 ) -> Iterator[CaseProbabilities]:
@@ -200,28 +215,36 @@ def cases_with_probabilities(
     Parameters
     ----------
     settings
-        With ``rows`` of the forecasters, ``cases`` and ``alarms``.
-    forecasts, evaluation_sets, calibrations
+        With ``rows`` of the forecasters, ``ensemble_rows`` of those that tell an ensemble,
+        ``cases`` and ``alarms``.
+    forecasts, member_forecasts, evaluation_sets, calibrations
         Inputs of the job, in any order.
     """
     paths = gathered(settings["rows"], forecasts)
+    member_paths = gathered(settings["ensemble_rows"], member_forecasts)
     sets = files_of_cases(settings["cases"], evaluation_sets)
     chosen = files_of_cases(settings["cases"], calibrations)
     for record in settings["cases"]:
         case = record["identity"]["case"]
-        of_case = {
-            one["identity"]["forecaster"]: path
-            for one, path in paths
-            if one["identity"]["case"] == case
-        }
         calibration = read_json(chosen[case])
         yield CaseProbabilities(
             case=case,
             event_threshold=record["settings"]["case.event_threshold"],
             steps_per_lyapunov_time=calibration["steps_per_lyapunov_time"],
-            points=forecast_points(settings, sets[case], of_case),
+            points=forecast_points(
+                settings, sets[case], _of_case(paths, case), _of_case(member_paths, case)
+            ),
             rules=calibration["alarms"],
             alarms=[alarm for alarm in settings["alarms"] if alarm["case"] == case],
             random_seed=settings["random_seed"],
             resamples=settings["bootstrap.resamples"],
         )
+
+
+def _of_case(paths: Sequence[tuple[Record, str]], case: str) -> dict[str, str]:
+    """Files of a case by the identifier of the forecaster."""
+    return {
+        one["identity"]["forecaster"]: path
+        for one, path in paths
+        if one["identity"]["case"] == case
+    }

@@ -21,6 +21,7 @@ def measure_lead_times(
     *,
     ensembles: list[str],
     forecasts: list[str],
+    member_forecasts: list[str],
     evaluation_sets: list[str],
     calibrations: list[str],
     table: str,
@@ -35,7 +36,9 @@ def measure_lead_times(
         for record in settings["cases"]
     }
     rows: list[dict[str, Any]] = []
-    for case in cases_with_probabilities(settings, forecasts, evaluation_sets, calibrations):
+    for case in cases_with_probabilities(
+        settings, forecasts, member_forecasts, evaluation_sets, calibrations
+    ):
         points, series, steps = case.points, case.points.series, case.steps_per_lyapunov_time
         first = training[case.case]
         truth = read_rows(paths[case.case], "observable", first, first + series)

@@ -15,6 +15,7 @@ from burstcast_workflow.jobs.probabilities import cases_with_probabilities
 def draw_up_diagrams(
     *,
     forecasts: list[str],
+    member_forecasts: list[str],
     evaluation_sets: list[str],
     calibrations: list[str],
     reliability: str,
@@ -27,7 +28,9 @@ def draw_up_diagrams(
     bins: list[dict[str, Any]] = []
     ratios: list[dict[str, Any]] = []
     points: list[dict[str, Any]] = []
-    for case in cases_with_probabilities(settings, forecasts, evaluation_sets, calibrations):
+    for case in cases_with_probabilities(
+        settings, forecasts, member_forecasts, evaluation_sets, calibrations
+    ):
         for time in settings["classification.prediction_times_lt"]:
             weights = case.weights(time)
             for alarm in case.alarms:

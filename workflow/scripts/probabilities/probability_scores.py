@@ -26,6 +26,7 @@ Scores = dict[str, tuple[FloatArray, FloatArray]]
 def score_probabilities(
     *,
     forecasts: list[str],
+    member_forecasts: list[str],
     evaluation_sets: list[str],
     calibrations: list[str],
     table: str,
@@ -36,7 +37,9 @@ def score_probabilities(
     bins, confidence = settings["probability.bins"], settings["bootstrap.confidence"]
     rows: list[dict[str, Any]] = []
     pairs: list[dict[str, Any]] = []
-    for case in cases_with_probabilities(settings, forecasts, evaluation_sets, calibrations):
+    for case in cases_with_probabilities(
+        settings, forecasts, member_forecasts, evaluation_sets, calibrations
+    ):
         for time in settings["classification.prediction_times_lt"]:
             weights = case.weights(time)
             calibrated: dict[str, Scores] = {}

@@ -15,6 +15,7 @@ METRICS = ("base_rate", "brier_skill", "average_precision", "f_score")
 def sweep_threshold(
     *,
     forecasts: list[str],
+    member_forecasts: list[str],
     evaluation_sets: list[str],
     calibrations: list[str],
     table: str,
@@ -23,7 +24,9 @@ def sweep_threshold(
     """Write scores by event threshold, of committees and of all others but single networks."""
     bins, confidence = settings["probability.bins"], settings["bootstrap.confidence"]
     rows: list[dict[str, Any]] = []
-    for case in cases_with_probabilities(settings, forecasts, evaluation_sets, calibrations):
+    for case in cases_with_probabilities(
+        settings, forecasts, member_forecasts, evaluation_sets, calibrations
+    ):
         for time in settings["classification.prediction_times_lt"]:
             weights = case.weights(time)
             for alarm in case.alarms:

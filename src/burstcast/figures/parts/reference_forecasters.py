@@ -12,6 +12,7 @@ from burstcast.figures.parts.style import BLUE, GREY, VERMILLION
 _MAUVE = "#8A5A83"
 _PALE = "#A0A0A0"
 _DOTS, _DASHES, _LONG = (0.0, (1.0, 1.2)), (0.0, (4.0, 1.5)), (0.0, (8.0, 2.0))
+_CHAIN = (0.0, (9.0, 2.0, 1.5, 2.0))
 
 
 class _Look(NamedTuple):
@@ -22,16 +23,21 @@ class _Look(NamedTuple):
 
 # Networks in colours; the equations in grey, learnt ones in mauve, and in front of them where they
 # do as well: solid or with wide gaps where a filter comes first, dashed where they start from one
-# observation.
+# observation; chained where members of an ensemble vote.
 _LOOKS = {
     "esn_committee": _Look("committee of networks", BLUE, "-"),
     "esn": _Look("single network", VERMILLION, (0.0, (3.5, 1.2))),
     "equations": _Look("equations, true state", GREY, _DOTS),
     "equations_filtered": _Look("equations, filtered", GREY, "-"),
+    "equations_filtered_committee": _Look("equations, filter's members", GREY, _CHAIN),
     "equations_noisy": _Look("equations, noisy state", GREY, _DASHES),
     "quadratic": _Look("learnt equations, noisy state", _MAUVE, (2.0, (1.5, 4.0))),
     "quadratic_filtered": _Look("learnt equations, filtered", _MAUVE, (0.0, (4.0, 4.0))),
+    "quadratic_filtered_committee": _Look(
+        "learnt equations, filter's members", _MAUVE, (6.0, (9.0, 2.0, 1.5, 5.5))
+    ),
     "analogues": _Look("analogues", _PALE, _DASHES),
+    "analogues_committee": _Look("analogues, one by one", _PALE, _CHAIN),
     "linear_inverse": _Look("linear inverse model", _PALE, _DOTS),
     "persistence": _Look("persistence", _PALE, _LONG),
     "observable_now": _Look("observable now", _PALE, (0.0, (6.0, 1.5, 1.0, 1.5))),
