@@ -4,10 +4,11 @@ Snakemake does not notice that a module which a script imports has changed. Each
 carries the fingerprints of its script and of all modules of the project that the script reaches
 through imports, as a parameter, and Snakemake compares them as it does any other parameter.
 
-A fingerprint is a hash of the syntax tree without positions, comments, docstrings and the texts of
-errors and of the log, none of which changes a result. The tree is walked here rather than by
-`ast.dump`, whose output differs between Python versions. What imports do not show must not happen,
-and a test keeps it out. Two things are known otherwise:
+A fingerprint is a hash of the syntax tree without positions, comments, docstrings, the texts of
+errors and of the log, and what people alone ask for: a class's ``__repr__``, and what a module
+offers besides its own names (``__getattr__``, ``__dir__``). None of that changes a result. The tree
+is walked here rather than by `ast.dump`, whose output differs between Python versions. What imports
+do not show must not happen, and a test keeps it out. Two things are known otherwise:
 
 * Modules that a registry finds by name (systems, forecasters, validation strategies). A script that
   reaches a registry depends on those of its modules that its job is about, and on no others.
@@ -165,8 +166,10 @@ def _parsed(path: Path) -> tuple[str, list[tuple[str, int]]]:
     return digest[:_HASH_LENGTH], list(_imports(tree))
 
 
-def _imports(tree: ast.AST) -> Iterator[tuple[str, int]]:
-    for node in ast.walk(tree):
+def _imports(tree: ast.Module) -> Iterator[tuple[str, int]]:
+    """Imports of a module, at its top or in a function."""
+    own = [node for node in tree.body if not _for_people(node, ast.Module)]
+    for node in (inner for outer in own for inner in ast.walk(outer)):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield alias.name, 0
@@ -180,6 +183,11 @@ def _imports(tree: ast.AST) -> Iterator[tuple[str, int]]:
 
 # fields that say nothing about what the code does, or that repeat its position
 _IGNORED_FIELDS = frozenset({"ctx", "kind", "type_comment", "type_ignores"})
+# functions that only people call, by what they are defined in
+_FOR_PEOPLE: dict[type[ast.AST], tuple[str, ...]] = {
+    ast.Module: ("__getattr__", "__dir__"),
+    ast.ClassDef: ("__repr__",),
+}
 
 
 def _serialise(node: ast.AST, parts: list[str]) -> None:
@@ -201,20 +209,22 @@ def _serialise(node: ast.AST, parts: list[str]) -> None:
         value = getattr(node, field, None)
         if value is None or value == [] or field in _IGNORED_FIELDS:
             continue
-        parts.append(field)
         if isinstance(value, list):
-            parts.append("[")
+            value = [item for item in value if not _left_out(item, kind)]
+            if kind is ast.Module and not value:
+                continue  # a module that does nothing, whatever it says of itself
+            parts += [field, "["]
             for item in value:
                 if isinstance(item, ast.AST):
-                    if not (_without_effect(item) or _empty_text(item, kind)):
-                        _serialise(item, parts)
+                    _serialise(item, parts)
                 else:
                     parts.append(repr(item))  # names, and None for what is absent in a row
             parts.append("]")
         elif isinstance(value, ast.AST):
+            parts.append(field)
             _serialise(value, parts)
         else:
-            parts.append(repr(value))
+            parts += [field, repr(value)]
     parts.append(")")
 
 
@@ -225,6 +235,17 @@ def _constant(value: object) -> str:
 def _empty_text(node: ast.AST, parent: type[ast.AST]) -> bool:
     """Whether it is empty text in an f-string, which only some Python versions put there."""
     return parent is ast.JoinedStr and isinstance(node, ast.Constant) and node.value == ""
+
+
+def _left_out(item: object, parent: type[ast.AST]) -> bool:
+    return isinstance(item, ast.AST) and (
+        _without_effect(item) or _empty_text(item, parent) or _for_people(item, parent)
+    )
+
+
+def _for_people(node: ast.AST, parent: type[ast.AST]) -> bool:
+    """Whether it is a function that no job calls."""
+    return isinstance(node, ast.FunctionDef) and node.name in _FOR_PEOPLE.get(parent, ())
 
 
 def _without_effect(node: ast.AST) -> bool:

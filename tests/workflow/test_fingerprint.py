@@ -349,6 +349,50 @@ def test_the_kind_of_an_error_and_other_calls_change_the_hash(tmp_path, old, new
     assert hash_of(SPEAKING.replace(old, new), tmp_path) != hash_of(SPEAKING, tmp_path)
 
 
+SHOWN = """
+class Network:
+    def size(self):
+        return 3
+
+def network():
+    return Network()
+"""
+
+
+@pytest.mark.parametrize(
+    ("after", "more"),
+    [
+        ("        return 3\n", "\n    def __repr__(self):\n        return f'{self.size()}'\n"),
+        ("    return Network()\n", "\ndef __getattr__(name):\n    raise AttributeError(name)\n"),
+        ("    return Network()\n", "\ndef __dir__():\n    return ['network']\n"),
+    ],
+)
+def test_what_only_people_ask_for_changes_nothing(tmp_path, after, more):
+    assert hash_of(SHOWN.replace(after, after + more), tmp_path) == hash_of(SHOWN, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("after", "more"),
+    [
+        ("        return 3\n", "\n    def __getattr__(self, name):\n        return 4\n"),
+        ("        return 3\n", "\n    def __str__(self):\n        return 'network'\n"),
+        ("    return Network()\n", "\ndef __repr__():\n    return 'module'\n"),
+    ],
+)
+def test_what_code_asks_for_counts(tmp_path, after, more):
+    assert hash_of(SHOWN.replace(after, after + more), tmp_path) != hash_of(SHOWN, tmp_path)
+
+
+def test_a_package_may_offer_what_nobody_loads_by_importing_it(tmp_path, project):
+    """The package itself is in each of its modules' fingerprints."""
+    before = taken(tmp_path)
+    text = (tmp_path / "src" / "pack" / "__init__.py").read_text()
+    offered = "\ndef __getattr__(name):\n    import pack.offered\n    return pack.offered\n"
+    project("src/pack/offered.py", "X = 1\n")
+    project("src/pack/__init__.py", f'"""What it is."""\n{text}{offered}')
+    assert taken(tmp_path) == before
+
+
 @pytest.fixture
 def harnessed(project):
     """The project, with a harness that the script runs in, and two registries."""
@@ -437,7 +481,11 @@ def test_packages_import_nothing_by_themselves():
     # else every closure would be everything
     packages = {path for path in SOURCES if path.name == "__init__.py" and path.read_text()}
     # Snakemake asks for its plugin's class there, and no job imports it
-    assert packages == {ROOT / "src" / "snakemake_logger_plugin_burstcast" / "__init__.py"}
+    plugin = ROOT / "src" / "snakemake_logger_plugin_burstcast" / "__init__.py"
+    # what notebooks begin with is loaded when it is asked for
+    library = ROOT / "src" / "burstcast" / "__init__.py"
+    assert packages == {plugin, library}
+    assert len(fingerprint(library, ROOT / "src")) == 1
 
 
 def test_closure_in_the_project_is_selective(tmp_path):

@@ -28,6 +28,16 @@ class EchoStateNetwork:
     readout: Readout
     input_range: FloatArray
 
+    def __repr__(self) -> str:
+        """Size and hyperparameters, no matrices."""
+        dynamics = self.dynamics
+        return (
+            f"EchoStateNetwork({dynamics.reservoir.neurons} neurons, "
+            f"{len(self.input_range)} components, "
+            f"spectral radius {dynamics.spectral_radius:.3g}, "
+            f"input scaling {dynamics.input_scaling:.3g}, Tikhonov {self.readout.tikhonov:.0e})"
+        )
+
     def washout(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
         """States of the reservoir after it has been driven by data.
 

@@ -36,6 +36,10 @@ class NetworkForecaster(Forecaster):
     seed: ReservoirSeed
     divergence_bound: float | None
 
+    def __repr__(self) -> str:
+        """The network, and which realisation it is."""
+        return f"NetworkForecaster(seed {self.seed.seed}: {self.network!r})"
+
     @classmethod
     def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
         """Refuse: a network needs hyperparameters, which a search finds.

@@ -24,7 +24,8 @@ from typing import Any
 VARIABLE = "BURSTCAST_RUN"
 """Environment variable that tells jobs which run they belong to: its token and its results."""
 
-_CLAIM = ".run.json"
+CLAIM = ".run.json"
+"""File of the claim, in the results directory."""
 
 
 class OvertakenError(RuntimeError):
@@ -91,9 +92,9 @@ class Run:
             "config": config,
             "code": sorted(code),
         }
-        path = Path(self.results) / _CLAIM
+        path = Path(self.results) / CLAIM
         path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_name(f"{_CLAIM}.{self.token}")
+        partial = path.with_name(f"{CLAIM}.{self.token}")
         partial.write_text(json.dumps(claim, indent=1))
         os.replace(partial, path)
         os.environ[VARIABLE] = f"{self.token} {self.results}"
@@ -133,7 +134,7 @@ class Run:
 
     def _read(self) -> dict[str, Any]:
         try:
-            found = json.loads((Path(self.results) / _CLAIM).read_bytes())
+            found = json.loads((Path(self.results) / CLAIM).read_bytes())
         except (OSError, ValueError):
             return {}
         return found if isinstance(found, dict) else {}

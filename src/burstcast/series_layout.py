@@ -1,0 +1,70 @@
+"""The one layout of series: ``(series, time, component)``.
+
+Whatever takes series from a user takes them like this, as an array of NumPy or of xarray:
+
+========= ===========================================================================
+series    realisations, each observed on its own; a single one is ``series[np.newaxis]``
+time      samples at equal intervals, one step of a forecast each
+component what is observed of the state, in units of its own
+========= ===========================================================================
+
+An array of xarray may have these three dimensions in any order: they are found by their names.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+
+LAYOUT = ("series", "time", "component")
+"""Names of the dimensions."""
+
+
+def as_series(data: Any, what: str = "the series") -> FloatArray:
+    """Series of a user as an array of the one layout.
+
+    Parameters
+    ----------
+    data
+        An array of NumPy, or what can be made one, of shape ``(series, time, component)``; or an
+        array of xarray with dimensions of these names.
+    what
+        What messages call it.
+
+    Returns
+    -------
+    ``(series, time, component)``, contiguous.
+
+    Raises
+    ------
+    ValueError
+        If there are other dimensions, or none of some kind, or a number is not finite.
+    TypeError
+        If it is a data set of several variables, or does not consist of real numbers.
+    """
+    if hasattr(data, "data_vars"):
+        raise TypeError(f"{what}: a data set has several variables; give one of them")
+    if hasattr(data, "dims"):  # of xarray, which need not be installed
+        if sorted(map(str, data.dims)) != sorted(LAYOUT):
+            named = ", ".join(map(str, data.dims))
+            raise ValueError(
+                f"{what} must have the dimensions {', '.join(LAYOUT)}, not {named}: rename them "
+                f"(.rename), or add those that are missing (.expand_dims)"
+            )
+        data = data.transpose(*LAYOUT).to_numpy()
+    try:
+        series = np.ascontiguousarray(data, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"{what} must consist of real numbers: {error}") from error
+    if np.ndim(data) != len(LAYOUT):
+        hint = ": a single series is series[np.newaxis]" if np.ndim(data) == 2 else ""
+        raise ValueError(f"{what} must be ({', '.join(LAYOUT)}), not {np.shape(data)}{hint}")
+    if series.size == 0:
+        raise ValueError(f"{what} of shape {series.shape} are empty")
+    if not np.isfinite(series).all():
+        row, step, component = (int(index) for index in np.argwhere(~np.isfinite(series))[0])
+        raise ValueError(
+            f"{what} must be finite: series {row} is not at step {step}, component {component}"
+        )
+    return series

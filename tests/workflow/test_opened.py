@@ -1,0 +1,95 @@
+"""`burstcast.open_campaign`: results to look at in a notebook."""
+
+import shutil
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_array_equal
+
+import burstcast
+from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast_workflow.harness.storage import read_netcdf
+
+
+@pytest.fixture(scope="module")
+def opened(finished):
+    return burstcast.open_campaign(finished.project.results)
+
+
+def test_it_says_what_there_is(opened):
+    text = repr(opened)
+    assert "of Re400" in text
+    assert "4 networks: Re400/esn-N30-RV-seed0" in text
+    assert "7 forecasters" in text
+    assert len(text.splitlines()) < 8
+    assert "classification" in repr(opened.tables)
+    assert opened.config["random_seed"] == 2022
+    network = opened.networks["Re400/esn-N40-RV-seed0"]
+    assert repr(network).startswith(
+        "NetworkForecaster(seed 0: EchoStateNetwork(40 neurons, 9 components, spectral radius 0."
+    )
+    assert len(repr(network)) < 160
+
+
+@pytest.mark.parametrize("identifier", ["esn-N40-RV-seed0", "quadratic_filtered", "equations"])
+def test_its_forecasters_forecast_what_the_workflow_has(opened, identifier):
+    directory = opened.results / "Re400"
+    points = read_netcdf(directory / "evaluation_set.nc", "washout", "true_state")
+    forecaster = opened.forecasters[f"Re400/{identifier}"]
+    true = points["true_state"][:, np.newaxis]
+    with np.errstate(all="ignore"):
+        summaries, diverged = forecast_summaries(
+            forecaster,
+            MoehlisFaisstEckhardt(reynolds=400.0).observable,
+            true if forecaster.sees_truth else points["washout"],
+            window_boundaries(0.5, 7, 61),
+        )
+    stored = read_netcdf(directory / identifier / "forecast.nc")
+    assert_array_equal(summaries.first, stored["first"])
+    assert_array_equal(summaries.largest, stored["largest"])
+    assert_array_equal(diverged, stored["diverged"])
+
+
+def test_its_series_are_those_of_the_workflow(opened):
+    points = read_netcdf(
+        opened.results / "Re400" / "evaluation_set.nc", "series", "step", "washout"
+    )
+    tested = opened.series("Re400", 3)
+    point = len(points["step"]) // 2
+    series, step = points["series"][point], points["step"][point]
+    washout = points["washout"][point]
+    assert_array_equal(tested[series, step - len(washout) + 1 : step + 1], washout)
+    stored = read_netcdf(opened.results / "Re400" / "ensemble.nc", "state")["state"]
+    assert_array_equal(opened.series("Re400", 1, 4, observed=False), stored[1:4])
+    with pytest.raises(ValueError, match=r"no case 'Re40' \(did you mean 'Re400'\?\); the cases"):
+        opened.series("Re40")
+
+
+def test_its_tables_and_figures(opened, tmp_path):
+    path = opened.results / "tables" / "classification.csv"
+    pd.testing.assert_frame_equal(
+        opened.tables["classification"], pd.read_csv(path), check_dtype=False
+    )
+    assert set(opened.tables) == {one.stem for one in path.parent.glob("*.csv")}
+    with pytest.raises(KeyError, match="did you mean 'horizon'"):
+        opened.tables["horizn"]
+    # figures, where there are any; a campaign that was moved; one without its forecasters
+    shutil.copy(opened.results / ".run.json", tmp_path)
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures" / "survival.png").touch()
+    moved = burstcast.open_campaign(tmp_path)
+    assert moved.figures["survival"] == tmp_path / "figures" / "survival.png"
+    assert dict(moved.networks) == {}
+    assert "0 networks (of 4)" in repr(moved)
+    with pytest.raises(ValueError, match="not made yet"):
+        moved.series("Re400")
+
+
+def test_a_directory_without_results_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="holds no campaign"):
+        burstcast.open_campaign(tmp_path)
+    (tmp_path / ".run.json").write_text("[]")
+    with pytest.raises(ValueError, match="the directory that the config calls `results`"):
+        burstcast.open_campaign(tmp_path)
