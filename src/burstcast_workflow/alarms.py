@@ -65,6 +65,16 @@ def alarms_of(campaign: Campaign, case: str) -> list[Alarm]:
     ]
 
 
+def shown_committees(campaign: Campaign, case: str) -> list[Alarm]:
+    """Committees of a case that figures show: of the example's size and strategy, of filters."""
+    example = replace(campaign.example.name, seed=None, kind="esn_committee")
+    return [
+        alarm
+        for alarm in alarms_of(campaign, case)
+        if alarm.name == example or alarm.name.kind.endswith("_filtered_committee")
+    ]
+
+
 def _committee(
     name: ForecasterName, members: Sequence[CaseForecaster], by_members: bool = False
 ) -> Alarm:
@@ -74,7 +84,12 @@ def _committee(
 
 
 def alarm_records(campaign: Campaign, cases: Iterable[str]) -> list[dict[str, Any]]:
-    """Records for jobs: alarms of cases, the forecasters that vote, and their key columns.
+    """Records for jobs of all alarms of some cases (`records_of`)."""
+    return records_of(campaign, (alarm for case in cases for alarm in alarms_of(campaign, case)))
+
+
+def records_of(campaign: Campaign, alarms: Iterable[Alarm]) -> list[dict[str, Any]]:
+    """Records for jobs: alarms with the forecasters that vote, and their key columns.
 
     ``ensembles`` are forecasters all of whose members vote.
     """
@@ -92,8 +107,7 @@ def alarm_records(campaign: Campaign, cases: Iterable[str]) -> list[dict[str, An
                 "alarm": alarm.identifier,
             },
         }
-        for case in cases
-        for alarm in alarms_of(campaign, case)
+        for alarm in alarms
     ]
 
 

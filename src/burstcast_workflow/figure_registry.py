@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from burstcast_workflow.alarms import shown_committees
 from burstcast_workflow.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.setting_groups import listed
 
@@ -177,6 +178,10 @@ def _with_reynolds(campaign: Campaign) -> list[str]:
     return _example(campaign) if len(_reynolds_cases(campaign)) > 1 else []
 
 
+def _with_committees(campaign: Campaign) -> list[str]:
+    return [case for case in _example(campaign) if shown_committees(campaign, case)]
+
+
 def _with_long_term(campaign: Campaign) -> list[str]:
     return [case for case in _every(campaign) if long_term_candidates(campaign, case)]
 
@@ -337,6 +342,11 @@ FIGURES: Mapping[str, Figure] = {
         {"lead_times": "tables/lead_times.csv"},
         "figures.fixed_neurons",
         "shown_case shown_validation",
+    ),
+    "committee_event": Figure(
+        {"event": "case/committee_event.nc"},
+        "SYSTEM case.event_threshold classification.window_lt",
+        cases=_with_committees,
     ),
     "by_reynolds": Figure(
         {

@@ -1,6 +1,6 @@
 """Every figure, drawn from small inputs."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from burstcast.figures.alarm_lead_times import alarm_lead_times
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
+from burstcast.figures.committee_event import CommitteeForecast, SeenEvent, committee_event
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
@@ -343,6 +344,31 @@ def _profiles() -> Figure:
     return profile_errors(Y, true, 0.9 * true, 1.02 * true, statistics_rows())
 
 
+def seen_event() -> SeenEvent:
+    """An event four Lyapunov times after the starting point."""
+    time = np.linspace(-0.5, 6.0, 131)
+    times = np.arange(1.0, 6.0)
+    return SeenEvent(
+        time,
+        burst(time, 4.0),
+        np.where(time <= 0, burst(time, 4.0) + 0.002 * np.cos(40 * time), np.nan),
+        times,
+        (times < 4.0) & (times > 2.0),
+    )
+
+
+def committee_forecasts(kinds: Sequence[str], members: int = 7) -> list[CommitteeForecast]:
+    """Members that see it at different times, and one that does not stay finite."""
+    event = seen_event()
+    fan = np.array([burst(event.time_lt, 3.8 + 0.1 * number) for number in range(members)])
+    fan[:, event.time_lt <= 0] = np.nan
+    fan[-1, event.time_lt > 4] = np.nan
+    votes = np.linspace(0, 1, event.happened.size)
+    return [
+        CommitteeForecast(kind, fan, votes, 0.9 * votes, np.full(votes.size, 0.4)) for kind in kinds
+    ]
+
+
 GALLERY: dict[str, Callable[[], Figure]] = {
     "observable_and_density": lambda: observable_and_density(
         TIME, burst(TIME, 4.0), EDGES, DENSITY, THRESHOLD
@@ -366,6 +392,13 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     ),
     "horizon_evaluations": _evaluations,
     "horizon_by_size": lambda: horizon_by_size(percentile_rows({"mean_horizon_lt": 4.5})),
+    "committee_event": lambda: committee_event(
+        seen_event(),
+        committee_forecasts(["esn_committee", "quadratic_filtered_committee"]),
+        THRESHOLD,
+        1.0,
+        observable_name="kinetic energy",
+    ),
     "forecast_skill": lambda: forecast_skill(score_rows("f_score", "brier_skill"), 2000, "RV"),
     "reliability": lambda: reliability(reliability_rows(), [3.0], 2000, "RV"),
     "economic_value": lambda: economic_value(value_rows(), [2.0, 3.0], 2000, "RV"),

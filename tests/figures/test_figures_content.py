@@ -15,11 +15,13 @@ from gallery_figures import (
     Y,
     Z,
     alarm_rows,
+    committee_forecasts,
     frontier_rows,
     reliability_rows,
     reynolds_rows,
     score_rows,
     search_trace,
+    seen_event,
 )
 from helpers_figures import THRESHOLD, burst, drawn_texts, overlapping_texts, percentile_rows
 from matplotlib.axes import Axes
@@ -27,6 +29,7 @@ from matplotlib.figure import Figure
 
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
+from burstcast.figures.committee_event import committee_event
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.forecast_skill import forecast_skill
@@ -312,3 +315,25 @@ def test_a_frontier_without_other_conditions_is_one_panel() -> None:
 def test_a_frontier_of_nothing_says_so() -> None:
     table = frontier_rows().assign(value=np.nan)
     assert "no event occurred" in " ".join(texts(control_frontier(table, USUAL)))
+
+
+def test_a_committee_is_drawn_member_by_member_with_its_probabilities():
+    event, (committee,) = seen_event(), committee_forecasts(["quadratic_filtered_committee"])
+    figure = committee_event(event, [committee], THRESHOLD, 1.0)
+    fan, chances = figure.axes
+    shown = event.time_lt > 0
+    for member in committee.members[:-1]:  # the last one ends on the way
+        assert lines_with(fan, member[shown].tolist()) == 1
+    median = np.nanmedian(committee.members[:, shown], axis=0)
+    assert lines_with(fan, median.tolist()) >= 1
+    assert lines_with(fan, event.true.tolist()) == 1
+    for values in (committee.votes, committee.probability, committee.alarm_threshold):
+        assert lines_with(chances, values.tolist()) == 1
+    # filled where an event begins within the window, open where none does
+    assert lines_with(chances, committee.probability[event.happened].tolist()) == 1
+    assert lines_with(chances, committee.probability[~event.happened].tolist()) == 1
+
+
+def test_no_committee_is_no_figure():
+    with pytest.raises(ValueError, match="no committee"):
+        committee_event(seen_event(), [], THRESHOLD, 1.0)

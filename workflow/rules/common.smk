@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from burstcast_workflow.alarms import alarm_records
+from burstcast_workflow.alarms import alarm_records, records_of, shown_committees
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.costs import CostModel

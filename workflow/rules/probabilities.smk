@@ -6,6 +6,16 @@ def ensembles_of(case):
     return [one for one in campaign.ensemble_forecasters if one.case == case]
 
 
+def who_votes(case, by_members=None):
+    """Forecasters that vote in the committees of a case that are shown: all, or of one sort."""
+    return [
+        one
+        for alarm in shown_committees(campaign, case)
+        if by_members in (None, alarm.by_members)
+        for one in alarm.members
+    ]
+
+
 stage(
     "data/calibration_set",
     "starting points of the calibration",
@@ -63,6 +73,53 @@ stage(
         lambda wildcards: campaign.keys(ensembles_of(wildcards["case"]))
     ),
     alarms=of_job(lambda wildcards: alarm_records(campaign, [wildcards["case"]])),
+)
+
+stage(
+    # of those who are shown: members of the example's ensemble, and of other ensembles
+    "evaluation/committee_event",
+    "an event as committees see it",
+    inputs={
+        **files("ensemble evaluation_set calibration time_unit"),
+        "forecasters": of_job(
+            lambda wildcards: of_forecasters("forecaster.nc", who_votes(wildcards.case))
+        ),
+        "forecasts": of_job(
+            lambda wildcards: of_forecasters(
+                "forecast.nc", who_votes(wildcards.case, by_members=False)
+            )
+        ),
+        "member_forecasts": of_job(
+            lambda wildcards: of_forecasters(
+                "member_forecast.nc", who_votes(wildcards.case, by_members=True)
+            )
+        ),
+    },
+    outputs={"committee_event": f"{CASE}/committee_event.nc"},
+    settings="SYSTEM TIME WINDOWS case.event_threshold case.training.series "
+    "classification.prediction_times_lt",
+    cost="gather",
+    committees=of_job(
+        lambda wildcards: records_of(
+            campaign, shown_committees(campaign, wildcards["case"])
+        )
+    ),
+    rows=of_job(
+        lambda wildcards: campaign.keys(who_votes(wildcards["case"], by_members=False))
+    ),
+    ensemble_rows=of_job(
+        lambda wildcards: campaign.keys(who_votes(wildcards["case"], by_members=True))
+    ),
+    who=of_job(
+        lambda wildcards: [
+            {
+                "identity": one.identity,
+                "by_members": one in who_votes(wildcards["case"], by_members=True),
+                "settings": campaign.settings(["forecaster.options"], one.identity, {}),
+            }
+            for one in who_votes(wildcards["case"])
+        ]
+    ),
 )
 
 # What tables of probabilities are made from.

@@ -112,6 +112,11 @@ def forecast_points(
     )
 
 
+def forecasters_of(rows: Sequence[Record], paths: Sequence[str]) -> dict[str, str]:
+    """Files of one case by the identifier of the forecaster (`gathered`)."""
+    return {record["identity"]["forecaster"]: path for record, path in gathered(rows, paths)}
+
+
 @dataclass(frozen=True)
 class AlarmRule:
     """How an alarm is raised: a calibration, and the probability from which on it is.

@@ -281,7 +281,8 @@ GATHERED = """classification_table horizon_table
     percentiles/classification percentiles/horizon
     latex/classification latex/classification_* latex/horizon latex/horizon_*
     figure/classification_scores figure/horizon_by_size
-    figure/forecast_skill figure/reliability figure/economic_value figure/alarm_lead_times"""
+    figure/forecast_skill figure/reliability figure/economic_value figure/alarm_lead_times
+    committee_event/* figure/committee_event"""
 GATHERED_CONTROL = """control_table control_density_table percentiles/control
     control_strategies_table latex/control_strategies
     latex/control latex/control_percentiles
@@ -412,6 +413,7 @@ NOTHING_TO_SHOW = {
     "prediction_schematic": (f"{_EXAMPLE}/examples.nc", "outcome"),
     "prediction_examples": (f"{_EXAMPLE}/examples.nc", "outcome"),
     "horizon_evaluations": (f"{_EXAMPLE}/examples.nc", "evaluation_lead_time_lt"),
+    "committee_event": ("Re400/committee_event.nc", "time_lt"),
     "midplane_planes": (f"{_EXAMPLE}/flow_event.nc", "mark"),
     "vorticity_isosurfaces": (f"{_EXAMPLE}/flow_event.nc", "mark"),
     "control_schematic": (f"{_EXAMPLE}/control/{_WINDOWS}/suppressed_event.nc", "mark"),

@@ -7,8 +7,13 @@ from burstcast.probability.calibration import UNCALIBRATED, isotonic
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
-from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.probabilities import CALIBRATED, VOTES, AlarmRule, forecast_points
+from burstcast_workflow.jobs.probabilities import (
+    CALIBRATED,
+    VOTES,
+    AlarmRule,
+    forecast_points,
+    forecasters_of,
+)
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
@@ -23,14 +28,12 @@ def calibrate(
     provenance: Provenance,
 ) -> None:
     """Write calibrations and thresholds by alarm, event threshold and prediction time."""
-    files, member_files = (
-        {one["identity"]["forecaster"]: path for one, path in gathered(settings[rows], paths)}
-        for rows, paths in (
-            ("rows", calibration_forecasts),
-            ("ensemble_rows", calibration_member_forecasts),
-        )
+    points = forecast_points(
+        settings,
+        calibration_set,
+        forecasters_of(settings["rows"], calibration_forecasts),
+        forecasters_of(settings["ensemble_rows"], calibration_member_forecasts),
     )
-    points = forecast_points(settings, calibration_set, files, member_files)
     alarms: dict[str, Any] = {}
     for alarm in settings["alarms"]:
         # the sweep of the event threshold is for those who are compared

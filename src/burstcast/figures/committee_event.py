@@ -1,0 +1,192 @@
+"""One event as committees see it: what each member forecasts, and the probability that follows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.figures.parts.reference_forecasters import forecaster_label
+from burstcast.figures.parts.style import (
+    BLUE,
+    DOUBLE_COLUMN,
+    GREY,
+    ORANGE,
+    SINGLE_COLUMN,
+    TRUTH,
+    draw_threshold,
+    legend_above,
+    letter_panels,
+    new_figure,
+    observable_label,
+    styled,
+)
+
+_FAN = "#8FBFDC"
+
+
+@dataclass(frozen=True)
+class SeenEvent:
+    """What truly happened around a starting point.
+
+    Attributes
+    ----------
+    time_lt
+        Since the starting point, ``(time,)``.
+    true
+        Observable, ``(time,)``.
+    observed
+        What was observed of it up to the starting point, ``(time,)``; NaN from there on.
+    prediction_times_lt
+        Beginnings of windows after the starting point, rising, ``(windows,)``.
+    happened
+        Whether an event began in each of them, ``(windows,)``.
+    """
+
+    time_lt: FloatArray
+    true: FloatArray
+    observed: FloatArray
+    prediction_times_lt: FloatArray
+    happened: BoolArray
+
+
+@dataclass(frozen=True)
+class CommitteeForecast:
+    """What a committee forecasts from the starting point.
+
+    Attributes
+    ----------
+    kind
+        Who it is (`burstcast.figures.parts.reference_forecasters`).
+    members
+        Observable in each member's forecast, ``(members, time)``; NaN where there is none.
+    votes, probability, alarm_threshold
+        For each window: share of the members that forecast an event, calibrated probability, and
+        the probability from which on an alarm is raised, ``(windows,)``.
+    """
+
+    kind: str
+    members: FloatArray
+    votes: FloatArray
+    probability: FloatArray
+    alarm_threshold: FloatArray
+
+
+@styled
+def committee_event(
+    event: SeenEvent,
+    committees: Sequence[CommitteeForecast],
+    threshold: float,
+    window_lt: float,
+    *,
+    symbol: str = "k",
+    observable_name: str | None = None,
+) -> Figure:
+    """Draw for each committee its members' forecasts, and below them the probability of an event.
+
+    Parameters
+    ----------
+    event
+        What happened.
+    committees
+        One column each; one at least.
+    threshold
+        Event threshold.
+    window_lt
+        Length of a window.
+    symbol, observable_name
+        Of the observable.
+
+    Raises
+    ------
+    ValueError
+        If there is no committee.
+    """
+    if not committees:
+        raise ValueError("there is no committee to draw")
+    width = SINGLE_COLUMN if len(committees) == 1 else DOUBLE_COLUMN
+    figure = new_figure(width, 3.8)
+    panels = figure.subplots(
+        2, len(committees), sharex=True, sharey="row", squeeze=False, height_ratios=[3, 2]
+    )
+    for (fan, chances), committee in zip(panels.T, committees, strict=True):
+        _draw_fan(fan, event, committee, symbol)
+        draw_threshold(fan, threshold, f"${symbol}_e$", at_left=True)
+        _draw_probabilities(chances, event, committee)
+        fan.set_title(forecaster_label(committee.kind), loc="center")
+        chances.set_xlabel("Time from the starting point [LT]")
+    # an unbounded forecast of a member must not squeeze the event
+    highest = max(float(np.nanmax(event.true)), threshold)
+    panels[0, 0].set_ylim(min(0.0, float(np.nanmin(event.true))), 1.35 * highest)
+    panels[0, 0].set_xlim(event.time_lt[0], event.time_lt[-1])
+    panels[0, 0].set_ylabel(observable_label(symbol, observable_name))
+    panels[1, 0].set_ylim(-0.06, 1.06)
+    panels[1, 0].set_ylabel(f"Probability of an event\nwithin {window_lt:g} LT from then")
+    legend_above(figure, panels.flat, columns=2 if len(committees) == 1 else 4)
+    letter_panels(list(panels.flat), inside=True)
+    return figure
+
+
+def _draw_fan(axes: Axes, event: SeenEvent, committee: CommitteeForecast, symbol: str) -> None:
+    shown = np.isfinite(committee.members).any(axis=0)
+    for number, member in enumerate(committee.members):
+        axes.plot(
+            event.time_lt[shown],
+            member[shown],
+            color=_FAN,
+            linewidth=0.5,
+            zorder=1.6,
+            label="" if number else "members",
+        )
+    axes.plot(
+        event.time_lt[shown],
+        np.nanmedian(committee.members[:, shown], axis=0),
+        color=BLUE,
+        linestyle=(0.0, (3.5, 1.2)),
+        linewidth=1.2,
+        label="median of the members",
+    )
+    axes.plot(event.time_lt, event.true, label="truth", **TRUTH)
+    axes.plot(
+        event.time_lt,
+        event.observed,
+        linestyle="none",
+        marker=".",
+        markersize=2.0,
+        color=GREY,
+        label="observed",
+        zorder=3,
+    )
+    axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1.2)
+
+
+def _draw_probabilities(axes: Axes, event: SeenEvent, committee: CommitteeForecast) -> None:
+    times, happened = event.prediction_times_lt, event.happened
+    axes.plot(
+        times,
+        committee.alarm_threshold,
+        color=GREY,
+        linestyle=(0.0, (1.0, 1.2)),
+        linewidth=1.0,
+        label="alarm from here on",
+    )
+    axes.plot(times, committee.votes, color=ORANGE, linestyle="--", linewidth=0.9, label="votes")
+    axes.plot(times, committee.probability, color=BLUE, linewidth=1.2, label="calibrated")
+    for which, face, label in (
+        (happened, BLUE, "an event begins within"),
+        (~happened, "white", "no event does"),
+    ):
+        axes.plot(
+            times[which],
+            committee.probability[which],
+            linestyle="none",
+            marker="o",
+            markersize=3.6,
+            color=BLUE,
+            markerfacecolor=face,
+            label=label,
+            zorder=3,
+        )
+    axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1.2)

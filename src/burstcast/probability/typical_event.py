@@ -1,0 +1,29 @@
+"""An event that stands for all of them: neither the best forecast nor the worst."""
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray
+
+
+def typical_event(probability: FloatArray, happened: BoolArray, scored: BoolArray) -> int | None:
+    """Starting point that an event follows, and whose probability is the median of all of these.
+
+    Parameters
+    ----------
+    probability
+        Forecast at each starting point, ``(points,)``.
+    happened
+        Whether an event followed, ``(points,)``.
+    scored
+        Points that count, ``(points,)``.
+
+    Returns
+    -------
+    Position of the point: the first one with the (lower) median probability; None if no event
+    followed any point.
+    """
+    rows = np.flatnonzero(happened & scored)
+    if rows.size == 0:
+        return None
+    median = np.sort(probability[rows])[(rows.size - 1) // 2]
+    return int(rows[np.argmax(probability[rows] == median)])
