@@ -7,8 +7,12 @@
 All jobs of the campaign are listed by rule, as Snakemake plans them, with their predicted time.
 Where results have ``benchmark:`` records, the median of their times and the largest memory are
 compared with the predictions for the same jobs: ``!`` marks what is beyond a factor of two. Where
-forecasts have records, what each kind of forecaster took follows: times are those of one machine,
-so that no table of the campaign holds them.
+forecasts have records, what each kind of forecaster took follows.
+
+What forecasters took is also a table, ``benchmarks/forecaster_costs.csv`` below the results, which
+every run makes at its end. It lies beside the records, not among the campaign's tables: those are
+the same bits wherever and whenever they are made, while times are those of one machine and one day;
+a rule that made it would run again after every other job.
 """
 
 import csv
@@ -18,13 +22,29 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from statistics import median
+from typing import Any
 
+from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.costs import SECONDS_PER, Cost, CostModel
-from burstcast_workflow.identifiers import parsed
+from burstcast_workflow.identifiers import ForecasterName
 from burstcast_workflow.why import planned
 
-TRAINING_RULES = ("search", "train", "fit")
-"""What makes a forecaster, beside the scan that networks of a reservoir share."""
+TABLE = "forecaster_costs.csv"
+"""Table of what forecasters took, beside the records."""
+
+
+@dataclass(frozen=True)
+class Measured(Cost):
+    """What a job took: wall time and memory as they are predicted, and time of the processor.
+
+    Attributes
+    ----------
+    processor_seconds
+        As far as Snakemake sampled it: of short jobs all, of long ones nearly all. It depends less
+        than the wall time on what else the machine did.
+    """
+
+    processor_seconds: float
 
 
 @dataclass(frozen=True)
@@ -36,19 +56,20 @@ class PredictedJob:
     cost: Cost
     record: Path
 
-    def measured(self) -> Cost:
-        """What Snakemake measured: wall time, largest resident set."""
-        with self.record.open(encoding="utf-8") as file:
-            row = list(csv.DictReader(file, delimiter="\t"))[-1]
-        memory = row["max_rss"]  # that of a job that is over at once is not sampled
-        return Cost(float(row["s"]), 0.0 if memory in ("-", "NA") else float(memory))
+    def measured(self) -> Measured:
+        """What Snakemake measured: wall time, time of the processor, largest resident set."""
+        return _measured(self.record)
 
 
 def predicted_jobs(
     arguments: Sequence[str] = (), seconds_per: Mapping[str, float] = SECONDS_PER
 ) -> list[PredictedJob]:
     """All jobs of the campaign that options of snakemake name, rule by rule, done or not."""
-    workflow = planned([*arguments, "--forceall"])
+    return _jobs(planned([*arguments, "--forceall"]), seconds_per)
+
+
+def _jobs(workflow: Any, seconds_per: Mapping[str, float] = SECONDS_PER) -> list[PredictedJob]:
+    """All jobs of a plan."""
     model = CostModel(workflow.globals["campaign"], seconds_per)
     found = []
     for job in workflow.dag.jobs:
@@ -87,41 +108,103 @@ def report(jobs: Sequence[PredictedJob]) -> str:
     return "\n".join([*lines, f"total of {len(jobs)} jobs, in minutes on one core: {minutes:.1f}"])
 
 
-def forecasters_report(jobs: Sequence[PredictedJob]) -> str:
-    """Measured times and memory of training and forecasting, by case and kind; "" without records.
+@dataclass(frozen=True)
+class ForecasterCost:
+    """What forecasters of a kind, of networks those of one size and strategy, took in a case.
 
-    Networks of a size and strategy share a line, with the medians over those whose jobs all have
-    records. A scan counts in full for each network that it serves. A job whose results came from
-    the cache has the time of a copy.
+    Attributes
+    ----------
+    case, name
+        Whose it is; no seed.
+    forecasters
+        How many of them have records of all their jobs.
+    training, forecast
+        Medians over these of the times, and the largest memory: of all that makes a forecaster, and
+        of the forecast of the evaluation set.
     """
-    measured: dict[tuple[str, str], dict[str, Cost]] = {}
-    scans: dict[tuple[str, str], Cost] = {}
-    for job in jobs:
-        if not job.record.exists():
-            continue
-        if job.rule == "scan":
-            scans[job.wildcards["case"], job.wildcards["reservoir"]] = job.measured()
-        elif job.rule in (*TRAINING_RULES, "forecast"):
-            key = (job.wildcards["case"], job.wildcards["forecaster"])
-            measured.setdefault(key, {})[job.rule] = job.measured()
-    lines: dict[tuple[str, str], list[tuple[Cost, Cost]]] = {}
-    for (case, identifier), costs in measured.items():
-        name = parsed(identifier)
-        if name.neurons is not None:  # a network
-            reservoir = replace(name, validation=None).identifier
-            if (case, reservoir) in scans:
-                costs["scan"] = scans[case, reservoir]
-            needed = {"scan", "search", "train", "forecast"}
+
+    case: str
+    name: ForecasterName
+    forecasters: int
+    training: Measured
+    forecast: Measured
+
+    @property
+    def row(self) -> dict[str, str | int | float | None]:
+        """Row of a table, keys first."""
+        parts = {"training": self.training, "forecast": self.forecast}
+        return {
+            "case": self.case,
+            "forecaster": self.name.kind,
+            "neurons": self.name.neurons,
+            "validation": self.name.validation,
+            "forecasters": self.forecasters,
+            **{
+                f"{part}_{quantity}": getattr(cost, quantity)
+                for part, cost in parts.items()
+                for quantity in ("seconds", "processor_seconds", "memory_mib")
+            },
+        }
+
+
+def forecaster_costs(campaign: Campaign, records: Path) -> list[ForecasterCost]:
+    """Measured times and memory of training and forecasting, by case and kind.
+
+    A scan counts in full for each network that it serves. A job whose results came from the cache
+    has the time of a copy.
+
+    Parameters
+    ----------
+    campaign
+        Whose forecasters.
+    records
+        Directory of the ``benchmark:`` records of its jobs.
+    """
+    found: dict[tuple[str, ForecasterName], list[tuple[Measured, Measured]]] = {}
+    for one in campaign.forecasters:
+        identifier = one.name.identifier
+        if one.name.kind == "esn":
+            scan = "scan/{}/{}/{}".format(one.case, *campaign.scan_of(identifier))
+            made = [scan, f"search/{one.directory}", f"train/{one.directory}"]
         else:
-            needed = {"fit", "forecast"}
-        if needed <= costs.keys():
-            training = [cost for rule, cost in costs.items() if rule != "forecast"]
-            total = Cost(
-                sum(cost.seconds for cost in training), max(cost.memory_mib for cost in training)
+            made = [f"fit/{one.directory}"]
+        paths = [records / f"{name}.tsv" for name in (*made, f"forecast/{one.directory}")]
+        if all(path.exists() for path in paths):
+            *training, forecast = map(_measured, paths)
+            total = Measured(
+                sum(cost.seconds for cost in training),
+                max(cost.memory_mib for cost in training),
+                sum(cost.processor_seconds for cost in training),
             )
-            kind = replace(name, seed=None).identifier
-            lines.setdefault((case, kind), []).append((total, costs["forecast"]))
-    if not lines:
+            whose = one.case, replace(one.name, seed=None)
+            found.setdefault(whose, []).append((total, forecast))
+    return [
+        ForecasterCost(case, name, len(both), *map(_typical, zip(*both, strict=True)))
+        for (case, name), both in found.items()
+    ]
+
+
+def _measured(record: Path) -> Measured:
+    with record.open(encoding="utf-8") as file:
+        row = list(csv.DictReader(file, delimiter="\t"))[-1]
+    # a job that is over at once is not sampled
+    memory, processor = (
+        0.0 if row[name] in ("-", "NA") else float(row[name]) for name in ("max_rss", "cpu_time")
+    )
+    return Measured(float(row["s"]), memory, processor)
+
+
+def _typical(costs: Sequence[Measured]) -> Measured:
+    return Measured(
+        median(cost.seconds for cost in costs),
+        max(cost.memory_mib for cost in costs),
+        median(cost.processor_seconds for cost in costs),
+    )
+
+
+def forecasters_report(costs: Sequence[ForecasterCost]) -> str:
+    """Table of `forecaster_costs` for people; "" without any."""
+    if not costs:
         return ""
     head = (
         f"{'case':<10} {'forecaster':<26} {'number':>6} {'training [s]':>12} {'MiB':>5}"
@@ -130,15 +213,24 @@ def forecasters_report(jobs: Sequence[PredictedJob]) -> str:
     return "\n".join(
         [head]
         + [
-            f"{case:<10} {kind:<26} {len(both):>6}"
+            f"{cost.case:<10} {cost.name.identifier:<26} {cost.forecasters:>6}"
             + "".join(
-                f" {median(cost.seconds for cost in costs):>12.1f}"
-                f" {max(cost.memory_mib for cost in costs):>5.0f}"
-                for costs in zip(*both, strict=True)
+                f" {part.seconds:>12.1f} {part.memory_mib:>5.0f}"
+                for part in (cost.training, cost.forecast)
             )
-            for (case, kind), both in lines.items()
+            for cost in costs
         ]
     )
+
+
+def write_forecaster_costs(campaign: Campaign, records: Path) -> None:
+    """Write `forecaster_costs` as a table beside the records (CSV); nothing without any."""
+    rows = [cost.row for cost in forecaster_costs(campaign, records)]
+    if rows:
+        with (records / TABLE).open("w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
 
 
 def _ratio(measured: float, prediction: float) -> str:
@@ -148,9 +240,11 @@ def _ratio(measured: float, prediction: float) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the reports of a campaign."""
-    jobs = predicted_jobs(sys.argv[1:] if arguments is None else arguments)
-    print(report(jobs))
-    if text := forecasters_report(jobs):
+    given = sys.argv[1:] if arguments is None else arguments
+    workflow = planned([*given, "--forceall"])
+    print(report(_jobs(workflow)))
+    records = Path(workflow.overwrite_workdir or "", workflow.globals["TIMES"])
+    if text := forecasters_report(forecaster_costs(workflow.globals["campaign"], records)):
         print(f"\n{text}")
 
 

@@ -12,12 +12,15 @@ from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.cost_report import (
     PredictedJob,
+    forecaster_costs,
     forecasters_report,
     main,
     predicted_jobs,
     report,
+    write_forecaster_costs,
 )
 from burstcast_workflow.costs import SAFETY, SECONDS_PER, SNAKEMAKE_MIB, Cost, CostModel
+from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.why import planned
 
 ROOT = Path(__file__).parents[2]
@@ -379,7 +382,8 @@ def test_rules_ask_for_what_is_predicted(directory):
 
 def write_record(path, seconds, memory):
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(f"s\th:m:s\tmax_rss\n{seconds}\t0:00:01\t{memory}\n")
+    columns = {"s": seconds, "h:m:s": "0:00:01", "max_rss": memory, "cpu_time": seconds / 2}
+    path.write_text("\n".join("\t".join(map(str, row)) for row in (columns, columns.values())))
 
 
 def test_records_are_compared_with_the_predictions_of_their_jobs(tmp_path, capsys):
@@ -409,25 +413,38 @@ def test_records_are_compared_with_the_predictions_of_their_jobs(tmp_path, capsy
 
 
 def test_training_and_forecasting_are_told_by_kind_of_forecaster(tmp_path):
-    case = {"case": "Re400"}
-    seconds = {"scan": 10.0, "search": 5.0, "train": 1.0, "forecast": 4.0}
+    config = copy.deepcopy(PAPER)
+    networks = {"neurons": [30], "validation": ["RV"], "seeds": 4}
+    forecasters = {"esn": networks, "quadratic": {}, "persistence": {}}
+    config["campaign"] = [{"reynolds": [400], "forecasters": forecasters}]
+    found = Campaign(config)
+    assert forecaster_costs(found, tmp_path) == []
+    write_forecaster_costs(found, tmp_path)
+    assert not any(tmp_path.iterdir())
 
-    def job(rule, time, memory, **wildcards):
-        record = tmp_path / rule / f"{'-'.join(wildcards.values())}.tsv"
-        write_record(record, time, memory)
-        return PredictedJob(rule, {**case, **wildcards}, Cost(1.0, 1.0), record)
-
-    jobs = []
+    seconds = {"search": 5.0, "train": 1.0, "forecast": 4.0}
     for seed, factor in enumerate((1, 2, 6)):
-        jobs.append(job("scan", factor * seconds["scan"], 70, reservoir=f"esn-N30-seed{seed}"))
-        for rule in ("search", "train", "forecast"):
-            name = f"esn-N30-RV-seed{seed}"
-            jobs.append(job(rule, factor * seconds[rule], 90 + seed, forecaster=name))
-    # without a scan
-    jobs.append(job("forecast", 1000, 1000, forecaster="esn-N30-RV-seed3"))
-    jobs.append(job("fit", 0.5, 60, forecaster="quadratic"))
-    jobs.append(job("forecast", 3.0, 61, forecaster="quadratic"))
-    _, network, quadratic = forecasters_report(jobs).splitlines()
+        scan = tmp_path / f"scan/Re400/esn-N30-seed{seed}/RV+SSV.tsv"
+        write_record(scan, factor * 10.0, 70)
+        for rule, time in seconds.items():
+            record = tmp_path / rule / f"Re400/esn-N30-RV-seed{seed}.tsv"
+            write_record(record, factor * time, 90 + seed)
+    # without a scan; of another campaign; without a forecast
+    write_record(tmp_path / "forecast/Re400/esn-N30-RV-seed3.tsv", 1000, 1000)
+    write_record(tmp_path / "fit/Re400/analogues.tsv", 1000, 1000)
+    write_record(tmp_path / "fit/Re400/persistence.tsv", 1000, 1000)
+    write_record(tmp_path / "fit/Re400/quadratic.tsv", 0.5, 60)
+    write_record(tmp_path / "forecast/Re400/quadratic.tsv", 3.0, "NA")
+    costs = forecaster_costs(found, tmp_path)
+    _, network, quadratic = forecasters_report(costs).splitlines()
     assert network.split() == ["Re400", "esn-N30-RV", "3", "32.0", "92", "8.0", "92"]
-    assert quadratic.split() == ["Re400", "quadratic", "1", "0.5", "60", "3.0", "61"]
-    assert forecasters_report(jobs[:2]) == ""
+    assert quadratic.split() == ["Re400", "quadratic", "1", "0.5", "60", "3.0", "0"]
+    assert forecasters_report([]) == ""
+    # the same as a table, with the time of the processor
+    write_forecaster_costs(found, tmp_path)
+    rows = read_table(tmp_path / "forecaster_costs.csv").set_index("forecaster")
+    assert rows.index.tolist() == ["esn", "quadratic"]
+    assert rows.loc["esn", ["neurons", "forecasters", "training_seconds"]].tolist() == [30, 3, 32]
+    assert rows["forecast_seconds"].tolist() == [8, 3]
+    assert rows["training_processor_seconds"].tolist() == [16, 0.25]
+    assert rows["training_memory_mib"].tolist() == [92, 60]

@@ -11,6 +11,7 @@ from pathlib import Path
 from burstcast_workflow.alarms import alarm_records, records_of, shown_committees
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.cost_report import write_forecaster_costs
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.figure_registry import (
     FIGURES,
@@ -101,6 +102,8 @@ onstart:
 
 
 onsuccess:
+    if workflow.is_main_process:
+        write_forecaster_costs(campaign, Path(TIMES))
     print(
         f"\n{campaign_summary(Path(TABLES))}\n\nTables: {TABLES}/*.csv and *.tex. "
         f"Figures: {RESULTS}/figures/*.pdf and *.png.\n{stale_note(RESULTS, workflow)}",

@@ -77,7 +77,7 @@ stage(
 
 stage(
     # of those who are shown: members of the example's ensemble, and of other ensembles
-    "evaluation/committee_event",
+    "probabilities/committee_event",
     "an event as committees see it",
     inputs={
         **files("ensemble evaluation_set calibration time_unit"),
