@@ -283,7 +283,7 @@ def test_a_function_is_not_saved_but_given_again(training, test_series, tmp_path
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"lyapunov_time": None}, "washout is 0.5, which is 0 samples; .* unless lyapunov_time"),
+        ({"lyapunov_time": None}, "is 0.5, which is 0 samples; .* unless lyapunov_time"),
         ({"lyapunov_time": -1.0}, "lyapunov_time must be positive"),
         ({"prediction_times": ()}, "one entry at least"),
         ({"prediction_times": (0.001,)}, "a prediction time is 0.001, which is 0 samples"),
