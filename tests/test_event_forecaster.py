@@ -222,7 +222,7 @@ def test_any_kind_of_forecaster(kind, training, test_series):
     assert probability.shape == (5,)
     assert ((probability >= 0) & (probability <= 1)).all()
     if kind.startswith("equations"):
-        with pytest.raises(ValueError, match="give the system as the observable"):
+        with pytest.raises(ValueError, match="measured series have no equations"):
             burstcast.EventForecaster(**{**settings, "observable": 0}).fit(training)
 
 

@@ -32,6 +32,7 @@ from burstcast.probability.votes import share_of_votes
 from burstcast.series_layout import as_series
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system, parameters_of
+from burstcast.systems.state_space import StateSpace
 
 NETWORKS = "esn"
 """The kind whose hyperparameters are searched, and of which there is a committee."""
@@ -563,7 +564,7 @@ class EventForecaster(Estimator):
             options=options,
         )
 
-    def _observable(self, system: DynamicalSystem, states: FloatArray) -> FloatArray:
+    def _observable(self, system: StateSpace, states: FloatArray) -> FloatArray:
         """Observable of series, ``(series, time)``."""
         return system.observable(states.transpose(2, 0, 1))
 
@@ -600,7 +601,7 @@ class EventForecaster(Estimator):
         )
 
     def _networks(
-        self, observed: FloatArray, scales: Scales, system: DynamicalSystem, washout: int
+        self, observed: FloatArray, scales: Scales, system: StateSpace, washout: int
     ) -> tuple[list[Forecaster], list[dict[str, float]]]:
         """The committee, and the hyperparameters of each member."""
         # networks take a moment to load, which other kinds need not wait for
@@ -725,8 +726,8 @@ class EventForecaster(Estimator):
         )
 
 
-class _Observed(DynamicalSystem):
-    """A system of which nothing is known but an observable: there are only series of it."""
+class _Observed:
+    """Series of which an observable is known, and no equations (a `StateSpace`)."""
 
     observable_name = "observable"
     observable_symbol = "q"
@@ -740,7 +741,7 @@ class _Observed(DynamicalSystem):
         self._given, self._components = observable, components
 
     @property
-    def dimension(self) -> int:  # type: ignore[override]
+    def dimension(self) -> int:
         """Number of components."""
         return self._components
 
@@ -756,16 +757,6 @@ class _Observed(DynamicalSystem):
                 f"{(*state.shape[1:], state.shape[0])} it made {value.shape}"
             )
         return value
-
-    def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """Refuse: there are no equations."""
-        raise ValueError(
-            "forecasters of this kind need the equations: give the system as the observable"
-        )
-
-    def jacobian(self, state: FloatArray) -> FloatArray:
-        """Refuse: there are no equations."""
-        return self.right_hand_side(state)
 
 
 def _divergence_is_a_result() -> Any:

@@ -28,8 +28,7 @@ def model_problems(settings: Any, model: type[Section], *, partial: bool = False
             )
             for problem in error.errors(include_url=False)
             if not (
-                problem["type"] == "missing"
-                and (partial or problem["loc"][:-1][:1] == ("cases",))
+                problem["type"] == "missing" and (partial or problem["loc"][:-1][:1] == ("cases",))
             )
         ]
         return list(dict.fromkeys(messages))
