@@ -86,7 +86,7 @@ def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
         records.append((tmp_path / name / "deep" / "er" / "network.json").read_bytes())
     assert records[0] == records[1]
     record = json.loads(records[0])
-    libraries = {"numpy", "scipy", "numba", "scikit-learn", "scikit-optimize"}
+    libraries = {"numpy", "scipy", "numba", "llvmlite", "scikit-learn", "scikit-optimize"}
     assert set(record) == {"source", "rule", "identity", "settings", "python"} | libraries
     assert record["source"].startswith("burstcast ")
     assert record["identity"] == '{"case": "Re400", "rule": "train", "seed": 3}'
