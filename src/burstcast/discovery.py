@@ -7,11 +7,14 @@ wherever the code that a result depends on is listed.
 import dataclasses
 import difflib
 import importlib
+import importlib.util
 import inspect
 import math
 import numbers
 import pkgutil
+import traceback
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from types import ModuleType
 from typing import TypeVar
 
@@ -37,16 +40,65 @@ def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[t
     base
         Abstract class that they are subclasses of.
     """
-    module = importlib.import_module(f"{package.__name__}.{name}")
+    module = imported(f"{package.__name__}.{name}")
+    return [found for found in classes_in(module, base) if not inspect.isabstract(found)]
+
+
+def classes_in(module: ModuleType, base: type[Base]) -> list[type[Base]]:
+    """Subclasses, abstract ones too, that a module itself defines, without its own ``_Classes``."""
     return [
         candidate
         for candidate in vars(module).values()
         if inspect.isclass(candidate)
         and issubclass(candidate, base)
         and candidate.__module__ == module.__name__
-        and not inspect.isabstract(candidate)
         and not candidate.__name__.startswith("_")
     ]
+
+
+def imported(name: str) -> ModuleType:
+    """Import a module by its name.
+
+    Raises
+    ------
+    ValueError
+        If there is no such module, or it has a mistake: the message says which, and where.
+    """
+    try:
+        return importlib.import_module(name)
+    except Exception as error:  # whatever the module's code raises
+        if isinstance(error, ModuleNotFoundError) and f"{name}.".startswith(f"{error.name}."):
+            where = "here or among what is installed" if error.name == name.split(".")[0] else ""
+            raise ValueError(f"there is no module {error.name} {where}".rstrip()) from None
+        raise ValueError(
+            f"the module {name} cannot be imported: {_place(error)}{type(error).__name__}: "
+            f"{getattr(error, 'msg', error)}"
+        ) from error
+
+
+def _place(error: Exception) -> str:
+    """Where a module's mistake is: "flows.py, line 3: "."""
+    if isinstance(error, SyntaxError):
+        return f"{error.filename}, line {error.lineno}: "
+    frames = traceback.extract_tb(error.__traceback__)
+    files = [frame for frame in frames if "importlib" not in frame.filename]
+    return f"{files[-1].filename}, line {files[-1].lineno}: " if len(files) > 1 else ""
+
+
+def top_level_directory(module: str) -> Path | None:
+    """Directory that the outermost package of a module, or the module itself, is imported from.
+
+    None if there is no such module, or it is no file.
+    """
+    try:
+        spec = importlib.util.find_spec(module.split(".")[0])
+    except (ImportError, ValueError):
+        return None
+    if spec is None:
+        return None
+    if spec.submodule_search_locations:
+        return Path(next(iter(spec.submodule_search_locations))).absolute().parent
+    return Path(spec.origin).absolute().parent if spec.has_location and spec.origin else None
 
 
 def suggestion(name: str, candidates: Iterable[str]) -> str:

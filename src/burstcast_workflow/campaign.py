@@ -304,6 +304,9 @@ class Campaign:
             value = value[key]
         if path == "statistics.duration" and value is None:
             return self.cases[wildcards["case"]]["ensemble"]["duration"]
+        if path == "case.event_threshold" and isinstance(value, Mapping):
+            # a job finds it out (`burstcast_workflow.harness.thresholds`)
+            return {**value, "case": wildcards["case"]}
         return value
 
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
@@ -423,6 +426,11 @@ class Campaign:
         value = self.cases[case]["parameters"].get("reynolds")
         return None if value is None else float(value)
 
+    def event_quantile(self, case: str) -> float | None:
+        """Quantile that the event threshold of a case is given as; None where it is a number."""
+        threshold = self.cases[case]["event_threshold"]
+        return float(threshold["quantile"]) if isinstance(threshold, Mapping) else None
+
     def steps_per_lyapunov_time(self, case: str) -> int | None:
         """Steps of a forecast in a Lyapunov time; None where the config does not know it."""
         record = self.cases[case]
@@ -435,6 +443,11 @@ class Campaign:
         """Time between two steps of a forecast, in time units."""
         ensemble = self.cases[case]["ensemble"]
         return float(ensemble["time_step"] * ensemble["sampling_stride"])
+
+    def dimension(self, case: str) -> int:
+        """Components of a state."""
+        record = self.cases[case]
+        return make_system(record["system"], record["parameters"]).dimension
 
     def has_flow(self, case: str) -> bool:
         """Whether a case is a flow: its state, the amplitudes of velocity modes."""

@@ -75,7 +75,7 @@ class _Job:
         self.lyapunov_time = campaign.steps_per_lyapunov_time(self.case) or _TYPICAL_LYAPUNOV_TIME
         self.interval = campaign.sampling_interval(self.case)
         self.neurons = float(name.neurons or 0)
-        self.dimension = len(self("case.ensemble.initial_state"))
+        self.dimension = campaign.dimension(self.case)
         self.series = self("case.ensemble.series")
         self.training_series = self("case.training.series")
         self.stride = self("case.ensemble.sampling_stride")

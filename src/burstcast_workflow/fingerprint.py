@@ -11,7 +11,9 @@ is walked here rather than by `ast.dump`, whose output differs between Python ve
 do not show must not happen, and a test keeps it out. Two things are known otherwise:
 
 * Modules that a registry finds by name (systems, forecasters, validation strategies). A script that
-  reaches a registry depends on those of its modules that its job is about, and on no others.
+  reaches a registry depends on those of its modules that its job is about, and on no others. A
+  system of one's own lies elsewhere: what its module imports of the same directory, or of the same
+  installed package, counts, too.
 * The harness, which runs scripts, logs, caches and writes files. It is in no fingerprint; instead,
   the one number of `burstcast_workflow.harness.version` is, raised when it changes a result.
 """
@@ -21,6 +23,8 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+
+from burstcast.discovery import top_level_directory
 
 _HASH_LENGTH = 12
 _HARNESS = "burstcast_workflow.harness"
@@ -34,10 +38,13 @@ class Sources:
     ----------
     root
         The project's directory.
+    own_modules
+        Names of modules outside the project that have systems.
     """
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, own_modules: Sequence[str] = ()) -> None:
         self._packages, self._scripts = root / "src", root / "workflow" / "scripts"
+        self._own_modules = tuple(own_modules)
 
     def fingerprint(self, script: str, found_by_name: Mapping[str, Sequence[str]]) -> list[str]:
         """Fingerprints of the code of a job (see `fingerprint`).
@@ -47,13 +54,14 @@ class Sources:
         script
             Below ``workflow/scripts``.
         found_by_name
-            By package with a ``registry``: the modules of it that the job is about.
+            By package with a ``registry``: the modules of it that the job is about; with a colon,
+            module and class outside of it.
         """
         path = self._scripts / script
         entries = fingerprint(path, self._packages)
         reached = {entry.partition("@")[0] for entry in entries}
         more = [
-            f"{package}.{module}"
+            module.partition(":")[0] if ":" in module else f"{package}.{module}"
             for package, modules in found_by_name.items()
             if f"{package}.registry" in reached
             for module in modules
@@ -67,7 +75,17 @@ class Sources:
             parts = path.relative_to(self._packages).with_suffix("").parts
             module = ".".join(parts).removesuffix(".__init__")
             entries.append(f"{module}@{_parsed(path)[0]}")
+        for module, path in self.own_files().items():
+            entries.append(f"{module}@{_parsed(path)[0]}")
         return sorted(entries)
+
+    def own_files(self) -> dict[str, Path]:
+        """Files of modules outside the project: those with systems, and what they import there."""
+        roots = _with_own_roots(((self._packages, ""),), self._own_modules)
+        found = _reached(list(self._own_modules), roots)
+        return {
+            name: path for name, path in found.items() if not path.is_relative_to(self._packages)
+        }
 
 
 def fingerprint(script: Path, source_root: Path, extra_modules: Sequence[str] = ()) -> list[str]:
@@ -107,27 +125,47 @@ def forget_files() -> None:
     _located.cache_clear()
 
 
+# a directory that modules are found in, and the one package of it that counts; "": all do
+_Root = tuple[Path, str]
+
+
 @cache
 def _fingerprint(script: Path, source_root: Path, extra_modules: tuple[str, ...]) -> list[str]:
-    roots = (source_root, script.parent)
-    digest, imports = _parsed(script)
-    entries = {script.name: digest}
-    waiting = [name for name, level in imports if level == 0]
+    roots = _with_own_roots(((source_root, ""), (script.parent, "")), extra_modules)
     for module in extra_modules:
         if _located(module, roots) is None:
             raise FileNotFoundError(f"there is no module {module} in {source_root}")
-        waiting.append(module)
+    digest, imports = _parsed(script)
+    waiting = [*(name for name, level in imports if level == 0), *extra_modules]
+    entries = {name: _parsed(path)[0] for name, path in _reached(waiting, roots).items()}
+    entries[script.name] = digest
+    return sorted(f"{name}@{digest}" for name, digest in entries.items())
+
+
+def _reached(waiting: list[str], roots: tuple[_Root, ...]) -> dict[str, Path]:
+    """Files of modules, and of all that they reach through imports, by their names."""
+    found: dict[str, Path] = {}
     while waiting:
         for name in _with_parents(waiting.pop()):
             module = _VERSION if f"{name}.".startswith(f"{_HARNESS}.") else name
             path = _located(module, roots)
-            if module in entries or path is None:
+            if module in found or path is None:
                 continue
-            digest, imports = _parsed(path)
-            entries[module] = digest
+            found[module] = path
             package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+            imports = _parsed(path)[1]
             waiting += [_absolute(name, level, package) for name, level in imports]
-    return sorted(f"{name}@{digest}" for name, digest in entries.items())
+    return found
+
+
+def _with_own_roots(roots: tuple[_Root, ...], modules: Sequence[str]) -> tuple[_Root, ...]:
+    """Add the directories of modules that lie elsewhere; of installed ones the package alone."""
+    for module in modules:
+        directory = top_level_directory(module) if _located(module, roots) is None else None
+        if directory is not None:
+            installed = directory.name in ("site-packages", "dist-packages")
+            roots = (*roots, (directory, module.split(".")[0] if installed else ""))
+    return tuple(dict.fromkeys(roots))
 
 
 def _absolute(name: str, level: int, package: str) -> str:
@@ -146,12 +184,13 @@ def _with_parents(name: str) -> list[str]:
 
 
 @cache
-def _located(module: str, roots: tuple[Path, ...]) -> Path | None:
+def _located(module: str, roots: tuple[_Root, ...]) -> Path | None:
     """File of a module of the project; None for other modules, and names that are no modules."""
-    for root in roots:
-        path = root.joinpath(*module.split("."))
+    first, *_ = parts = module.split(".")
+    for root, package in roots:
+        path = root.joinpath(*parts)
         for candidate in (path / "__init__.py", path.with_name(path.name + ".py")):
-            if candidate.is_file():
+            if package in ("", first) and candidate.is_file():
                 return candidate
     return None
 

@@ -7,7 +7,7 @@ outlived that directory. Here it is told what the results' own records say inste
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -30,7 +30,9 @@ _stop_caching = PersistenceBase.deactivate_cache
 _plan = DAG.init
 
 
-def claim_before_jobs(run: Run, config: Mapping[str, Any], sources: Sources) -> None:
+def claim_before_jobs(
+    run: Run, config: Mapping[str, Any], sources: Sources, directories: Sequence[str]
+) -> None:
     """Let a run take its results directory as soon as it does more than planning.
 
     Snakemake's handlers are not called where the workflow is a module of another one; that its
@@ -42,6 +44,8 @@ def claim_before_jobs(run: Run, config: Mapping[str, Any], sources: Sources) -> 
         The run.
     config, sources
         What is planned: the whole config and the code.
+    directories
+        Where jobs find modules of the user's own.
     """
 
     def planning_is_over(self: PersistenceBase) -> None:
@@ -50,7 +54,7 @@ def claim_before_jobs(run: Run, config: Mapping[str, Any], sources: Sources) -> 
             code = sources.all_fingerprints()
             os.environ["NUMBA_CACHE_DIR"] = numba_cache(code)  # jobs take it over
             try:
-                run.claim(config, code)
+                run.claim(config, code, directories)
             except OvertakenError as error:
                 raise WorkflowError(str(error)) from None
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from burstcast_workflow.alarms import alarm_records, records_of, shown_committees
 from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.cost_report import write_forecaster_costs
 from burstcast_workflow.costs import CostModel
@@ -27,6 +28,9 @@ from burstcast_workflow.harness.code_check import (
 )
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.run import OvertakenError, Run
+from burstcast_workflow.harness.thresholds import INPUT as THRESHOLDS
+from burstcast_workflow.harness.thresholds import cases_of_thresholds
+from burstcast_workflow.harness.search_path import make_importable, search_directories
 from burstcast_workflow.planning import (
     claim_before_jobs,
     plan_by_records,
@@ -45,21 +49,25 @@ PROJECT = Path(str(workflow.current_basedir)).parents[1]
 try:
     check_imports(PROJECT / "src")
     if workflow.is_main_process:
-        compile_by_content(PROJECT / "src")
+        directories = search_directories(workflow.configfiles, PROJECT)
+        make_importable(directories)
         config = load(config, workflow.configfiles, defaults=PROJECT / "config.yaml")
         # where another workflow's prefix puts it, if it has this one as a module
         run = Run.new(workflow.modifier.path_modifier.replace_prefix(config["results"]))
     else:  # a job of a cluster: what was planned, whatever the files say by now
         run = Run.of_job()
-        config = run.plan()["config"]
+        config, directories = run.plan()["config"], run.plan()["directories"]
+        make_importable(directories)
+    sources = Sources(PROJECT, own_modules(config))
+    if workflow.is_main_process:
+        compile_by_content(PROJECT / "src", sources.own_files().values())
 except (CodeChangedError, ConfigError, OvertakenError) as error:
     # without the traceback, in which nobody would find the message
     raise WorkflowError(str(error)) from None
-sources = Sources(PROJECT)
 plan_by_records(run.results)
 if workflow.is_main_process:
     refuse_what_nothing_makes(run.results)
-    claim_before_jobs(run, dict(config), sources)
+    claim_before_jobs(run, dict(config), sources, directories)
 campaign = Campaign(config)
 costs = CostModel(campaign)
 
@@ -171,6 +179,16 @@ def time_unit_of_job(wildcards):
 time_unit = time_unit_of_job if any(map(time_unit_of, campaign.cases)) else []
 
 
+def thresholds_of(settings):
+    """Files of the event thresholds that settings of a job only know as quantiles."""
+    cases = dict.fromkeys(cases_of_thresholds(settings))
+    return [f"{RESULTS}/{case}/event_threshold.json" for case in cases]
+
+
+# Settings are gone through for each job: not where no threshold is a quantile.
+QUANTILES = any(campaign.event_quantile(case) is not None for case in campaign.cases)
+
+
 def reads(script, paths="", **values):
     """Parameters of a stage: the settings that its script reads, and the code that it runs.
 
@@ -272,6 +290,13 @@ def stage(
     for file, path in outputs.items():
         # what two stages call the same is no name for either
         FILES[file] = path if FILES.get(file, path) == path else None
+    parameters = reads(f"{name}.py", settings, **values)
+    if QUANTILES:
+        read = parameters["settings"]
+        inputs = {
+            **inputs,
+            THRESHOLDS: of_job(lambda wildcards: thresholds_of(read(wildcards))),
+        }
 
     # A rule sees the arguments of its own call, also when its job runs; in a loop over stages, all
     # jobs would run the script of the last one. (What Snakemake itself calls script and the like
@@ -296,7 +321,7 @@ def stage(
         resources:
             **needs(rule_name, cost, cached),
         params:
-            **reads(f"{name}.py", settings, **values),
+            **parameters,
         message:
             f"{whose}: {does}" if whose else does
         script:
@@ -357,6 +382,8 @@ def files_of_figure(wildcards):
         )
         for name, paths in files.items()
     }
+    if QUANTILES:
+        found[THRESHOLDS] = thresholds_of(settings_of_figure(wildcards))
     overlay = figure.published and config["figures"]["published_overlay"]
     return {**found, "published": local(PUBLISHED)} if overlay else found
 

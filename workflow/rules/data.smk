@@ -9,6 +9,15 @@ stage(
     cached=True,
 )
 stage(
+    "data/event_threshold",
+    "the event threshold, a quantile of the training series",
+    inputs=files("ensemble"),
+    outputs={"event_threshold": f"{CASE}/event_threshold.json"},
+    settings="case.training.series",
+    cost="data",
+    quantile=of_job(lambda wildcards: campaign.event_quantile(wildcards["case"])),
+)
+stage(
     "data/lyapunov",
     "Lyapunov exponents",
     inputs=files("ensemble"),

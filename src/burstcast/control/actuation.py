@@ -13,7 +13,7 @@ import numpy as np
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.control.timing import Timing
-from burstcast.systems.base import DynamicalSystem, EnergyBudget
+from burstcast.systems.base import DynamicalSystem, EnergyBudget, has_own
 
 
 @dataclass(frozen=True)
@@ -147,13 +147,19 @@ class ForcedSystem(DynamicalSystem):
     Raises
     ------
     ValueError
-        If the force is not finite or has the wrong length.
+        If the force is not finite or has the wrong length, or the system has an integrator of its
+        own, to which a force cannot be added.
     """
 
     def __init__(self, system: DynamicalSystem, force: Sequence[float]) -> None:
         vector = np.asarray(force, dtype=np.float64)
         if vector.shape != (system.dimension,) or not np.isfinite(vector).all():
             raise ValueError(f"a force needs {system.dimension} finite components, not {force}")
+        if has_own(system, "flow_map"):
+            raise ValueError(
+                f"a force is added to a right-hand side, but {type(system).__name__} has an "
+                "integrator of its own: let the actuation change a parameter"
+            )
         self._system = system
         self._force = vector
         # class variables of a system, but those of this one are those of the system inside it

@@ -4,7 +4,10 @@ import abc
 from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
+
 from burstcast.arrays import FloatArray
+from burstcast.systems import differentiation
 
 
 class EnergyBudget(NamedTuple):
@@ -50,16 +53,35 @@ class DynamicalSystem(abc.ABC):
         """Time derivative of the state; both of shape ``(dimension, ...)``."""
 
     @abc.abstractmethod
+    def observable(self, state: FloatArray) -> FloatArray:
+        """Observable whose extreme events are forecast, of shape ``(...)``."""
+
     def jacobian(self, state: FloatArray) -> FloatArray:
         """Jacobian of the right-hand side, ``(dimension, dimension, ...)``.
 
         Entry ``[i, j]`` is the derivative of component i of the right-hand side in component j of
-        the state.
+        the state. Optional: without it, it is found by complex steps, or by central differences
+        (`burstcast.systems.differentiation`), which is slower, for nothing of it is compiled.
         """
+        method = differentiation.derivative_method(self.right_hand_side, self.dimension)
+        return differentiation.jacobian(self.right_hand_side, state, method)
 
-    @abc.abstractmethod
-    def observable(self, state: FloatArray) -> FloatArray:
-        """Observable whose extreme events are forecast, of shape ``(...)``."""
+    def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
+        """State one integration step later, both of shape ``(dimension, ...)``.
+
+        Optional: an integrator of the system's own in place of the classical Runge-Kutta scheme
+        (`burstcast.systems.stiff` and `burstcast.systems.exponential` have two), or a system that
+        is nothing but a map (`burstcast.systems.flow_map`).
+        """
+        raise NotImplementedError(f"{type(self).__name__} is integrated by the Runge-Kutta scheme")
+
+    def sample_initial_states(self, series: int, generator: np.random.Generator) -> FloatArray:
+        """Initial states of an ensemble, ``(dimension, series)``.
+
+        Optional: without it, all series begin near one state that the case says
+        (``ensemble.initial_state``).
+        """
+        raise NotImplementedError(f"{type(self).__name__} does not draw initial states")
 
     def energy_budget(self, state: FloatArray) -> EnergyBudget | None:
         """Energy input and dissipation of states; None if the system does not tell them.
@@ -68,3 +90,9 @@ class DynamicalSystem(abc.ABC):
         state, which the modes of a flow, being orthonormal, make its mean kinetic energy.
         """
         return None
+
+
+def has_own(system: DynamicalSystem | type[DynamicalSystem], method: str) -> bool:
+    """Whether a system has an optional method: "jacobian", "flow_map", "sample_initial_states"."""
+    owner = system if isinstance(system, type) else type(system)
+    return getattr(owner, method) is not getattr(DynamicalSystem, method)

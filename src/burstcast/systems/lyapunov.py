@@ -10,6 +10,7 @@ the time integrated here, and use the time step that they were made with. Both f
 the very same trajectories, bit for bit, and stay in the chaotic phase.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
@@ -18,8 +19,12 @@ import numpy as np
 from scipy.special import stdtrit
 
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.base import DynamicalSystem, has_own
+from burstcast.systems.differentiation import Method, derivative, derivative_method
 from burstcast.systems.integration import check_batch, integrate
+from burstcast.systems.runge_kutta import step
+
+logger = logging.getLogger(__name__)
 
 # Ratio of the weakest to the strongest growth between two orthonormalisations below which the
 # weakest direction drowns in the rounding errors of the strongest.
@@ -292,6 +297,9 @@ def tangent_flow(system: DynamicalSystem) -> DynamicalSystem:
     perturbation multiplied by the derivative of that step. Several perturbations of one state are
     several trajectories: the state is computed with each of them, which is fast all the same.
 
+    Where the system has no Jacobian, J(x) v is found by complex steps or differences; where it has
+    an integrator of its own, so is the derivative of that.
+
     Parameters
     ----------
     system
@@ -302,7 +310,23 @@ def tangent_flow(system: DynamicalSystem) -> DynamicalSystem:
     DynamicalSystem
         Of twice the dimension: the components of x, then those of v. It has no Jacobian.
     """
-    return _TangentFlow(system)
+    if not has_own(system, "flow_map"):
+        if has_own(system, "jacobian"):
+            return _TangentFlow(system)
+        method = derivative_method(system.right_hand_side, system.dimension)
+        logger.info("%s has no Jacobian: derivatives by %s", type(system).__name__, method)
+        return _DifferentiatedFlow(system, method)
+
+    def one_step(state: FloatArray) -> FloatArray:
+        return step(system, state, _PROBE_STEP)
+
+    method = derivative_method(one_step, system.dimension)
+    logger.info("%s has its own integrator: derivatives by %s", type(system).__name__, method)
+    return _TangentMap(system, method)
+
+
+_PROBE_STEP = 1e-3
+"""Time step with which it is tried out how an integrator is differentiated."""
 
 
 @dataclass(frozen=True)
@@ -333,6 +357,29 @@ class _TangentFlow(DynamicalSystem):
     def observable(self, state: FloatArray) -> FloatArray:
         """Observable of the state."""
         return self.system.observable(state[: self.system.dimension])
+
+
+@dataclass(frozen=True)
+class _DifferentiatedFlow(_TangentFlow):
+    method: Method
+
+    def right_hand_side(self, state: FloatArray) -> FloatArray:
+        """Time derivative of state and perturbation; both of shape ``(2 dimension, ...)``."""
+        x, perturbation = np.split(state, 2)
+        function = self.system.right_hand_side
+        return np.concatenate([function(x), derivative(function, x, perturbation, self.method)])
+
+
+@dataclass(frozen=True)
+class _TangentMap(_DifferentiatedFlow):
+    def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
+        """State and perturbation one integration step later."""
+        x, perturbation = np.split(state, 2)
+
+        def advance(states: FloatArray) -> FloatArray:
+            return step(self.system, states, time_step)
+
+        return np.concatenate([advance(x), derivative(advance, x, perturbation, self.method)])
 
 
 def with_perturbations(

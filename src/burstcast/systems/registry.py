@@ -1,20 +1,31 @@
-"""Dynamical systems by name: the module ``burstcast.systems.<name>`` holds the system ``<name>``.
+"""Dynamical systems by name: those of this package, and of one's own modules.
 
-A new system is one new module with one concrete subclass of `DynamicalSystem` in it; nothing has to
-be registered.
+The module ``burstcast.systems.<name>`` holds the system ``<name>``. A system of one's own is named
+by its module and class, ``my_flows.kuramoto:KuramotoSivashinsky``: any module that Python finds. A
+system is one concrete subclass of `DynamicalSystem`; nothing has to be registered.
 """
 
 import dataclasses
+import inspect
 from collections.abc import Mapping
 
 import burstcast.systems
-from burstcast.discovery import checked_numbers, concrete_classes, module_names, suggestion
+from burstcast.discovery import (
+    checked_numbers,
+    classes_in,
+    concrete_classes,
+    imported,
+    module_names,
+    suggestion,
+)
 from burstcast.systems.base import DynamicalSystem
+
+_CLASS_VARIABLES = ("dimension", "observable_name", "observable_symbol")
 
 
 def available_systems() -> list[str]:
-    """Names of all the systems, sorted."""
-    return [name for name in module_names(burstcast.systems) if _systems_in(name)]
+    """Names of all the systems of this package, sorted; modules with mistakes are left out."""
+    return [name for name in module_names(burstcast.systems) if _is_sound(name)]
 
 
 def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
@@ -23,43 +34,59 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     Parameters
     ----------
     name
-        Name of a module of `burstcast.systems`: "mfe", "lorenz63", ...
+        Name of a module of `burstcast.systems` ("mfe", "lorenz63", ...), or module and class of
+        one's own, "my_flows.kuramoto:KuramotoSivashinsky".
     parameters
         Values of the fields of the system's class; those with a default may be left out.
 
     Raises
     ------
     ValueError
-        If there is no such system; if a parameter is unknown, missing or not a finite number; or
-        if the system itself rejects a value.
+        If there is no such system, or its module has a mistake; if a parameter is unknown, missing
+        or not a finite number; or if the system itself rejects a value.
     TypeError
-        If the module defines more than one system.
+        If the module defines more than one system, or the class is no dataclass.
     """
     found = system_class(name)
-    return found(**checked_numbers(f"system {name!r}", "parameter", found, parameters))
+    values = checked_numbers(f"system {name!r}", "parameter", found, parameters)
+    try:
+        return found(**values)
+    except (ValueError, ArithmeticError):
+        raise
+    except Exception as error:  # a mistake in the class
+        raise ValueError(
+            f"the system {name} cannot be made: {type(error).__name__}: {error}"
+        ) from error
 
 
 def system_class(name: str) -> type[DynamicalSystem]:
-    """Find the class of the system ``name``.
+    """Find the class of the system ``name`` (see `make_system`).
 
     Raises
     ------
     ValueError
-        If there is no such system.
+        If there is no such system, or its module or class has a mistake: the message says which.
     TypeError
         If the module defines more than one system.
     """
-    classes = _systems_in(name) if name in module_names(burstcast.systems) else []
+    if ":" in name:
+        return _own_class(*name.split(":", 1))
+    if name not in module_names(burstcast.systems):
+        raise ValueError(_unknown(name))
+    module = imported(f"burstcast.systems.{name}")
+    classes = concrete_classes(burstcast.systems, name, DynamicalSystem)  # type: ignore[type-abstract]
     if not classes:
-        available = available_systems()
-        raise ValueError(
-            f"unknown system {name!r}{suggestion(name, available)}; "
-            f"the available systems are {', '.join(available)}"
-        )
+        # a class that is not finished; the interface itself, and bases of systems, lie elsewhere
+        unfinished = [
+            found
+            for found in classes_in(module, DynamicalSystem)  # type: ignore[type-abstract]
+            if found is not DynamicalSystem
+        ]
+        raise ValueError(_lacks(unfinished[0]) if unfinished else _unknown(name))
     if len(classes) > 1:
         names = ", ".join(system_class.__name__ for system_class in classes)
         raise TypeError(f"burstcast.systems.{name} must define one system, not several: {names}")
-    return classes[0]
+    return _complete(classes[0])
 
 
 def parameters_of(system: DynamicalSystem) -> dict[str, float]:
@@ -72,6 +99,56 @@ def parameters_of(system: DynamicalSystem) -> dict[str, float]:
     }
 
 
-def _systems_in(module_name: str) -> list[type[DynamicalSystem]]:
-    # the interface is abstract
-    return concrete_classes(burstcast.systems, module_name, DynamicalSystem)  # type: ignore[type-abstract]
+def module_of(name: str) -> str:
+    """Full name of the module that the system ``name`` lies in."""
+    module, colon, _ = name.partition(":")
+    return module if colon else f"burstcast.systems.{name}"
+
+
+def _own_class(module_name: str, class_name: str) -> type[DynamicalSystem]:
+    module = imported(module_name)
+    found = getattr(module, class_name, None)
+    place = f"{module_name} ({getattr(module, '__file__', None) or 'a namespace package'})"
+    if found is None:
+        names = [one.__name__ for one in classes_in(module, DynamicalSystem)]  # type: ignore[type-abstract]
+        raise ValueError(
+            f"the module {place} has no class {class_name}{suggestion(class_name, names)}; "
+            f"its systems are {', '.join(names) or 'none'}"
+        )
+    if not (inspect.isclass(found) and issubclass(found, DynamicalSystem)):
+        raise ValueError(
+            f"{class_name} of {place} is no system: it must be a subclass of "
+            "burstcast.systems.base.DynamicalSystem"
+        )
+    if inspect.isabstract(found):
+        raise ValueError(_lacks(found))
+    return _complete(found)
+
+
+def _lacks(unfinished: type[DynamicalSystem]) -> str:
+    methods = ", ".join(sorted(getattr(unfinished, "__abstractmethods__", ())))
+    return f"the class {unfinished.__name__} of {unfinished.__module__} lacks {methods}"
+
+
+def _complete(found: type[DynamicalSystem]) -> type[DynamicalSystem]:
+    missing = [name for name in _CLASS_VARIABLES if not hasattr(found, name)]
+    if missing:
+        raise ValueError(
+            f"the class {found.__name__} of {found.__module__} lacks {', '.join(missing)}"
+        )
+    return found
+
+
+def _unknown(name: str) -> str:
+    available = available_systems()
+    return (
+        f"unknown system {name!r}{suggestion(name, available)}; the available systems are "
+        f"{', '.join(available)}, and those of your own are named <module>:<class>"
+    )
+
+
+def _is_sound(name: str) -> bool:
+    try:
+        return bool(concrete_classes(burstcast.systems, name, DynamicalSystem))  # type: ignore[type-abstract]
+    except ValueError:
+        return False

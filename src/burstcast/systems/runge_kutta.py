@@ -1,11 +1,16 @@
 """The classical fourth-order Runge-Kutta scheme, one step of it."""
 
 from burstcast.arrays import FloatArray
-from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.base import DynamicalSystem, has_own
 
 
 def step(system: DynamicalSystem, state: FloatArray, time_step: float) -> FloatArray:
-    """One step of the fourth-order Runge-Kutta scheme; states of shape ``(dimension, ...)``."""
+    """One integration step; states of shape ``(dimension, ...)``.
+
+    Of the fourth-order Runge-Kutta scheme, unless the system has an integrator of its own.
+    """
+    if has_own(system, "flow_map"):
+        return system.flow_map(state, time_step)
     slope_1 = system.right_hand_side(state)
     slope_2 = system.right_hand_side(state + (0.5 * time_step) * slope_1)
     slope_3 = system.right_hand_side(state + (0.5 * time_step) * slope_2)

@@ -4,7 +4,8 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from burstcast.systems.registry import system_class
+from burstcast.systems.base import has_own
+from burstcast.systems.registry import module_of, system_class
 from burstcast_workflow.canonical import canonical
 from burstcast_workflow.config.model import Case
 from burstcast_workflow.config.places import Place
@@ -55,7 +56,7 @@ def case_record(config: Mapping[str, Any], name: str) -> Config:
         if not said.get("actuation"):
             shared["actuation"] = None
         record = _merged(shared, said)
-        _derive(record)
+        _derive(record, draws=_draws_initial_states(system))
     if match := _REYNOLDS_NAME.fullmatch(name):
         # what the entry itself says stays, for the checks to compare
         record["parameters"].setdefault("reynolds", canonical(float(match[1])))
@@ -88,6 +89,12 @@ _ORTHONORMALISATION_STEPS = 5
 """Steps of a forecast between two QR factorisations."""
 
 
+def own_modules(config: Mapping[str, Any]) -> list[str]:
+    """Modules of the user's own that systems of the campaign's cases lie in."""
+    systems = {record["system"] for record in case_records(config).values()}
+    return sorted({module_of(system) for system in systems if ":" in system})
+
+
 def said_by_class(system: str) -> Config:
     """What the class of a system says of its cases; nothing where there is no such class."""
     try:
@@ -98,12 +105,24 @@ def said_by_class(system: str) -> Config:
     return result
 
 
-def _derive(record: Config) -> None:
+_INITIAL = ("initial_state", "perturbed_component", "perturbation")
+
+
+def _draws_initial_states(system: str) -> bool:
+    try:
+        return has_own(system_class(system), "sample_initial_states")
+    except (ValueError, TypeError):  # told with the case
+        return False
+
+
+def _derive(record: Config, *, draws: bool) -> None:
     """Fill in what follows from other settings, where neither class nor entry says it."""
     record.setdefault("parameters", {})
     record.setdefault("laminarisation_threshold", None)
     lyapunov, ensemble = record["lyapunov"], record["ensemble"]
     lyapunov.setdefault("published_exponent", None)
+    if draws and "initial_state" not in ensemble:
+        ensemble.update(dict.fromkeys(_INITIAL))
     if "time_step" in ensemble and "sampling_stride" in ensemble:
         interval = ensemble["time_step"] * ensemble["sampling_stride"]
         lyapunov.setdefault("orthonormalisation_interval", _ORTHONORMALISATION_STEPS * interval)

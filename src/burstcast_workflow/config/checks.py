@@ -11,6 +11,7 @@ from burstcast import durations
 from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.statistics.profiles import flow_modes
+from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.config.cases import (
     block_cases,
@@ -192,7 +193,7 @@ def _is_flow(record: Settings) -> bool:
     """Whether the figures of the flow are drawn for a case."""
     try:
         return flow_modes(make_system(record["system"], record["parameters"])) is not None
-    except ValueError:  # told with the case
+    except (ValueError, TypeError):  # told with the case
         return False
 
 
@@ -295,7 +296,11 @@ def _kinds(config: Settings, name: str) -> set[str]:
 
 
 def _filter(settings: Settings, record: Settings) -> Iterator[str]:
-    members, dimension = settings["members"], len(record["ensemble"]["initial_state"])
+    try:
+        dimension = make_system(record["system"], record["parameters"]).dimension
+    except (ValueError, TypeError):  # told with the case
+        return
+    members = settings["members"]
     if members % 2 or members < 2 * dimension:
         yield (
             f"forecasters.filter.members is {members}; it must be even, and at least twice the "
@@ -335,15 +340,23 @@ def _system(name: str, record: Settings) -> Iterator[str]:
     if name.startswith("Re") and reynolds is not None and _is_reynolds_of_another(name, reynolds):
         yield f"parameters.reynolds is {reynolds}, which contradicts the name {name}: leave it out"
     try:
-        dimension = make_system(record["system"], parameters).dimension
-    except ValueError as error:
+        system = make_system(record["system"], parameters)
+        dimension = system.dimension
+    except (ValueError, TypeError) as error:
         yield f"system or parameters: {error}"
         return
-    state, component = len(ensemble["initial_state"]), ensemble["perturbed_component"]
+    state, component = ensemble["initial_state"], ensemble["perturbed_component"]
     of_system = f"the system {record['system']}"
-    if state != dimension:
-        yield f"ensemble.initial_state has {state} numbers; {of_system} needs {dimension}"
-    if component > dimension:
+    if state is None and not has_own(system, "sample_initial_states"):
+        yield f"ensemble.initial_state is null, but {of_system} draws no initial states: give one"
+    if state is not None and len(state) != dimension:
+        yield f"ensemble.initial_state has {len(state)} numbers; {of_system} needs {dimension}"
+    if state is not None and None in (component, ensemble["perturbation"]):
+        yield (
+            "ensemble.perturbed_component and ensemble.perturbation are needed beside "
+            "ensemble.initial_state: without them all series are the same"
+        )
+    if component is not None and component > dimension:
         yield (
             f"ensemble.perturbed_component is {component}; {of_system} has the components 1 to "
             f"{dimension}"
@@ -353,6 +366,11 @@ def _system(name: str, record: Settings) -> Iterator[str]:
             make_system(record["system"], {**parameters, **actuation["parameters"]})
         except ValueError as error:
             yield f"actuation.parameters: {error}"
+        if actuation["force"] is not None and has_own(system, "flow_map"):
+            yield (
+                f"actuation.force: {of_system} has an integrator of its own, to which no force can "
+                "be added; let the actuation change a parameter"
+            )
         if actuation["force"] is not None and len(actuation["force"]) != dimension:
             yield f"actuation.force has {len(actuation['force'])} numbers; it needs {dimension}"
 

@@ -108,8 +108,8 @@ ParameterName = Annotated[
 ]
 SystemName = Annotated[
     str,
-    Field(pattern=r"^[a-z][a-z0-9_]*\Z"),
-    Words("the name of a module of burstcast.systems, such as mfe"),
+    Field(pattern=r"^(?:[a-z][a-z0-9_]*|[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*:[A-Za-z_]\w*)\Z"),
+    Words("mfe, another module of burstcast.systems, or <module>:<class> of your own"),
 ]
 Directory = Annotated[
     str,

@@ -110,11 +110,13 @@ class Ensemble(Section):
     """The time series that all data come from."""
 
     series: Whole = setting("number of series that are generated", ge=2)
-    initial_state: list[float] = setting(
-        "initial state that all series share, one number per component", min_length=1
+    initial_state: Annotated[
+        list[float] | None, Words("a list of numbers, or null: the system draws initial states")
+    ] = setting("initial state that all series share, one number per component")
+    perturbed_component: Annotated[Count | None, Words("a whole number above 0, or null")] = (
+        setting("perturbed component of the initial state, counted from 1")
     )
-    perturbed_component: Count = setting("perturbed component of the initial state, counted from 1")
-    perturbation: Positive = setting(
+    perturbation: Annotated[Positive | None, Words("a number above 0, or null")] = setting(
         "largest perturbation; each series draws its own from [0, perturbation]",
         "units of the component",
     )
@@ -204,7 +206,10 @@ class RecycleValidation(Section):
 class Case(Section):
     """A dynamical system with its dataset: what every case starts from."""
 
-    system: SystemName = setting("the equations, a module of burstcast.systems")
+    system: SystemName = setting(
+        "the equations: a module of burstcast.systems, or module and class of your own, from the "
+        "working directory, that of a config, or what is installed"
+    )
     parameters: dict[ParameterName, float] = setting("parameters of the equations")
     event_threshold: Threshold = setting(
         "value of the observable that an extreme event reaches, k_e, or the share of its values in "

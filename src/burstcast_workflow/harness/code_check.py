@@ -65,16 +65,19 @@ _HEADER_LENGTH = 16
 _BY_CONTENT = MAGIC_NUMBER + bytes([0b11, 0, 0, 0])
 
 
-def compile_by_content(sources: Path) -> None:
-    """Compile the project's modules so that Python compares them with the content of their sources.
+def compile_by_content(sources: Path, own_files: Iterable[Path] = ()) -> None:
+    """Compile modules so that Python compares them with the content of their sources.
 
     By itself it compares size and time of change only, and runs an old compiled module after an
-    edit that keeps both. A module that is compiled like this stays so.
+    edit that keeps both. A module that is compiled like this stays so. These are the project's and
+    the user's own.
 
     Parameters
     ----------
     sources
         Directory of the project's packages.
+    own_files
+        Modules that lie elsewhere.
 
     Raises
     ------
@@ -85,7 +88,7 @@ def compile_by_content(sources: Path) -> None:
         os.path.abspath(getattr(one, "__file__", "") or "") for one in [*sys.modules.values()]
     }
     stale = []
-    for path in sorted(sources.absolute().glob("burstcast*/**/*.py")):
+    for path in (*sorted(sources.absolute().glob("burstcast*/**/*.py")), *own_files):
         compiled = Path(cache_from_source(str(path)))
         before = compiled.read_bytes() if compiled.exists() else b""
         if before.startswith(_BY_CONTENT):

@@ -34,8 +34,10 @@ from burstcast_workflow.harness.cache import LIBRARIES, entry_key, location, res
 from burstcast_workflow.harness.code_check import check_code, script_of
 from burstcast_workflow.harness.records import Inputs, Records
 from burstcast_workflow.harness.run import Run
+from burstcast_workflow.harness.search_path import make_importable
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import remove_partial
+from burstcast_workflow.harness.storage import read_json, remove_partial
+from burstcast_workflow.harness.thresholds import INPUT, with_thresholds
 
 logger = logging.getLogger(__name__)
 
@@ -94,18 +96,20 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     script, code = script_of(snakemake), list(snakemake.params.code)
     identity = job_identity(stage_of(script), snakemake.wildcards)
     declared = canonical(dict(snakemake.params.settings), "params.settings")
-    settings = Settings(declared, identity)
     logger.info("%s starts with settings %s", label, canonical_json(declared))
-    files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
-    given = {**files, "settings": settings, "provenance": provenance(identity, declared)}
-    arguments = arguments_for(function, given)
-    planned = code if run is None else run.plan()["code"]
+    plan = {"code": code, "directories": []} if run is None else run.plan()
+    planned = plan["code"]
+    make_importable(plan["directories"])
     check_code(script, code, planned)
     for path in snakemake.output:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         remove_partial(path)
 
     inputs, directory = Inputs.read(snakemake.input, records), location()
+    files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
+    settings = Settings(_known(declared, files.pop(INPUT, [])), identity)
+    given = {**files, "settings": settings, "provenance": provenance(identity, declared)}
+    arguments = arguments_for(function, given)
     if directory is None or not snakemake.resources.get("cached", 0):
         cached, keep = False, None
     else:
@@ -153,6 +157,12 @@ def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
 def stage_of(script: Path) -> str:
     """Stage that a script belongs to: its rule, whatever a workflow calls it that has this one."""
     return "figure" if script.parent.name == "figures" else script.stem
+
+
+def _known(settings: Any, thresholds: list[str]) -> Any:
+    """Settings with the event thresholds of these files, where the config gives quantiles."""
+    found = map(read_json, thresholds)
+    return with_thresholds(settings, {one["case"]: one["event_threshold"] for one in found})
 
 
 def _by_name(files: Any) -> dict[str, Any]:

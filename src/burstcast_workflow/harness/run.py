@@ -7,7 +7,8 @@ is no longer the newest may not write. This holds on shared file systems, too, a
 job that was stopped between the look at the claim and its writing cannot write the record of the
 file, too, and a file without its own record is no result (`burstcast_workflow.harness.records`).
 
-The claim also says what was planned: the config and the fingerprints of the code. On a cluster,
+The claim also says what was planned: the config, the fingerprints of the code, and where the user's
+own modules lie. On a cluster,
 Snakemake reads the workflow anew for every job, but takes the config from there: edits during a
 campaign count at its next run.
 """
@@ -67,7 +68,9 @@ class Run:
         value = os.environ.get(VARIABLE)
         return cls(*value.split(" ", 1)) if value else None
 
-    def claim(self, config: Mapping[str, Any], code: Iterable[str]) -> None:
+    def claim(
+        self, config: Mapping[str, Any], code: Iterable[str], directories: Iterable[str] = ()
+    ) -> None:
         """Take the results directory, and let the jobs that this process starts know the run.
 
         Parameters
@@ -76,6 +79,8 @@ class Run:
             The whole config, as it was loaded.
         code
             Fingerprints of all modules and scripts.
+        directories
+            Where jobs find modules of the user's own.
 
         Raises
         ------
@@ -91,6 +96,7 @@ class Run:
             "started": _started(process),
             "config": config,
             "code": sorted(code),
+            "directories": list(directories),
         }
         path = Path(self.results) / CLAIM
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -117,7 +123,7 @@ class Run:
             )
 
     def plan(self) -> dict[str, Any]:
-        """Tell what was planned: the claim with the ``config`` and the ``code``.
+        """Tell what was planned: the claim with ``config``, ``code`` and ``directories``.
 
         Raises
         ------

@@ -4,6 +4,7 @@ import numpy as np
 
 from burstcast import random_streams
 from burstcast.dataset import generate_ensemble, initial_states
+from burstcast.systems.sampling import sampled_initial_states
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable, write_json, write_netcdf
@@ -20,13 +21,17 @@ def simulate(
     """Write the kept series, their observable, and a summary."""
     system = equations_of(settings)
     given = settings["case.ensemble"]
-    start = initial_states(
-        np.asarray(given["initial_state"], dtype=np.float64),
-        given["perturbed_component"] - 1,
-        given["perturbation"],
-        given["series"],
-        random_streams.stream(settings["random_seed"], "ensemble", settings["case"]),
-    )
+    generator = random_streams.stream(settings["random_seed"], "ensemble", settings["case"])
+    if given["initial_state"] is None:
+        start = sampled_initial_states(system, given["series"], generator)
+    else:
+        start = initial_states(
+            np.asarray(given["initial_state"], dtype=np.float64),
+            given["perturbed_component"] - 1,
+            given["perturbation"],
+            given["series"],
+            generator,
+        )
     batches = list(
         generate_ensemble(
             system,

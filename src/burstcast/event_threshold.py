@@ -1,0 +1,32 @@
+"""The event threshold as a quantile of what was seen in training."""
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+
+
+def threshold_at(quantile: float, observable: FloatArray) -> float:
+    """Value of the observable that a share ``quantile`` of its samples is below.
+
+    Parameters
+    ----------
+    quantile
+        Between 0 and 1.
+    observable
+        Of the training series, of any shape: nothing of the test series may enter.
+
+    Raises
+    ------
+    ValueError
+        If the quantile does not lie between 0 and 1, there are no samples, or one is not finite;
+        or if no sample is above the threshold, as of an observable that is constant where it is
+        largest.
+    """
+    if not 0 < quantile < 1:
+        raise ValueError(f"a quantile lies between 0 and 1, not at {quantile}")
+    if observable.size == 0 or not np.isfinite(observable).all():
+        raise ValueError("a quantile is taken of finite samples, one at least")
+    threshold = float(np.quantile(observable, quantile))
+    if not observable.max() > threshold:
+        raise ValueError(f"no sample is above the quantile {quantile} of the observable")
+    return threshold

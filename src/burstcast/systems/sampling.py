@@ -1,0 +1,27 @@
+"""Initial states that a system draws by itself."""
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
+
+
+def sampled_initial_states(
+    system: DynamicalSystem, series: int, generator: np.random.Generator
+) -> FloatArray:
+    """Initial states ``(dimension, series)`` from a system's own sampler.
+
+    Raises
+    ------
+    ValueError
+        If they have another shape, or one is not finite.
+    """
+    states = np.array(system.sample_initial_states(series, generator), dtype=np.float64)
+    name = f"{type(system).__name__}.sample_initial_states"
+    if states.shape != (system.dimension, series):
+        raise ValueError(
+            f"{name} must return the shape ({system.dimension}, {series}), not {states.shape}"
+        )
+    if not np.isfinite(states).all():
+        raise ValueError(f"{name} returned a state that is not finite")
+    return states

@@ -1,0 +1,55 @@
+"""Stiff systems: implicit schemes of scipy with an adaptive step, in place of Runge-Kutta's.
+
+A trajectory is integrated by itself, so that it does not depend on others of its batch. This takes
+milliseconds for each step and trajectory: let the time step be as long as the sampling interval.
+"""
+
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem, has_own
+
+
+class StiffSystem(DynamicalSystem):
+    """A system of stiff equations: a subclass says the equations as any system does.
+
+    Its `jacobian`, if it has one, is given to the scheme.
+    """
+
+    method: ClassVar[Literal["Radau", "BDF", "LSODA"]] = "Radau"
+    """Scheme of `scipy.integrate.solve_ivp`."""
+    relative_tolerance: ClassVar[float] = 1e-9
+    absolute_tolerance: ClassVar[float] = 1e-12
+
+    def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
+        """State one integration step later, both of shape ``(dimension, ...)``.
+
+        Raises
+        ------
+        FloatingPointError
+            If the scheme cannot go on.
+        """
+        columns = np.asarray(state, dtype=np.float64).reshape(self.dimension, -1)
+        advanced = np.empty_like(columns)
+        options: dict[str, Any] = {
+            "method": self.method,
+            "t_eval": [time_step],
+            "rtol": self.relative_tolerance,
+            "atol": self.absolute_tolerance,
+        }
+        if has_own(self, "jacobian"):
+            options["jac"] = lambda _, y: self.jacobian(y)
+        for number, start in enumerate(columns.T):
+            solution = solve_ivp(
+                lambda _, y: self.right_hand_side(y),
+                (0.0, time_step),
+                start,
+                **options,
+            )
+            if not solution.success:
+                raise FloatingPointError(f"{self.method}: {solution.message}")
+            advanced[:, number] = solution.y[:, -1]
+        return advanced.reshape(state.shape)

@@ -1,0 +1,301 @@
+"""Systems with what is optional: without a Jacobian, with integrators of their own."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from burstcast.arrays import FloatArray
+from burstcast.control.actuation import actuated_system
+from burstcast.systems.base import DynamicalSystem, has_own
+from burstcast.systems.compiled import compiled_steps
+from burstcast.systems.differentiation import derivative, derivative_method, jacobian
+from burstcast.systems.exponential import SemilinearSystem
+from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
+from burstcast.systems.flow_map import FlowMap
+from burstcast.systems.integration import integrate, integrate_observed
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.lyapunov import (
+    lyapunov_spectrum,
+    perturbation_growth,
+    tangent_flow,
+    with_perturbations,
+)
+from burstcast.systems.stiff import StiffSystem
+
+
+@dataclass(frozen=True)
+class LorenzWithoutJacobian(DynamicalSystem):
+    dimension: ClassVar[int] = 3
+    observable_name: ClassVar[str] = "z"
+    observable_symbol: ClassVar[str] = "z"
+
+    def right_hand_side(self, state: FloatArray) -> FloatArray:
+        return Lorenz63().right_hand_side(state)
+
+    def observable(self, state: FloatArray) -> FloatArray:
+        return np.array(state[2])
+
+
+class LorenzOfRealNumbers(LorenzWithoutJacobian):
+    """Its results are put into real arrays: a complex step would find no derivative."""
+
+    def right_hand_side(self, state: FloatArray) -> FloatArray:
+        derivative = np.zeros(state.shape)
+        derivative[:] = Lorenz63().right_hand_side(np.real(state))
+        return derivative
+
+
+@dataclass(frozen=True)
+class Henon(FlowMap):
+    a: float = 1.4
+    b: float = 0.3
+
+    dimension: ClassVar[int] = 2
+    observable_name: ClassVar[str] = "x"
+    observable_symbol: ClassVar[str] = "x"
+
+    def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
+        new = np.empty_like(state)
+        new[0] = 1.0 - self.a * state[0] * state[0] + state[1]
+        new[1] = self.b * state[0]
+        return new
+
+    def observable(self, state: FloatArray) -> FloatArray:
+        return np.array(state[0])
+
+
+@dataclass(frozen=True)
+class VanDerPol(StiffSystem):
+    """Relaxation oscillations, for which an explicit scheme needs tiny steps."""
+
+    mu: float = 200.0
+
+    dimension: ClassVar[int] = 2
+    observable_name: ClassVar[str] = "x"
+    observable_symbol: ClassVar[str] = "x"
+
+    def right_hand_side(self, state: FloatArray) -> FloatArray:
+        x, y = state
+        return np.stack([y, self.mu * (1.0 - x * x) * y - x])
+
+    def observable(self, state: FloatArray) -> FloatArray:
+        return np.array(state[0])
+
+
+@dataclass(frozen=True)
+class DampedTriad(SemilinearSystem):
+    """Three modes that exchange energy, two of them damped, one strongly."""
+
+    damping: float = 400.0
+
+    dimension: ClassVar[int] = 3
+    observable_name: ClassVar[str] = "x"
+    observable_symbol: ClassVar[str] = "x"
+
+    def linear_rates(self) -> FloatArray:
+        return np.array([0.3, -1.0, -self.damping])
+
+    def nonlinear(self, state: FloatArray) -> FloatArray:
+        x, y, z = state
+        return np.stack([y * z - x * x * x, x * z + x, -2.0 * x * y])
+
+    def observable(self, state: FloatArray) -> FloatArray:
+        return np.array(state[0])
+
+
+STATES = np.random.default_rng(3).normal(0.0, 8.0, (3, 6))
+
+
+# -- without a Jacobian ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("system", "method", "accuracy"),
+    [
+        (LorenzWithoutJacobian(), "complex step", 1e-14),
+        (LorenzOfRealNumbers(), "finite differences", 1e-8),
+    ],
+)
+def test_the_jacobian_is_found_where_it_is_not_given(system, method, accuracy) -> None:
+    assert derivative_method(system.right_hand_side, 3) == method
+    assert not has_own(system, "jacobian")
+    expected = Lorenz63().jacobian(STATES)
+    np.testing.assert_allclose(system.jacobian(STATES), expected, atol=30 * accuracy)
+    found = jacobian(system.right_hand_side, STATES, method)
+    np.testing.assert_array_equal(found, system.jacobian(STATES))
+
+
+def test_absolute_values_are_not_differentiated_by_complex_steps() -> None:
+    def folded(state: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(state) * state)  # its derivative is 2 abs(x)
+
+    assert derivative_method(folded, 2) == "finite differences"
+    states = np.array([[1.0, -2.0], [-0.5, 3.0]])
+    found = jacobian(folded, states, "finite differences")
+    np.testing.assert_allclose(found[0, 0], 2.0 * np.abs(states[0]), rtol=1e-8)
+    np.testing.assert_allclose(found[0, 1], 0.0, atol=1e-8)
+
+
+def test_a_derivative_along_nothing_is_nothing() -> None:
+    for method in ("complex step", "finite differences"):
+        function = Lorenz63().right_hand_side
+        assert not derivative(function, STATES, np.zeros_like(STATES), method).any()
+
+
+def test_exponents_without_a_jacobian_are_those_with_it() -> None:
+    start = integrate(Lorenz63(), STATES + np.array([[0.0], [0.0], [25.0]]), 0.01, 2000, 2000)[-1]
+    expected = lyapunov_spectrum(Lorenz63(), start, 0.01, 500, 20, 100).exponents
+    found = lyapunov_spectrum(LorenzWithoutJacobian(), start, 0.01, 500, 20, 100).exponents
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    # chaos enlarges the errors of differences, not what they say about growth
+    found = lyapunov_spectrum(LorenzOfRealNumbers(), start, 0.01, 500, 20, 100).exponents
+    np.testing.assert_allclose(found, expected, rtol=1e-4)
+
+
+def test_states_with_perturbations_are_those_without_bit_for_bit() -> None:
+    for system in (LorenzWithoutJacobian(), LorenzOfRealNumbers(), Lorenz63()):
+        tangent = np.random.default_rng(4).normal(size=(3, 2, 6))
+        states, _ = with_perturbations(system, STATES, tangent, 0.01, 7)
+        np.testing.assert_array_equal(states, integrate(system, STATES, 0.01, 7, 7)[-1])
+
+
+def test_what_is_compiled_with_a_jacobian_is_not_without_and_as_right() -> None:
+    assert compiled_steps((tangent_flow(Lorenz63()),), 0.01, False) is not None
+    assert compiled_steps((tangent_flow(LorenzWithoutJacobian()),), 0.01, False) is None
+    assert compiled_steps((LorenzWithoutJacobian(),), 0.01, False) is not None
+
+
+# -- maps ------------------------------------------------------------------------------------------
+
+
+def test_a_map_is_iterated() -> None:
+    states = np.array([[0.1, 0.2], [0.1, 0.0]])
+    found = integrate(Henon(), states, 1.0, 6, stride=2)
+    x, y = 0.1, 0.1
+    for step in range(1, 7):
+        x, y = 1.0 - 1.4 * x * x + y, 0.3 * x
+        if step % 2 == 0:
+            np.testing.assert_allclose(found[step // 2, :, 0], [x, y], rtol=1e-13)
+    watched = integrate_observed(Henon(), states, 1.0, 6, 2)
+    np.testing.assert_array_equal(watched.states, found)
+
+
+def test_exponents_of_the_henon_map() -> None:
+    """0.4192 (Sprott, Chaos and Time-Series Analysis, 2003); the sum is log b, exactly."""
+    start = integrate(Henon(), np.random.default_rng(0).normal(0, 0.1, (2, 20)), 1.0, 100, 100)[-1]
+    spectrum = lyapunov_spectrum(Henon(), start, 1.0, 3000, 5, alignment_steps=50).exponents
+    np.testing.assert_allclose(spectrum.sum(axis=1), math.log(0.3), rtol=1e-9)
+    assert spectrum[:, 0].mean() == pytest.approx(0.4192, abs=0.005)
+    growth = perturbation_growth(
+        Henon(), start, 1.0, 3000, 1e-9, 1e-4, np.random.default_rng(1), alignment_steps=50
+    )
+    assert growth.exponents.mean() == pytest.approx(0.4192, abs=0.005)
+
+
+def test_what_needs_a_right_hand_side_says_so() -> None:
+    with pytest.raises(ValueError, match="Henon advances by a map and has no right-hand side"):
+        Henon().right_hand_side(np.zeros((2, 1)))
+    with pytest.raises(ValueError, match=r"force.*Henon has an integrator of its own"):
+        actuated_system(Henon(), {}, [0.1, 0.0])
+    assert actuated_system(Henon(), {"a": 1.2}) == Henon(a=1.2)
+
+
+# -- stiff systems ---------------------------------------------------------------------------------
+
+
+def test_a_stiff_system_against_scipy_by_another_scheme() -> None:
+    system = VanDerPol()
+    states = np.array([[2.0, -1.5], [0.0, 0.3]])
+    found = integrate(system, states, 5.0, 4, stride=2)
+    for number, start in enumerate(states.T):
+        expected = solve_ivp(
+            lambda _, y: system.right_hand_side(y),
+            (0.0, 20.0),
+            start,
+            method="BDF",
+            t_eval=[0.0, 10.0, 20.0],
+            rtol=1e-11,
+            atol=1e-13,
+        ).y
+        np.testing.assert_allclose(found[:, :, number], expected.T, rtol=1e-5, atol=1e-7)
+
+
+def test_trajectories_of_a_stiff_system_do_not_depend_on_one_another() -> None:
+    states = np.array([[2.0, -1.5, 0.4], [0.0, 0.3, 0.1]])
+    together = integrate(VanDerPol(), states, 1.0, 2)
+    for number in range(3):
+        alone = integrate(VanDerPol(), states[:, [number]], 1.0, 2)
+        np.testing.assert_array_equal(together[..., [number]], alone)
+
+
+# -- semilinear systems ----------------------------------------------------------------------------
+
+
+def errors_of(system: DampedTriad, steps: tuple[int, int]) -> list[float]:
+    """Errors after two time units, in so many steps."""
+    start = np.array([[0.5], [0.2], [0.1]])
+    expected = solve_ivp(
+        lambda _, y: system.right_hand_side(y), (0, 2), start[:, 0], "Radau", rtol=1e-12, atol=1e-14
+    ).y[:, -1]
+    return [
+        float(np.abs(integrate(system, start, 2 / n, n, n)[-1, :, 0] - expected).max())
+        for n in steps
+    ]
+
+
+def test_the_exponential_scheme_is_of_fourth_order() -> None:
+    coarse, fine = errors_of(DampedTriad(damping=2.0), (40, 80))
+    assert coarse < 1e-6
+    assert coarse / fine == pytest.approx(16, rel=0.2)
+
+
+def test_the_exponential_scheme_bears_stiffness() -> None:
+    """Steps twenty times as long as those at which the Runge-Kutta scheme explodes."""
+    coarse, fine = errors_of(DampedTriad(damping=400.0), (20, 160))
+    assert coarse < 1e-2
+    assert fine < coarse / 20
+
+
+def test_the_exponential_scheme_is_exact_where_all_is_linear() -> None:
+    class Decay(DampedTriad):
+        def nonlinear(self, state: FloatArray) -> FloatArray:
+            return np.zeros_like(state)
+
+    start = np.array([[1.0], [2.0], [3.0]])
+    found = integrate(Decay(), start, 0.5, 1)[-1]
+    np.testing.assert_allclose(found[:, 0], start[:, 0] * np.exp([0.15, -0.5, -200.0]), rtol=1e-13)
+
+
+# -- the pair of FitzHugh-Nagumo units -------------------------------------------------------------
+
+
+def test_the_equations_of_the_pair() -> None:
+    """Against the equations unit by unit."""
+    a, b, c, k = -0.025794, (0.0065, 0.0135), 0.02, 0.128
+    state = np.random.default_rng(5).normal(0.0, 0.4, (4, 5))
+    found = FitzHughNagumoPair().right_hand_side(state)
+    for i in range(2):
+        x, y, other = state[i], state[2 + i], state[1 - i]
+        np.testing.assert_allclose(found[i], x * (a - x) * (x - 1) - y + k * (other - x))
+        np.testing.assert_allclose(found[2 + i], b[i] * x - c * y)
+    expected = jacobian(FitzHughNagumoPair().right_hand_side, state, "complex step")
+    np.testing.assert_allclose(FitzHughNagumoPair().jacobian(state), expected, atol=1e-15)
+    assert compiled_steps((FitzHughNagumoPair(),), 0.5, True) is not None
+
+
+def test_the_pair_has_rare_large_excitations() -> None:
+    """Both units at once, to more than 0.8, as Ansmann et al. (2013) show in their figure 1."""
+    start = np.zeros((4, 32))
+    start[0] = np.linspace(0.01, 0.1, 32)
+    states = integrate(FitzHughNagumoPair(), start, 0.5, 60000, 4)[5000:]
+    mean = FitzHughNagumoPair().observable(states.transpose(1, 0, 2))
+    excited = mean > 0.6
+    assert 0.0005 < excited.mean() < 0.01
+    assert 0.8 < mean.max() < 0.9
+    between = np.sort(mean[~excited])[-len(mean) :]
+    assert np.quantile(mean, 0.99) < 0.25
+    assert between.max() < 0.6

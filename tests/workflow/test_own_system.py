@@ -1,0 +1,186 @@
+"""A campaign of a system of one's own, in a directory of its own: from the module to the tables."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from helpers_rebuilds import TINY, Project
+
+from burstcast_workflow.harness.storage import read_json, read_netcdf
+from burstcast_workflow.harness.tables import read_table
+
+# No Jacobian, initial states from a sampler, a threshold as a quantile; what the class says of its
+# cases is in its own units, and its parameters come from a module beside it.
+MODULE = """
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from my_flows.classical import A, B, C
+from burstcast.systems.base import DynamicalSystem
+
+
+@dataclass(frozen=True)
+class Roessler(DynamicalSystem):
+    a: float = A
+    b: float = B
+    c: float = C
+
+    dimension: ClassVar[int] = 3
+    observable_name: ClassVar[str] = "x component"
+    observable_symbol: ClassVar[str] = "x"
+    case_defaults: ClassVar[dict] = {
+        "event_threshold": {"quantile": 0.9},
+        "ensemble": {
+            "time_step": 0.05, "sampling_stride": 4, "transient": 50.0, "duration": 300.0,
+        },
+        "density": {"range": [-15.0, 15.0]},
+    }
+
+    def right_hand_side(self, state):
+        x, y, z = state
+        derivative = np.empty_like(state)
+        derivative[0] = -y - z
+        derivative[1] = x + self.a * y
+        derivative[2] = self.b + z * (x - self.c)
+        return derivative
+
+    def observable(self, state):
+        return np.array(state[0])
+
+    def sample_initial_states(self, series, generator):
+        return generator.uniform(-5.0, 5.0, (3, series)) + [[0.0], [0.0], [5.0]]
+"""
+
+OVERLAY = yaml.safe_load("""
+    results: results/mine
+    campaign:
+      - cases: [roessler]
+        forecasters:
+          esn: {neurons: [30], validation: [RV], seeds: 1}
+          equations: {}
+    cases:
+      roessler:
+        system: "my_flows.roessler:Roessler"
+        lyapunov: {published_exponent: 0.0714}    # Sprott, Chaos and Time-Series Analysis (2003)
+        test_series: 10
+        recycle_validation: {series: 2, intervals_per_series: 5}
+    search: {interval_lt: 1}
+    statistics: {duration: null}
+    control: {forecasters: {esn: null, equations: null}, strategies: []}
+    figures: {example_case: roessler, example_forecaster: esn-N30-RV-seed0, fixed_neurons: 30}
+""")
+RESULTS = "results/mine"
+TABLES = [f"{RESULTS}/tables/{name}.csv" for name in ("dataset", "classification", "horizon")]
+
+
+@pytest.fixture(scope="module")
+def mine(tmp_path_factory, job_server):
+    """A user's directory, and a run there of the workflow that lies elsewhere."""
+    project = Project.create(tmp_path_factory.mktemp("burstcast") / "project", job_server)
+    directory = tmp_path_factory.mktemp("user") / "campaign"
+    (directory / "my_flows").mkdir(parents=True)
+    (directory / "my_flows" / "__init__.py").write_text("")
+    (directory / "my_flows" / "classical.py").write_text("A, B, C = 0.2, 0.2, 5.7\n")
+    (directory / "my_flows" / "unused.py").write_text("D = 1\n")
+    (directory / "my_flows" / "roessler.py").write_text(MODULE)
+    own = replace(project, directory=directory, preset=str(project.directory / TINY))
+    run = Elsewhere(own, project)
+    outcome = run(*TABLES)
+    assert outcome.status == 0, outcome.text[-3000:]
+    return run
+
+
+class Elsewhere:
+    """Runs of a project's workflow in a user's directory."""
+
+    def __init__(self, own: Project, project: Project) -> None:
+        self.own, self.project = own, project
+
+    def __call__(self, *arguments, overlay=OVERLAY):
+        """Run Snakemake there."""
+        return self.own.snakemake(
+            *("-s", str(self.project.directory / "Snakefile")),
+            *arguments,
+            overlay=overlay,
+            PYTHONPATH=self.project.environment()["PYTHONPATH"],
+        )
+
+    def planned(self, *targets):
+        """Rules that would run."""
+        outcome = self("--quiet", "rules", "-n", *(targets or TABLES))
+        assert outcome.status == 0, outcome.text
+        return set(outcome.jobs)
+
+    def edit(self, name, old, new):
+        self.own.edit(f"my_flows/{name}", old, new)
+
+
+def test_results_of_a_system_of_ones_own(mine):
+    results = mine.own.directory / RESULTS
+    scores = read_table(results / "tables" / "classification.csv")
+    perfect = scores[scores["forecaster"] == "equations"]
+    assert (perfect["f_score"] == 1).all()
+    (dataset,) = read_table(results / "tables" / "dataset.csv").to_dict("records")
+    assert dataset["lyapunov_exponent"] == pytest.approx(0.0714, rel=0.35)  # of short series
+    assert dataset["series_kept"] == 40
+
+
+def test_thresholds_as_quantiles_are_of_the_training_series(mine):
+    case = mine.own.directory / RESULTS / "roessler"
+    observable = read_netcdf(case / "ensemble.nc", "observable")["observable"]
+    found = read_json(case / "event_threshold.json")["event_threshold"]
+    assert found == np.quantile(observable[:3], 0.9)
+    assert found != np.quantile(observable, 0.9)
+    # events begin where the observable reaches it
+    events = read_netcdf(case / "events.nc", "series", "step")
+    at = observable[events["series"], events["step"]]
+    before = observable[events["series"], events["step"] - 1]
+    assert len(at) > 0
+    assert ((at >= found) & (before < found)).all()
+
+
+def test_initial_states_are_drawn_by_the_system(mine):
+    states = read_netcdf(mine.own.directory / RESULTS / "roessler" / "ensemble.nc", "state")
+    first = states["state"][:, 0]
+    assert len(np.unique(first[:, 0])) == 40
+
+
+def test_edits_of_ones_own_modules_run_what_depends_on_them(mine):
+    assert mine.planned() == set()
+    mine.edit("unused.py", "D = 1", "D = 2")
+    mine.edit("classical.py", "A, B", "# the classical values\nA, B")
+    assert mine.planned() == set()
+    mine.edit("classical.py", "5.7", "5.8")
+    assert {"simulate", "scan", "train", "forecast"} <= mine.planned()
+    mine.edit("classical.py", "5.8", "5.7")
+    assert mine.planned() == set()
+    # what does not integrate the equations does not depend on them
+    mine.edit("roessler.py", "self.b + z", "1.0 * self.b + z")
+    planned = mine.planned()
+    assert "simulate" in planned
+    assert mine.planned(f"{RESULTS}/roessler/event_threshold.json") == {
+        "simulate",
+        "event_threshold",
+    }
+    mine.edit("roessler.py", "1.0 * self.b + z", "self.b + z")
+
+
+def test_a_mistake_in_ones_own_module_is_told_before_any_job(mine):
+    mine.edit("roessler.py", "np.empty_like(state)", "np.empty_like(state))")
+    outcome = mine("-n")
+    mine.edit("roessler.py", "np.empty_like(state))", "np.empty_like(state)")
+    assert outcome.status == 1
+    assert "case roessler: system: the module my_flows.roessler cannot be imported" in outcome.text
+    assert "roessler.py, line" in outcome.text
+    assert "Traceback" not in outcome.text
+
+
+def test_a_quantile_that_changes_runs_what_reads_the_threshold(mine):
+    overlay = {**OVERLAY, "cases": {"roessler": {**OVERLAY["cases"]["roessler"]}}}
+    overlay["cases"]["roessler"]["event_threshold"] = {"quantile": 0.8}
+    outcome = mine("--quiet", "rules", "-n", *TABLES, overlay=overlay)
+    assert {"event_threshold", "events", "horizon", "classification_table"} <= set(outcome.jobs)
+    assert not {"simulate", "scan", "train", "forecast", "evaluation_set"} & set(outcome.jobs)
