@@ -2,7 +2,7 @@
 
 from collections import ChainMap
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -154,8 +154,9 @@ def _forecasts(
     """Forecast observables ``(steps,)`` by forecaster, of itself and of its ensemble's members."""
     observable = system_of(settings).observable
     found: dict[tuple[str, bool], list[FloatArray]] = {}
+    shared: Any = settings  # of all forecasters; the records have what is their own
     for record, path in gathered(settings["who"], paths):
-        own = ChainMap({**record["identity"], **record["settings"]}, cast(Any, settings))
+        own = ChainMap({**record["identity"], **record["settings"]}, shared)
         who = read_forecaster(path, own, time_unit)
         key = record["identity"]["forecaster"], record["by_members"]
         found[key] = []
