@@ -415,6 +415,8 @@ class Campaign:
             *names,
             *(f"{name}_percentiles" for name in names if name in SUMMARIES),
             "classification_intervals",
+            "horizon_intervals",
+            *(["statistics_intervals"] if self.long_term_forecasters else []),
             "data_generation_parameters",
             *(["network_hyperparameters"] if self.networks else []),
         ]

@@ -271,6 +271,14 @@ def _bootstrap(job: _Job) -> _Account:
     return start_up, {**work, "resampled series": scores * series}, held
 
 
+def _bootstrap_runs(job: _Job) -> _Account:
+    """Statistics of resampled long runs: their histograms are summed anew each time."""
+    bins, runs = job("case.density.bins"), job("statistics.starting_points")
+    resamples = job("bootstrap.resamples") * len(job.campaign.long_term_forecasters)
+    start_up, work, held = _CLASSES["gather"](job)
+    return start_up, {**work, "number": 0.3 * resamples * runs * bins}, held + runs * bins
+
+
 _CLASSES: dict[str, Callable[[_Job], _Account]] = {
     "integration": _integration,
     "tangent": lambda job: _integration(job, unit="tangent"),
@@ -286,6 +294,7 @@ _CLASSES: dict[str, Callable[[_Job], _Account]] = {
     # small files of all forecasters into a table; the same with intervals of scores
     "gather": lambda job: (_PLAIN, {"file": len(job.campaign.forecasters)}, 20 / _MIB_PER_NUMBER),
     "bootstrap": _bootstrap,
+    "bootstrap_runs": _bootstrap_runs,
     # the largest figure holds the observable of the whole ensemble, and what it draws of it
     "figure": lambda job: (_DRAWING, {}, 2 * job.series * job.samples),
 }

@@ -277,7 +277,11 @@ _STATISTICS = {
     "training": "case/statistics_training.nc",
     "long_term": "candidates/long_term.nc",
 }
-_OF_STATISTICS = {**_STATISTICS, "percentiles": "tables/statistics_percentiles.csv"}
+_OF_STATISTICS = {
+    **_STATISTICS,
+    "percentiles": "tables/statistics_percentiles.csv",
+    "intervals": "tables/statistics_intervals.csv",
+}
 
 FIGURES: Mapping[str, Figure] = {
     "observable_and_density": Figure(
@@ -317,7 +321,10 @@ FIGURES: Mapping[str, Figure] = {
         {"examples": "example/examples.nc"}, "SYSTEM case.event_threshold washout_lt"
     ),
     "horizon_by_size": Figure(
-        {"percentiles": "tables/horizon_percentiles.csv"},
+        {
+            "percentiles": "tables/horizon_percentiles.csv",
+            "intervals": "tables/horizon_intervals.csv",
+        },
         shows="shown_case",
         cases=_with_sizes,
         published=True,

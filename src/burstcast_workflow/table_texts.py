@@ -19,6 +19,13 @@ CAPTIONS = {
         "Bootstrap confidence intervals of each network's precision, recall and F-score."
     ),
     "horizon": "Prediction horizon of extreme events of each network, averaged over the events.",
+    "horizon_intervals": (
+        "Bootstrap confidence intervals, over the events, of each network's average horizon."
+    ),
+    "statistics_intervals": (
+        "Bootstrap confidence intervals, over the long runs, of each network's long-term "
+        "statistics."
+    ),
     "statistics": "Long-term statistics of each network's flow, against those of the data.",
     "survival": (
         "Escapes from the chaotic phase: time at risk after the first quarter of each run, and "
@@ -109,6 +116,9 @@ FORMATS = {
 }
 """Formats of columns; others show four significant digits."""
 
+
+OWN_FORMATS = {"statistics_intervals": {"low": ".5f", "high": ".5f"}}
+"""Formats of columns of single tables."""
 
 PARAMETER_TABLES = ("data_generation_parameters", "network_hyperparameters")
 """Tables whose text is LaTeX already."""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
-from helpers_figures import THRESHOLD, burst, percentile_rows
+from helpers_figures import THRESHOLD, burst, interval_rows, percentile_rows
 from matplotlib.figure import Figure
 
 from burstcast.figures.alarm_lead_times import alarm_lead_times
@@ -341,7 +341,8 @@ def _vorticity() -> Figure:
 
 def _profiles() -> Figure:
     true = np.stack([np.sin(Y), Y**2, -1 + Y**2])
-    return profile_errors(Y, true, 0.9 * true, 1.02 * true, statistics_rows())
+    rows = statistics_rows()
+    return profile_errors(Y, true, 0.9 * true, 1.02 * true, rows, interval_rows(rows))
 
 
 def seen_event() -> SeenEvent:
@@ -391,7 +392,10 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         percentile_rows(SCORES, prediction_times=PREDICTION_TIMES), 1000, 3
     ),
     "horizon_evaluations": _evaluations,
-    "horizon_by_size": lambda: horizon_by_size(percentile_rows({"mean_horizon_lt": 4.5})),
+    "horizon_by_size": lambda: horizon_by_size(
+        percentile_rows({"mean_horizon_lt": 4.5}),
+        interval_rows(percentile_rows({"mean_horizon_lt": 4.5})),
+    ),
     "committee_event": lambda: committee_event(
         seen_event(),
         committee_forecasts(["esn_committee", "quadratic_filtered_committee"]),
@@ -449,7 +453,13 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     ),
     "profile_errors": _profiles,
     "energy_density": lambda: energy_density(
-        EDGES, DENSITY, 0.8 * DENSITY, 1.1 * DENSITY, statistics_rows(), THRESHOLD
+        EDGES,
+        DENSITY,
+        0.8 * DENSITY,
+        1.1 * DENSITY,
+        statistics_rows(),
+        interval_rows(statistics_rows()),
+        THRESHOLD,
     ),
     "survival": survival_figure,
     "lyapunov_spectrum": lyapunov_figure,

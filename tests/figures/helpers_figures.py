@@ -103,3 +103,19 @@ def texts_outside(figure: Figure, texts: Sequence[DrawnText]) -> list[str]:
         for text in texts
         if min(text.frame.min) < -1 or (text.frame.max > figure.bbox.max + 1).any()
     ]
+
+
+def interval_rows(percentiles: pd.DataFrame) -> pd.DataFrame:
+    """Intervals of three networks around the medians of a table of percentiles, and wider."""
+    rest = percentiles.drop(columns=["p25", "p50", "p75", "networks"], errors="ignore")
+    return pd.concat(
+        [
+            rest.assign(
+                seed=seed,
+                low=(0.7 + 0.02 * seed) * percentiles["p50"],
+                high=(1.3 + 0.02 * seed) * percentiles["p50"],
+            )
+            for seed in range(3)
+        ],
+        ignore_index=True,
+    )

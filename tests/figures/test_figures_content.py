@@ -23,8 +23,16 @@ from gallery_figures import (
     search_trace,
     seen_event,
 )
-from helpers_figures import THRESHOLD, burst, drawn_texts, overlapping_texts, percentile_rows
+from helpers_figures import (
+    THRESHOLD,
+    burst,
+    drawn_texts,
+    interval_rows,
+    overlapping_texts,
+    percentile_rows,
+)
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from burstcast.figures.by_reynolds import by_reynolds
@@ -107,7 +115,7 @@ def test_reference_forecasters_are_drawn_beside_the_networks() -> None:
     others = horizons.iloc[:1].assign(
         forecaster="linear_inverse", neurons=np.nan, validation=np.nan, p50=1.25
     )
-    figure = horizon_by_size(pd.concat([horizons, others]))
+    figure = horizon_by_size(pd.concat([horizons, others]), interval_rows(horizons))
     assert lines_with(figure.axes[0], [1.25, 1.25]) == 1
     assert "linear inverse model" in texts(figure)
 
@@ -115,7 +123,7 @@ def test_reference_forecasters_are_drawn_beside_the_networks() -> None:
 def test_published_values_are_shown_only_at_our_sizes() -> None:
     table = percentile_rows({"mean_horizon_lt": 4.5}, sizes=(500.0, 1000.0))
     published = percentile_rows({"mean_horizon_lt": 4.0}, sizes=(500.0, 3000.0))
-    figure = horizon_by_size(table, published=published)
+    figure = horizon_by_size(table, interval_rows(table), published=published)
     shown = select(published, validation="RV", neurons=500.0)["p50"]
     assert lines_with(figure.axes[0], list(shown)) == 1
     assert figure.axes[0].get_xlim()[1] < 3000
@@ -126,7 +134,7 @@ def test_figures_of_one_case_refuse_several() -> None:
     table = percentile_rows({"mean_horizon_lt": 4.5})
     both = pd.concat([table, table.assign(case="Re600")])
     with pytest.raises(ValueError, match="Re400, Re600"):
-        horizon_by_size(both)
+        horizon_by_size(both, interval_rows(both))
 
 
 def test_by_reynolds_shows_medians_and_needs_the_size() -> None:
@@ -337,3 +345,18 @@ def test_a_committee_is_drawn_member_by_member_with_its_probabilities():
 def test_no_committee_is_no_figure():
     with pytest.raises(ValueError, match="no committee"):
         committee_event(seen_event(), [], THRESHOLD, 1.0)
+
+
+def test_bars_are_the_intervals_of_single_networks():
+    table = percentile_rows({"mean_horizon_lt": 4.5}, validations=("RV",))
+    intervals = interval_rows(table)
+    (axes,) = horizon_by_size(table, intervals).axes
+    bars = [
+        collection.get_segments()
+        for collection in axes.collections
+        if isinstance(collection, LineCollection)
+    ]
+    (segments,) = (found for found in bars if len(found) == table["neurons"].nunique())
+    expected = intervals.groupby("neurons")[["low", "high"]].median()
+    np.testing.assert_allclose([segment[:, 1] for segment in segments], expected.to_numpy())
+    np.testing.assert_allclose([segment[0, 0] for segment in segments], expected.index)

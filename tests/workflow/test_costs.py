@@ -58,6 +58,7 @@ WILDCARDS = {
     "control": {**NETWORK, "strategy": windows(2)},
     "gather": {},
     "bootstrap": {},
+    "bootstrap_runs": {},
     "figure": {"figure": "by_reynolds", "of_case": ""},
 }
 
@@ -334,7 +335,7 @@ def test_budget_of_memory_and_time_of_the_papers_campaign(paper):
     assert max(job.cost.seconds for job in paper) < 300
     small = [job for job in paper if "case" not in job.wildcards]
     assert len({job.rule for job in small}) > 10
-    bootstraps = ("classification_table", *PROBABILITIES)
+    bootstraps = ("classification_table", "statistics_table", *PROBABILITIES)
     for job in small:
         assert job.cost.seconds < (60 if job.rule in bootstraps else 5)
         assert job.cost.memory_mib < 400

@@ -12,7 +12,15 @@ from burstcast_workflow.harness.tables import read_table
 PRESET = "workflow/presets/miniature.yaml"
 TABLES = (
     *("dataset", "hyperparameters", "classification", "classification_intervals"),
-    *("horizon", "statistics", "survival", "lyapunov_spectrum", "kaplan_yorke", "control"),
+    *(
+        "horizon",
+        "horizon_intervals",
+        "statistics",
+        "survival",
+        "lyapunov_spectrum",
+        "kaplan_yorke",
+        "control",
+    ),
 )
 METRICS = {
     "hyperparameters": (["spectral_radius", "input_scaling", "tikhonov", "objective"], []),

@@ -41,7 +41,11 @@ stage(
     "tables/horizon_table",
     "table of the prediction horizons",
     inputs={"horizons": of_forecasters("horizon.nc")},
-    outputs={"table": f"{TABLES}/horizon.csv"},
+    outputs={
+        "table": f"{TABLES}/horizon.csv",
+        "intervals": f"{TABLES}/horizon_intervals.csv",
+    },
+    settings="random_seed bootstrap",
     rows=campaign.keys(campaign.forecasters),
 )
 stage(
@@ -53,8 +57,12 @@ stage(
         "floor": of_cases("statistics_floor.nc"),
         "long_term": of_forecasters("long_term.nc", campaign.long_term_forecasters),
     },
-    outputs={"table": f"{TABLES}/statistics.csv"},
-    settings="statistics.profile_points",
+    outputs={
+        "table": f"{TABLES}/statistics.csv",
+        "intervals": f"{TABLES}/statistics_intervals.csv",
+    },
+    settings="random_seed bootstrap statistics.profile_points",
+    cost="bootstrap_runs",
     cases=campaign.of_each_case(*listed("SYSTEM")),
     rows=campaign.keys(campaign.long_term_forecasters),
 )

@@ -27,6 +27,7 @@ def energy_density(
     training: FloatArray,
     network: FloatArray | None,
     percentiles: pd.DataFrame,
+    intervals: pd.DataFrame,
     threshold: float,
     *,
     network_label: str = "ESN (best)",
@@ -45,6 +46,8 @@ def energy_density(
     percentiles
         Of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
         (``kantorovich``, ``mean_log_error``), p25, p50, p75.
+    intervals
+        Of the same case and each network by itself: neurons, validation, metric, low, high.
     threshold
         Event threshold.
     network_label
@@ -96,7 +99,7 @@ def energy_density(
     density.set_xlabel(observable_label(symbol, name))
     density.set_ylabel("PDF")
     for metric in ("kantorovich", "mean_log_error"):
-        draw_statistic_by_size(panels[metric], percentiles, metric, published)
+        draw_statistic_by_size(panels[metric], percentiles, metric, intervals, published)
     more = [] if published is None else [published_handle()]
     legend_above(figure, [density, panels["kantorovich"]], more)
     letter_panels([density, panels["kantorovich"], panels["mean_log_error"]])

@@ -9,6 +9,7 @@ from burstcast.figures.parts.percentile_curves import (
     NEURONS_LABEL,
     draw_percentiles,
     draw_published,
+    draw_single_intervals,
     published_handle,
     require_single_case,
     say_where_empty,
@@ -25,13 +26,21 @@ from burstcast.figures.parts.style import (
 
 
 @styled
-def horizon_by_size(percentiles: pd.DataFrame, *, published: pd.DataFrame | None = None) -> Figure:
+def horizon_by_size(
+    percentiles: pd.DataFrame,
+    intervals: pd.DataFrame,
+    *,
+    published: pd.DataFrame | None = None,
+) -> Figure:
     """Draw the quartiles over networks of the mean PH_ee, one curve per validation strategy.
 
     Parameters
     ----------
     percentiles
         Of one case: forecaster, neurons, validation, metric (``mean_horizon_lt``), p25, p50, p75.
+    intervals
+        Of the same case and each forecaster by itself: forecaster, neurons, validation, metric,
+        low, high.
     published
         Published percentiles in the same form, drawn as open markers at the sizes of the table.
 
@@ -53,6 +62,7 @@ def horizon_by_size(percentiles: pd.DataFrame, *, published: pd.DataFrame | None
         style = validation_style(validation)
         chosen = {"validation": validation, "metric": "mean_horizon_lt"}
         draw_percentiles(axes, select(networks, **chosen), "neurons", style, label=validation)
+        draw_single_intervals(axes, intervals, "mean_horizon_lt", validation, style)
         if published is not None:
             draw_published(axes, select(published, **chosen), "neurons", style)
     # a perfect forecaster reaches the longest lead time that is asked for, whatever that is

@@ -34,6 +34,7 @@ def profile_errors(
     training: FloatArray,
     network: FloatArray | None,
     percentiles: pd.DataFrame,
+    intervals: pd.DataFrame,
     *,
     network_label: str = "ESN (best)",
     published: pd.DataFrame | None = None,
@@ -50,6 +51,8 @@ def profile_errors(
     percentiles
         Of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
         (``nrmse_u``, ``nrmse_uu``, ``nrmse_uv``), p25, p50, p75.
+    intervals
+        Of the same case and each network by itself: neurons, validation, metric, low, high.
     network_label
         Of the network in the legend.
     published
@@ -72,7 +75,7 @@ def profile_errors(
         profile.set_xlabel(label)
         profile.set_ylim(float(y[0]), float(y[-1]))
         profile.set_ylabel("$y$")
-        draw_statistic_by_size(error, percentiles, metric, published)
+        draw_statistic_by_size(error, percentiles, metric, intervals, published)
     more = [] if published is None else [published_handle()]
     legend_above(figure, [panels[0, 0], panels[1, 0]], more)
     letter_panels(list(panels.flat))

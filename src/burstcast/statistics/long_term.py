@@ -16,7 +16,7 @@ import numpy as np
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.starting_points import SeriesPoints, starting_points
 from burstcast.forecasters.base import Forecaster
-from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator
+from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator, SeriesReductions
 
 STEPS_PER_CHUNK = 100
 """Steps between two looks at which trajectories have ended: costs time, changes no result."""
@@ -106,11 +106,14 @@ class LongTermRun:
         comes to rest at a fixed point; all steps of a kept one. ``(starting points,)``.
     statistics
         Of the kept trajectories.
+    runs
+        What they are merged from: reductions of each trajectory, as far as it went.
     """
 
     fates: IntArray
     lifetimes: IntArray
     statistics: LongTermStatistics
+    runs: SeriesReductions
 
 
 def long_term_starting_points(
@@ -220,7 +223,8 @@ def run_long_term(
             memory = np.ascontiguousarray(memory[..., going_on])
         if running.size == 0:
             break
-    return LongTermRun(fates, lifetimes, accumulator.reductions().merged(fates == Fate.KEPT))
+    runs = accumulator.reductions()
+    return LongTermRun(fates, lifetimes, runs.merged(fates == Fate.KEPT), runs)
 
 
 def _ends(

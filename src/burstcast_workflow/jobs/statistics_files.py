@@ -5,7 +5,7 @@ from pathlib import Path
 
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.moments import StateMoments
-from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
 from burstcast_workflow.harness.storage import Variable, read_netcdf, write_netcdf
 
 
@@ -51,4 +51,30 @@ def read_statistics(path: str | Path) -> LongTermStatistics:
         moments=StateMoments(
             count=int(data["states"]), mean=data["mean"], mean_product=data["mean_product"]
         ),
+    )
+
+
+def described_reductions(runs: SeriesReductions) -> dict[str, Variable]:
+    """Variables of the reductions of each run, to be written beside its statistics."""
+    return {
+        "run_count": Variable(
+            ("start", "slot"),
+            runs.counts,
+            "1",
+            "samples of each loop's observable below the first bin, in each bin, above the last",
+        ),
+        "run_sum": Variable(
+            ("start", "component"), runs.sums, "1", "sums of each loop's state over time"
+        ),
+        "run_product_sum": Variable(
+            ("start", "pair"), runs.product_sums, "1", "sums of products of its components"
+        ),
+    }
+
+
+def read_reductions(path: str | Path) -> SeriesReductions:
+    """Read reductions of runs that `described_reductions` described."""
+    data = read_netcdf(path, "edge", "run_count", "run_sum", "run_product_sum")
+    return SeriesReductions(
+        data["edge"], data["run_count"], data["run_sum"], data["run_product_sum"]
     )

@@ -72,7 +72,7 @@ READS = {
     "control/equations": _CONTROL,
     "control_random/esn": _CONTROL,
     "control_without_forecast": _CONTROL.replace("control.window_lt", ""),
-    "statistics_table": f"{_SYSTEM} statistics.profile_points",
+    "statistics_table": f"{_SYSTEM} random_seed bootstrap.* statistics.profile_points",
     "survival_table": """case.ensemble.time_step case.ensemble.sampling_stride
         statistics.duration bootstrap.confidence""",
     "lyapunov_spectrum_table": "random_seed bootstrap.*",
@@ -82,7 +82,7 @@ READS = {
         control.window_lt control.span_lt""",
     "dataset_table": _TIME,
     "hyperparameters_table": "",
-    "horizon_table": "",
+    "horizon_table": "random_seed bootstrap.*",
     "classification_table": """random_seed case.event_threshold bootstrap.*
         classification.window_lt classification.resolution_lt classification.prediction_times_lt""",
     "calibration_set": f"""{_SYSTEM} {_TIME} {_OBSERVED} {_WINDOWS} case.test_series washout_lt
@@ -178,7 +178,9 @@ COMES_FROM = {
     "latex/classification": "classification_table",
     "latex/classification_intervals": "classification_table",
     "latex/horizon": "horizon_table",
+    "latex/horizon_intervals": "horizon_table",
     "latex/statistics": "statistics_table",
+    "latex/statistics_intervals": "statistics_table",
     "latex/survival": "survival_table",
     "latex/survival_curve": "survival_table",
     "latex/lyapunov_spectrum": "lyapunov_spectrum_table",

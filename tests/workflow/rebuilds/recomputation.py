@@ -156,6 +156,24 @@ class Recomputation:
             )
         return pd.DataFrame(rows)
 
+    def horizon_intervals(self) -> pd.DataFrame:
+        """Averages of what each bootstrap sample of the events holds."""
+        settings, seed = self.config["bootstrap"], self.config["random_seed"]
+        tail = (1 - settings["confidence"]) / 2
+        rows = []
+        for keys, path in self.files("horizon.nc"):
+            horizons = variables(path)["prediction_horizon_lt"]
+            count = len(horizons)
+            generator = random_streams.stream(seed, "bootstrap", keys["case"], "events")
+            weights = generator.multinomial(
+                count, np.full(count, 1 / count), size=settings["resamples"]
+            )
+            drawn = [np.repeat(horizons, weight) for weight in weights]
+            for metric, average in (("mean_horizon_lt", np.mean), ("median_horizon_lt", np.median)):
+                low, high = np.quantile([average(sample) for sample in drawn], [tail, 1 - tail])
+                rows.append({**keys, "metric": metric, "low": low, "high": high})
+        return pd.DataFrame(rows)
+
     def dataset(self) -> pd.DataFrame:
         rows = []
         for case, record in self.records.items():
@@ -342,7 +360,14 @@ class Recomputation:
     def tables(self) -> dict[str, pd.DataFrame]:
         """All of them, by name; those of stages that are off are left out."""
         names = ["dataset", "hyperparameters", "classification", "classification_intervals"]
-        names += ["horizon", "statistics", "survival", "lyapunov_spectrum", "kaplan_yorke"]
+        names += [
+            "horizon",
+            "horizon_intervals",
+            "statistics",
+            "survival",
+            "lyapunov_spectrum",
+            "kaplan_yorke",
+        ]
         names += ["control"]
         made = {name: getattr(self, name)() for name in names}
         return {name: table for name, table in made.items() if len(table)}

@@ -14,7 +14,7 @@ from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.lifetimes import long_run_steps
 from burstcast_workflow.jobs.long_runs import long_run_washouts
-from burstcast_workflow.jobs.statistics_files import write_statistics
+from burstcast_workflow.jobs.statistics_files import described_reductions, write_statistics
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -58,6 +58,7 @@ def run_freely(
             "lifetime": Variable(
                 ("start",), run.lifetimes, "1", "steps until each loop left the chaotic phase"
             ),
+            **described_reductions(run.runs),
         },
     )
 

@@ -1,7 +1,8 @@
 """(a) Density of the observable over all data, the training set and the long closed loops of one
 network: of those of the size and strategy shown, the one with the smallest Kantorovich metric.
 (b) Kantorovich metric and (c) mean logarithmic error against reservoir size, medians and
-quartiles over the networks of an ensemble. In grey: the same measures between two random halves
+quartiles over the networks of an ensemble. Thin bars: the bootstrap interval of one
+network over its closed loops, in the median. In grey: the same measures between two random halves
 of the data, in the median.
 """
 
@@ -22,6 +23,7 @@ def draw(
     training: str,
     long_term: list[str],
     percentiles: str,
+    intervals: str,
     settings: Settings,
     published: str | None = None,
 ) -> Figure:
@@ -35,6 +37,7 @@ def draw(
         trained.histogram.density,
         None if best is None else best.statistics.histogram.density,
         table,
+        of_case(settings, intervals),
         settings["case.event_threshold"],
         network_label="" if best is None else best.label,
         symbol=system.observable_symbol,

@@ -1,5 +1,6 @@
 """Mean prediction horizon of extreme events against reservoir size: medians (lines) and quartiles
-(bands) over the networks of an ensemble. In grey: forecasters to compare with.
+(bands) over the networks of an ensemble. Thin bars: the bootstrap interval of one network's mean
+over the events, in the median. In grey: forecasters to compare with.
 """
 
 from matplotlib.figure import Figure
@@ -10,10 +11,16 @@ from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.figures import of_case, published_beside
 
 
-def draw(*, percentiles: str, settings: Settings, published: str | None = None) -> Figure:
+def draw(
+    *, percentiles: str, intervals: str, settings: Settings, published: str | None = None
+) -> Figure:
     """Draw the horizons of one case."""
     table = of_case(settings, percentiles)
-    return horizon_by_size(table, published=published_beside(table, published, "horizon"))
+    return horizon_by_size(
+        table,
+        of_case(settings, intervals),
+        published=published_beside(table, published, "horizon"),
+    )
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 and time, of all data, the training set and one network: of those of the size and strategy shown,
 the one with the smallest Kantorovich metric. (d-f) Errors of the profiles, normalised by the
 range of the true profile, against reservoir size: medians and quartiles over the networks of an
-ensemble. In grey: the same errors between two random halves of the data, in the median.
+ensemble. Thin bars: the bootstrap interval of one network over its closed loops, in the
+median. In grey: the same errors between two random halves of the data, in the median.
 """
 
 import numpy as np
@@ -26,6 +27,7 @@ def draw(
     training: str,
     long_term: list[str],
     percentiles: str,
+    intervals: str,
     settings: Settings,
     published: str | None = None,
 ) -> Figure:
@@ -48,6 +50,7 @@ def draw(
         profiles(read_statistics(training)),
         None if best is None else profiles(best.statistics),
         table,
+        of_case(settings, intervals),
         network_label="" if best is None else best.label,
         published=published_beside(table, published, "statistics"),
     )

@@ -5,7 +5,7 @@ from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_text
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.table_texts import CAPTIONS, FORMATS, PARAMETER_TABLES, head
+from burstcast_workflow.table_texts import CAPTIONS, FORMATS, OWN_FORMATS, PARAMETER_TABLES, head
 
 PERCENTILES = "Percentiles over the networks of an ensemble."
 
@@ -16,6 +16,7 @@ def typeset(*, table: str, latex: str, settings: Settings) -> None:
     columns = [str(column) for column in cells.columns]
     results = name.removesuffix("_percentiles")
     caption = CAPTIONS[results] if name == results else f"{CAPTIONS[results]} {PERCENTILES}"
+    formats = {**FORMATS, **OWN_FORMATS.get(name, {})}
     verbatim = []
     if name in PARAMETER_TABLES:
         verbatim = columns
@@ -29,7 +30,7 @@ def typeset(*, table: str, latex: str, settings: Settings) -> None:
         caption,
         f"tab:{name}",
         headers={column: head(column) for column in columns},
-        formats={column: FORMATS[column] for column in columns if column in FORMATS},
+        formats={column: formats[column] for column in columns if column in formats},
         verbatim=verbatim,
     )
     write_text(latex, text)

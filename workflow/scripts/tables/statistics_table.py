@@ -1,5 +1,8 @@
 """Measure how far the statistics of forecasters and of the training set are from the data's."""
 
+from burstcast import random_streams
+from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.measures import compare
 from burstcast.statistics.profiles import equally_spaced_profiles
@@ -9,7 +12,7 @@ from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import keyed_table, write_table
 from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.jobs.gather import files_of_cases, gathered
-from burstcast_workflow.jobs.statistics_files import read_statistics
+from burstcast_workflow.jobs.statistics_files import read_reductions, read_statistics
 from burstcast_workflow.jobs.systems import system_of
 
 SHARES = {
@@ -27,9 +30,13 @@ def statistics_table(
     floor: list[str],
     long_term: list[str],
     table: str,
+    intervals: str,
     settings: Settings,
 ) -> None:
-    """Write one row for each forecaster, and for each case its training set and sampling floor."""
+    """Write one row for each forecaster, and for each case its training set and sampling floor.
+
+    With the intervals of the forecasters' statistics over their long runs.
+    """
     training_of, floor_of = (
         files_of_cases(settings["cases"], paths) for paths in (training, floor)
     )
@@ -49,6 +56,7 @@ def statistics_table(
         for split in range(splits["split"].size):
             row = {measure: float(splits[measure][split]) for measure in vars(measures)}
             rows.append({**keys, "forecaster": "floor", "seed": split, **row})
+    ends = []
     for record, path in gathered(settings["rows"], long_term):
         case = record["identity"]["case"]
         measures = compare(references[case], read_statistics(path), matrices[case])
@@ -56,10 +64,27 @@ def statistics_table(
         shares = {name: float((fates == fate).mean()) for name, fate in SHARES.items()}
         discarded = {"discarded_fraction": float((fates != Fate.KEPT).mean()), **shares}
         rows.append({**record["keys"], **discarded, **vars(measures)})
+        generator = random_streams.stream(settings["random_seed"], "bootstrap", case, "long runs")
+        weights = bootstrap_weights(len(fates), settings["bootstrap.resamples"], generator)
+        samples = {
+            "discarded_fraction": weights @ (fates != Fate.KEPT) / len(fates),
+            **{name: weights @ (fates == fate) / len(fates) for name, fate in SHARES.items()},
+            **resampled_measures(
+                references[case],
+                read_reductions(path),
+                fates == Fate.KEPT,
+                matrices[case],
+                weights,
+            ),
+        }
+        for metric, values in samples.items():
+            low, high = percentile_interval(values, settings["bootstrap.confidence"])
+            ends.append({**record["keys"], "metric": metric, "low": low, "high": high})
     found = keyed_table(rows)
     for position, name in enumerate(("discarded_fraction", *SHARES), len(KEYS)):
         found.insert(position, name, found.pop(name))
     write_table(table, found)
+    write_table(intervals, keyed_table(ends))
 
 
 if __name__ == "__main__":

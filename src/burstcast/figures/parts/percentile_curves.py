@@ -122,6 +122,40 @@ def draw_percentiles(
         )
 
 
+def draw_single_intervals(
+    axes: Axes, intervals: pd.DataFrame, metric: str, validation: str, style: MarkerStyle
+) -> None:
+    """Draw how far one network's value may be off, as thin bars against reservoir size.
+
+    Quartiles over networks do not tell that.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    intervals
+        Of single networks: neurons, validation, metric, low, high. The bar of a size has the
+        medians over its networks.
+    metric, validation
+        What is shown of them.
+    style
+        Of the line that the bars belong to.
+    """
+    shown = (intervals["metric"] == metric) & (intervals["validation"] == validation)
+    rows = intervals[shown].dropna(subset=["low", "high"])
+    if not rows.empty:
+        ends = rows.groupby("neurons")[["low", "high"]].median()
+        axes.vlines(
+            ends.index.to_numpy(dtype=np.float64),
+            ends["low"],
+            ends["high"],
+            color=style["color"],
+            linewidth=0.8,
+            alpha=0.8,
+            zorder=1.8,
+        )
+
+
 def draw_published(
     axes: Axes, rows: pd.DataFrame, x: str, style: MarkerStyle, *, shift: float = 0.0
 ) -> None:

@@ -9,6 +9,7 @@ from burstcast.figures.parts.percentile_curves import (
     NEURONS_LABEL,
     draw_percentiles,
     draw_published,
+    draw_single_intervals,
     select,
 )
 from burstcast.figures.parts.style import (
@@ -23,7 +24,11 @@ LARGEST_LINEAR_RATIO = 20.0
 
 
 def draw_statistic_by_size(
-    axes: Axes, percentiles: pd.DataFrame, metric: str, published: pd.DataFrame | None = None
+    axes: Axes,
+    percentiles: pd.DataFrame,
+    metric: str,
+    intervals: pd.DataFrame,
+    published: pd.DataFrame | None = None,
 ) -> None:
     """Draw a statistic's error against reservoir size, with the training set and the floor.
 
@@ -35,6 +40,8 @@ def draw_statistic_by_size(
         Of one case; rows of forecaster ``training`` and ``floor`` are horizontal lines.
     metric
         What to draw.
+    intervals
+        Of the same case and each network by itself: neurons, validation, metric, low, high.
     published
         Published percentiles in the same form, drawn as open markers at the sizes of the table.
     """
@@ -43,6 +50,7 @@ def draw_statistic_by_size(
         style = validation_style(validation)
         rows = select(networks, metric=metric, validation=validation)
         draw_percentiles(axes, rows, "neurons", style, label=f"ESN, {validation}")
+        draw_single_intervals(axes, intervals, metric, validation, style)
         if published is not None:
             rows = select(published, metric=metric, validation=validation)
             rows = rows[rows["neurons"].isin(networks["neurons"])]
