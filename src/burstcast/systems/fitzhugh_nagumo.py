@@ -55,8 +55,8 @@ class FitzHughNagumoPair(DynamicalSystem):
             "transient": 10000.0,
             "duration": 12000.0,  # one excitation on average
         },
-        # what decides about an excitation is small: noise of 0.01 would drown it
-        "training": {"series": 20, "noise": 0.001},
+        # what decides about an excitation is small: noise of 0.01, the shear flow's, drowns it
+        "training": {"series": 20, "noise": 0.0001},
         "density": {"range": [-0.4, 0.9]},
         "fixed_point": {"variation": 0.01, "above": -0.4},
         "lyapunov": {"orthonormalisation_interval": 10.0},

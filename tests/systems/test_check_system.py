@@ -1,0 +1,175 @@
+"""Looking at a system: what is found, what is proposed, and messages about mistakes."""
+
+import copy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+import yaml
+
+from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.check import UnsoundSystemError, check_system, interface_problems
+from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
+from burstcast.systems.flow_map import FlowMap
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast_workflow.check_system import case_text, main, report
+from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.config.loading import load
+
+ROOT = Path(__file__).parents[2]
+STATES = np.random.default_rng(1).normal(0.0, 5.0, (3, 16))
+
+
+@dataclass(frozen=True)
+class Mistaken(Lorenz63):
+    """A Lorenz system, parts of which are overridden by what has a mistake."""
+
+
+def mistaken(**methods) -> DynamicalSystem:
+    return dataclass(frozen=True)(type("Mistaken", (Lorenz63,), methods))()  # type: ignore[no-any-return]
+
+
+def generator() -> np.random.Generator:
+    return np.random.default_rng(7)
+
+
+@pytest.mark.parametrize(
+    "system", [Lorenz63(), FitzHughNagumoPair(), MoehlisFaisstEckhardt(400.0)], ids=str
+)
+def test_the_systems_that_ship_keep_to_the_interface(system) -> None:
+    states = np.random.default_rng(2).normal(0.0, 0.3, (system.dimension, 16))
+    assert list(interface_problems(system, states)) == []
+
+
+def wrong_jacobian(self, state):
+    j = Lorenz63().jacobian(state)
+    j[2, 1] = -state[0]
+    return j
+
+
+def mixing(self, state):
+    return Lorenz63().right_hand_side(state) + 1e-3 * state.mean()
+
+
+@pytest.mark.parametrize(
+    ("methods", "message"),
+    [
+        ({"observable": lambda self, x: x[:1]}, r"observable returns the shape \(1, 16\)"),
+        ({"observable": lambda self, x: x[2] > 0}, "observable returns numbers of type bool"),
+        ({"right_hand_side": lambda self, x: x[:2]}, r"right_hand_side returns the shape \(2, 16"),
+        ({"right_hand_side": lambda self, x: x[7]}, "right_hand_side fails .* IndexError"),
+        ({"jacobian": lambda self, x: x}, r"jacobian returns the shape .* not \(3, 3, 16\)"),
+        ({"jacobian": wrong_jacobian}, r"jacobian: the entry \[2, 1\] differs from differences"),
+        ({"right_hand_side": mixing}, "differs from the same trajectory alone"),
+        (
+            {"right_hand_side": lambda self, x: np.multiply(x, 2.0, out=x)},
+            "right_hand_side changes the states",
+        ),
+        (
+            {"sample_initial_states": lambda self, n, g: g.random((n, 3))},
+            r"must return the shape \(3, 16\), not \(16, 3\)",
+        ),
+    ],
+)
+def test_mistakes_are_told(methods, message) -> None:
+    system = mistaken(**methods, case_defaults={})
+    with pytest.raises(UnsoundSystemError, match=message):
+        check_system(system, generator())
+
+
+def test_systems_that_explode_and_that_come_to_rest_are_told() -> None:
+    growing = mistaken(right_hand_side=lambda self, x: x * x, jacobian=DynamicalSystem.jacobian)
+    with pytest.raises(UnsoundSystemError, match="do not stay finite"):
+        check_system(growing, generator())
+    with pytest.raises(UnsoundSystemError, match="come to rest"):
+        check_system(Lorenz63(rho=0.5), generator())
+
+
+@pytest.mark.parametrize("says", [True, False])
+def test_what_is_found_of_the_lorenz_system(monkeypatch, says) -> None:
+    if not says:
+        monkeypatch.setattr(Lorenz63, "case_defaults", {})
+    check = check_system(Lorenz63(), generator())
+    assert check.is_chaotic
+    assert check.by_qr.mean == pytest.approx(0.9056, rel=0.05)
+    assert check.by_growth.mean == pytest.approx(0.9056, rel=0.05)
+    assert check.spectrum.sum() == pytest.approx(-(10 + 1 + 8 / 3), rel=1e-3)
+    assert 0.5 < check.fastest_period < 1.0  # a turn around a wing takes 0.75
+    assert 0.005 <= check.time_step * check.sampling_stride <= 0.03
+    assert check.observable_quantiles[0.95] == pytest.approx(38.0, abs=1.0)
+    assert "compiled" in check.integrator
+
+
+@pytest.mark.parametrize("says", [True, False])
+@pytest.mark.parametrize(
+    ("name", "system"), [("lorenz63", Lorenz63()), ("fitzhugh_nagumo", FitzHughNagumoPair())]
+)
+def test_the_proposed_case_can_be_pasted_into_a_config(monkeypatch, name, system, says) -> None:
+    if not says:
+        monkeypatch.setattr(type(system), "case_defaults", {})
+    check = check_system(system, generator())
+    config = yaml.safe_load((ROOT / "config.yaml").read_text())
+    pasted = yaml.safe_load(case_text(name, {}, check))
+    network = {"esn": {"neurons": [100], "validation": ["RV"], "seeds": 1}}
+    config["campaign"].append({"cases": [name], "forecasters": network})
+    config["cases"].update(copy.deepcopy(pasted["cases"]))
+    # as if the exponent were published: what has to fit into a series is checked, too
+    exponent = float(check.by_qr.mean)
+    config["cases"][name].setdefault("lyapunov", {})["published_exponent"] = exponent
+    record = case_records(load(config))[name]
+    low, high = record["density"]["range"]
+    assert low <= check.observable_quantiles[0.0] < check.observable_quantiles[1.0] <= high
+    assert record["event_threshold"] == (
+        type(system).case_defaults["event_threshold"] if says else {"quantile": 0.95}
+    )
+
+
+def test_a_map_is_checked_like_everything_else() -> None:
+    @dataclass(frozen=True)
+    class Henon(FlowMap):
+        dimension: ClassVar[int] = 2
+        observable_name: ClassVar[str] = "x"
+        observable_symbol: ClassVar[str] = "x"
+
+        def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
+            return np.stack([1.0 - 1.4 * state[0] * state[0] + state[1], 0.3 * state[0]])
+
+        def observable(self, state: FloatArray) -> FloatArray:
+            return np.array(state[0])
+
+        def sample_initial_states(self, series: int, generator) -> FloatArray:
+            return np.asarray(generator.uniform(-0.1, 0.1, (2, series)))
+
+    check = check_system(Henon(), generator())
+    assert (check.time_step, check.sampling_stride) == (1.0, 1)
+    assert check.by_qr.mean == pytest.approx(0.419, rel=0.05)
+    assert "own integrator" in check.integrator
+    assert "ensemble" in check.case
+    assert "initial_state" not in check.case["ensemble"]
+
+
+def test_the_command_line(capsys) -> None:
+    assert main(["lorenz63", "rho=28"]) == 0
+    said = capsys.readouterr().out
+    assert "Lorenz63: keeps to the interface" in said
+    assert "leading exponent       0.9" in said
+    assert yaml.safe_load(said[said.index("cases:") :])["cases"]["lorenz63"]["parameters"] == {
+        "rho": 28
+    }
+    for arguments, message in (
+        (["lorentz63"], "did you mean 'lorenz63'"),
+        (["lorenz63", "rho"], "write NAME=VALUE"),
+        (["lorenz63", "rho=0.5"], "lorenz63 has mistakes:\n  all trajectories come to rest"),
+    ):
+        assert main(arguments) == 1
+        assert message in capsys.readouterr().err
+
+
+def test_a_system_without_chaos_has_no_lyapunov_time() -> None:
+    check = check_system(Lorenz63(rho=160.0), generator())  # a stable cycle
+    assert not check.is_chaotic
+    assert "no Lyapunov time" in report("lorenz63", {"rho": 160.0}, check)
