@@ -365,7 +365,7 @@ FIGURES: Mapping[str, Figure] = {
         _with_reynolds,
         published=True,
     ),
-    "energy_density": Figure(
+    "long_term_density": Figure(
         _OF_STATISTICS,
         "SYSTEM case.event_threshold",
         "shown_case rows",

@@ -57,7 +57,7 @@ HEADS = {
     "series_generated": "series",
     "series_kept": "kept",
     "laminarised_fraction": "laminarised",
-    "mean_kinetic_energy": r"$\overline{k}$",
+    "mean_observable": "mean",
     "events_per_series": "events per series",
     "lyapunov_exponent": r"$\Lambda$",
     "lyapunov_exponent_low": r"$\Lambda_{\mathrm{low}}$",
@@ -91,7 +91,7 @@ HEADS = {
 
 FORMATS = {
     "laminarised_fraction": ".3f",
-    "mean_kinetic_energy": ".4f",
+    "mean_observable": ".4f",
     "events_per_series": ".2f",
     "lyapunov_exponent": ".5f",
     "lyapunov_exponent_low": ".5f",

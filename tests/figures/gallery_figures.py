@@ -16,11 +16,11 @@ from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.control_tradeoff import control_tradeoff
 from burstcast.figures.economic_value import economic_value
-from burstcast.figures.energy_density import energy_density
 from burstcast.figures.forecast_skill import forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
 from burstcast.figures.horizon_schematic import horizon_schematic
+from burstcast.figures.long_term_density import long_term_density
 from burstcast.figures.lyapunov_spectrum import lyapunov_spectrum
 from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.midplane_planes import midplane_planes
@@ -452,7 +452,7 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         X, Z, PLANES[0] ** 2, 1.1 * PLANES[0] ** 2, 1.4 * PLANES[0] ** 2
     ),
     "profile_errors": _profiles,
-    "energy_density": lambda: energy_density(
+    "long_term_density": lambda: long_term_density(
         EDGES,
         DENSITY,
         0.8 * DENSITY,

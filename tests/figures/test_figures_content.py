@@ -40,16 +40,20 @@ from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.committee_event import committee_event
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
+from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.forecast_skill import forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
-from burstcast.figures.horizon_evaluations import horizon_evaluations
+from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
 from burstcast.figures.observable_and_density import observable_and_density
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
+from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.percentile_curves import nearest_value, select
 from burstcast.figures.parts.style import BLUE, ordered_validations, render, true_runs
-from burstcast.figures.prediction_examples import prediction_examples
+from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
+from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.reliability import reliability
 from burstcast.figures.search_landscape import search_landscape
+from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 
 
@@ -360,3 +364,50 @@ def test_bars_are_the_intervals_of_single_networks():
     expected = intervals.groupby("neurons")[["low", "high"]].median()
     np.testing.assert_allclose([segment[:, 1] for segment in segments], expected.to_numpy())
     np.testing.assert_allclose([segment[0, 0] for segment in segments], expected.index)
+
+
+# -- observables that are negative -----------------------------------------------------------------
+
+SINKING = burst(TIME, 4.0) - 0.3
+FORECAST = np.where(TIME >= 1.5, SINKING - 0.02, np.nan)
+LAYOUT = ValidationLayout("RV", "Recycle Validation", (0, 0.5), (0.5, 8), np.array([[0.5, 2.5]]))
+NEGATIVE = {
+    "validation_strategies": lambda: validation_strategies(TIME, SINKING, [LAYOUT], -0.1),
+    "prediction_schematic": lambda: prediction_schematic(
+        TIME - 1.5, SINKING, FORECAST, -0.1, 2.0, washout_lt=0.5
+    ),
+    "control_schematic": lambda: control_schematic(
+        TIME - 1.0, SINKING, SINKING - 0.05, FORECAST, -0.1, 2.0, (1.0, 2.5)
+    ),
+    "horizon_evaluations": lambda: horizon_evaluations(
+        TIME - 4.0, SINKING, [HorizonEvaluation(2.0, TIME - 4.0, FORECAST, 1.0)], -0.1, 0.01
+    ),
+    "prediction_examples": lambda: prediction_examples(
+        [PredictionExample("true positive", TIME, SINKING, FORECAST)], -0.1, 2.0
+    ),
+    "observable_and_density": lambda: observable_and_density(
+        TIME, SINKING, EDGES - 0.3, DENSITY, -0.1
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NEGATIVE)
+def test_negative_observables_are_not_cut_off(name):
+    axes = NEGATIVE[name]().axes
+    curves = [
+        (panel, np.asarray(line.get_ydata(), dtype=float))
+        for panel in axes
+        for line in panel.get_lines()
+    ]
+    shown = [(panel, y) for panel, y in curves if y.size == SINKING.size]
+    assert shown
+    for panel, y in shown:
+        low, high = panel.get_ylim()
+        assert low <= np.nanmin(y)
+        assert np.nanmax(y) <= high
+        assert high - low < 4 * np.ptp(SINKING)  # nor is room given away
+
+
+def test_observables_that_are_never_negative_are_drawn_from_zero():
+    assert axis_floor(burst(TIME, 4.0)) == 0.0
+    assert axis_floor(SINKING, FORECAST) < np.nanmin(FORECAST) < 0.0

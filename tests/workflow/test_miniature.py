@@ -71,7 +71,7 @@ def test_it_runs_to_its_end_and_makes_all_that_the_paper_has(miniature):
     results = miniature.project.directory / "results/miniature"
     figures = {path.stem for path in (results / "figures").glob("*.png")}
     cases = ("", "_Re600", "_Re800", "_Re1000")
-    for name in ("observable_and_density", "classification_scores", "energy_density"):
+    for name in ("observable_and_density", "classification_scores", "long_term_density"):
         assert {f"{name}{case}" for case in cases} <= figures
     assert {"by_reynolds", "horizon_by_size", "control_density", "suppressed_event"} <= figures
     assert {path.name for path in (results / "figures").iterdir()} == {

@@ -166,7 +166,7 @@ def test_published_values_are_drawn_where_the_paper_has_some():
         "classification_scores",
         "horizon_by_size",
         "by_reynolds",
-        "energy_density",
+        "long_term_density",
         "profile_errors",
     }
 

@@ -25,7 +25,7 @@ from burstcast_workflow.table_metrics import SUMMARIES
 ROOT = Path(__file__).parents[2]
 FLOW = {"midplane_planes", "vorticity_isosurfaces"}
 STATISTICS = {
-    *("energy_density", "profile_errors", "midplane_mean_square"),
+    *("long_term_density", "profile_errors", "midplane_mean_square"),
     *("survival", "lyapunov_spectrum"),
 }
 CONTROL = {"control_schematic", "suppressed_event", "control_density", "control_tradeoff"}
@@ -136,7 +136,7 @@ def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
     found = lorenz()
     assert not found.has_flow("lorenz")
     assert stage_figures(found) == {
-        "energy_density",
+        "long_term_density",
         "survival",
         "lyapunov_spectrum",
         "control_schematic",
@@ -144,7 +144,7 @@ def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
         "control_tradeoff",
     }
     wildcards = {"case": "lorenz"}
-    settings = found.settings(FIGURES["energy_density"].reads, wildcards, {})
+    settings = found.settings(FIGURES["long_term_density"].reads, wildcards, {})
     assert settings["case.system"] == "lorenz63"
 
 

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.spans import draw_span
 from burstcast.figures.parts.style import (
     BLUE,
@@ -58,6 +59,8 @@ def control_schematic(
     figure = new_figure(DOUBLE_COLUMN, 2.6)
     axes = figure.subplots()
     top = float(np.nanmax([uncontrolled, controlled, forecast]))
+    floor = axis_floor(uncontrolled, controlled, forecast)
+    height = top - floor
     window = (prediction_time_lt, prediction_time_lt + window_lt)
     axes.axvspan(*actuation_lt, color=GREEN, alpha=0.13, linewidth=0, zorder=0.4)
     axes.axvspan(*window, facecolor="none", edgecolor=LIGHT_GREY, hatch="//////", linewidth=0)
@@ -71,10 +74,10 @@ def control_schematic(
     axes.plot(time_lt, forecast, label="network's forecast", **NETWORK)
     axes.plot(time_lt, controlled, label="with control", **CONTROLLED)
     axes.plot(0, uncontrolled[abs(time_lt).argmin()], "o", color=VERMILLION, ms=4.5, zorder=4)
-    draw_span(axes, 0, prediction_time_lt, 1.12 * top, "prediction time", VERMILLION)
-    draw_span(axes, *window, 1.12 * top, "event forecast: alarm", BLUE)
-    draw_span(axes, *actuation_lt, 1.38 * top, f"control: {actuation_label}", GREEN)
-    axes.set_ylim(0, 1.62 * top)
+    draw_span(axes, 0, prediction_time_lt, floor + 1.12 * height, "prediction time", VERMILLION)
+    draw_span(axes, *window, floor + 1.12 * height, "event forecast: alarm", BLUE)
+    draw_span(axes, *actuation_lt, floor + 1.38 * height, f"control: {actuation_label}", GREEN)
+    axes.set_ylim(floor, floor + 1.62 * height)
     axes.set_xlim(float(time_lt[0]), float(time_lt[-1]))
     axes.set_xlabel("Time from the forecast [LT]")
     axes.set_ylabel(observable_label(symbol))

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
@@ -123,7 +124,10 @@ def horizon_evaluations(
     for panel in panels[len(evaluations) :]:
         panel.set_axis_off()
     panels[0].set_xlim(float(time_lt[0]), float(time_lt[-1]))
-    panels[0].set_ylim(0, 1.08 * float(np.nanmax(true + allowed_error)))
+    floor = axis_floor(true)
+    floor -= allowed_error if floor < 0.0 else 0.0
+    highest = float(np.nanmax(true + allowed_error))
+    panels[0].set_ylim(floor, floor + 1.08 * (highest - floor))
     for panel in panels[: len(evaluations)][-2:]:
         panel.set_xlabel(r"$t - t^{(e)}$ [LT]")
         panel.xaxis.set_tick_params(labelbottom=True)

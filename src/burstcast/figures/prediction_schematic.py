@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.spans import draw_span
 from burstcast.figures.parts.style import (
     BLUE,
@@ -50,7 +51,8 @@ def prediction_schematic(
     """
     figure = new_figure(DOUBLE_COLUMN, 2.5)
     axes = figure.subplots()
-    top = float(np.nanmax(true))
+    floor = axis_floor(true, forecast)
+    room = float(np.nanmax(true)) - floor
     window = (prediction_time_lt, prediction_time_lt + window_lt)
     axes.axvspan(*window, color=LIGHT_GREY, alpha=0.55, linewidth=0, zorder=0.5)
     for edge in window:
@@ -69,11 +71,11 @@ def prediction_schematic(
     axes.plot(time_lt, true, label=rf"${symbol}_{{\mathrm{{True}}}}$", **TRUTH)
     axes.plot(time_lt, forecast, label=rf"${symbol}_{{\mathrm{{ESN}}}}$", **NETWORK)
     axes.plot(0, true[abs(time_lt).argmin()], "o", color=VERMILLION, ms=4.5, zorder=4)
-    height = 1.18 * top
+    height = floor + 1.18 * room
     draw_span(axes, -washout_lt, 0, height, "washout\n(open loop)", GREY, to_the_left=True)
     draw_span(axes, 0, prediction_time_lt, height, "prediction time (closed loop)", VERMILLION)
     draw_span(axes, *window, height, f"event here?\nwindow, {window_lt:g} LT", BLUE)
-    axes.set_ylim(0, 1.5 * top)
+    axes.set_ylim(floor, floor + 1.5 * room)
     axes.set_xlim(float(time_lt[0]), float(time_lt[-1]))
     axes.set_xlabel("Time from the start of the forecast [LT]")
     axes.set_ylabel(observable_label(symbol))

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     GREY,
@@ -71,8 +72,9 @@ def validation_strategies(
     """
     figure = new_figure(DOUBLE_COLUMN, 1.55 * len(layouts) + 0.15)
     panels = figure.subplots(len(layouts), 1, sharex=True, squeeze=False)[:, 0]
-    top = 1.12 * float(observable.max())
-    row = 0.15 * top
+    floor = axis_floor(observable)
+    height = 1.12 * (float(observable.max()) - floor)
+    top, row = floor + height, 0.15 * height
     for panel, layout in zip(panels, layouts, strict=True):
         colour = validation_style(layout.validation)["color"]
         panel.plot(time_lt, observable, **{**TRUTH, "linewidth": 0.7})
@@ -82,12 +84,14 @@ def validation_strategies(
         draw_threshold(panel, threshold, f"${symbol}_e$")
         begin, finish = layout.training
         panel.add_patch(
-            Rectangle((begin, -row), finish - begin, 0.8 * row, facecolor=LIGHT_GREY, linewidth=0)
+            Rectangle(
+                (begin, floor - row), finish - begin, 0.8 * row, facecolor=LIGHT_GREY, linewidth=0
+            )
         )
         begin, finish = layout.washout
         panel.add_patch(
             Rectangle(
-                (begin, -row),
+                (begin, floor - row),
                 finish - begin,
                 0.8 * row,
                 facecolor="white",
@@ -99,7 +103,7 @@ def validation_strategies(
         for index, (start, end) in enumerate(layout.intervals):
             panel.add_patch(
                 Rectangle(
-                    (start, -2 * row),
+                    (start, floor - 2 * row),
                     end - start,
                     0.8 * row,
                     facecolor=colour,
@@ -108,9 +112,9 @@ def validation_strategies(
                     linewidth=0,
                 )
             )
-        panel.axhline(0, color="black", linewidth=0.6)
-        panel.set_ylim(-2.25 * row, top)
-        panel.set_yticks([tick for tick in panel.get_yticks() if 0 <= tick <= top])
+        panel.axhline(floor, color="black", linewidth=0.6)
+        panel.set_ylim(floor - 2.25 * row, top)
+        panel.set_yticks([tick for tick in panel.get_yticks() if floor <= tick <= top])
         panel.set_ylabel(observable_label(symbol))
         count = len(layout.intervals)
         panel.legend(

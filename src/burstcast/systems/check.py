@@ -8,6 +8,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -290,9 +291,7 @@ def _rough_time_step(system: DynamicalSystem, states: FloatArray) -> float:
         matrices = np.moveaxis(system.jacobian(states), -1, 0)
         rate = float(np.abs(np.linalg.eigvals(matrices)).max())
         step = min(step, 0.05 / rate if rate > 0 else 1.0)
-        states = _finite(
-            lambda states=states, step=step: integrate(system, states, step, 200, 200)
-        )[-1]
+        states = _finite(partial(integrate, system, states, step, 200, 200))[-1]
     return step
 
 

@@ -192,7 +192,7 @@ class Recomputation:
                     "series_generated": series,
                     "series_kept": len(energy),
                     "laminarised_fraction": 1 - len(energy) / series,
-                    "mean_kinetic_energy": energy.mean(),
+                    "mean_observable": energy.mean(),
                     "events_per_series": (~above[:, :-1] & above[:, 1:]).sum() / len(energy),
                     "lyapunov_exponent": exponents["mean"],
                     "lyapunov_exponent_low": exponents["low"],

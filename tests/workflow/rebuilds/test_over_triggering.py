@@ -294,7 +294,7 @@ GATHERED_LONG_RUNS = """statistics_table percentiles/statistics latex/statistics
 GATHERED_NETWORKS = f"""{GATHERED} {GATHERED_CONTROL}
     hyperparameters_table percentiles/hyperparameters latex/hyperparameters*
     {GATHERED_LONG_RUNS}
-    figure/energy_density figure/profile_errors figure/midplane_mean_square"""
+    figure/long_term_density figure/profile_errors figure/midplane_mean_square"""
 OF_NETWORKS = """scan/* search/* train/* */esn-*
     figure/network_schematic figure/search_landscape figure/prediction_* figure/horizon_evaluations
     figure/midplane_planes figure/vorticity_isosurfaces figure/control_schematic
@@ -358,7 +358,7 @@ WITH_EFFECT = [
         f"""train/* forecast/*/esn-* calibration_forecast/*/esn-* horizon/*/esn-* long_term/*/esn-*
         lyapunov_spectrum/*/esn-* control/*/esn-* control_random/*/esn-* examples/* flow_event/*
         suppressed_event/* {GATHERED} {GATHERED_CONTROL} {GATHERED_LONG_RUNS}
-        figure/energy_density figure/profile_errors figure/midplane_* figure/prediction_*
+        figure/long_term_density figure/profile_errors figure/midplane_* figure/prediction_*
         figure/horizon_evaluations figure/vorticity_isosurfaces figure/control_schematic
         figure/suppressed_event""",
     ),
@@ -379,7 +379,7 @@ WITH_EFFECT = [
             "np.linspace(-1, 1, points)",
         ),
         """reference_statistics/* statistics_table percentiles/statistics latex/statistics*
-        figure/energy_density figure/profile_errors figure/midplane_* figure/suppressed_event
+        figure/long_term_density figure/profile_errors figure/midplane_* figure/suppressed_event
         figure/vorticity_isosurfaces""",
     ),
 ]
@@ -446,5 +446,5 @@ def test_every_setting_is_read_by_some_job_of_its_rule(project):
             rule = f"figure {log.stem}"
         found = unread_settings(log)
         unread[rule] = unread.get(rule, found) & found
-    assert {"simulate", "search", "control", "figure energy_density"} <= unread.keys()
+    assert {"simulate", "search", "control", "figure long_term_density"} <= unread.keys()
     assert {rule: names for rule, names in unread.items() if names} == {}

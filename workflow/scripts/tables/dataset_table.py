@@ -32,7 +32,7 @@ def dataset_table(
                 "series_generated": summary["series_generated"],
                 "series_kept": summary["series_kept"],
                 "laminarised_fraction": summary["laminarised_fraction"],
-                "mean_kinetic_energy": summary["mean_observable"],
+                "mean_observable": summary["mean_observable"],
                 "events_per_series": read_json(events_of[case])["events_per_series"],
                 "lyapunov_exponent": leading["mean"],
                 "lyapunov_exponent_low": leading["low"],

@@ -13,6 +13,8 @@ PERCENTILES = "Percentiles over the networks of an ensemble."
 def typeset(*, table: str, latex: str, settings: Settings) -> None:
     """Write a table environment with booktabs rules."""
     name, cells = settings["table"], read_table(table)
+    if "reynolds" in cells and cells["reynolds"].isna().all():
+        del cells["reynolds"]  # no case has one
     columns = [str(column) for column in cells.columns]
     results = name.removesuffix("_percentiles")
     caption = CAPTIONS[results] if name == results else f"{CAPTIONS[results]} {PERCENTILES}"

@@ -11,7 +11,9 @@ def take_percentiles(*, table: str, percentiles: str, settings: Settings) -> Non
     """Write the percentiles in long form."""
     summary = SUMMARIES[settings["table"]]
     keys = [*NETWORK_KEYS, *summary.keys]
-    write_table(percentiles, tables.percentiles(read_table(table), keys, summary.metrics))
+    found = read_table(table)
+    metrics = [metric for metric in summary.metrics if metric in found]
+    write_table(percentiles, tables.percentiles(found, keys, metrics))
 
 
 if __name__ == "__main__":

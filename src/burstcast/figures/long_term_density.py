@@ -21,7 +21,7 @@ from burstcast.figures.parts.style import (
 
 
 @styled
-def energy_density(
+def long_term_density(
     bin_edges: FloatArray,
     true: FloatArray,
     training: FloatArray,

@@ -8,7 +8,7 @@ of the data, in the median.
 
 from matplotlib.figure import Figure
 
-from burstcast.figures.energy_density import energy_density
+from burstcast.figures.long_term_density import long_term_density
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.best_network import best_of
@@ -31,7 +31,7 @@ def draw(
     true, trained, system = read_statistics(data), read_statistics(training), system_of(settings)
     table = of_case(settings, percentiles)
     best = best_of(settings, true, long_term)
-    return energy_density(
+    return long_term_density(
         true.histogram.edges,
         true.histogram.density,
         trained.histogram.density,
