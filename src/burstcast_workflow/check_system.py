@@ -82,7 +82,7 @@ def report(system: str, parameters: Mapping[str, float], check: SystemCheck) -> 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Check the system that the command line names; 0 if nothing is wrong with it."""
     parser = argparse.ArgumentParser(
-        prog="check-system", description="Look at a dynamical system before a campaign."
+        prog="burstcast check-system", description="Look at a dynamical system before a campaign."
     )
     parser.add_argument("system", help="lorenz63, ..., or <module>:<class> of your own")
     parser.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of its equations")

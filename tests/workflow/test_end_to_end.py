@@ -20,7 +20,7 @@ COLUMNS = {
         "series_generated",
         "series_kept",
         "laminarised_fraction",
-        "mean_kinetic_energy",
+        "mean_observable",
         "events_per_series",
         "lyapunov_exponent",
         "lyapunov_exponent_low",
@@ -172,7 +172,7 @@ def test_dataset(finished):
     assert row["series_generated"] == 40
     assert row["series_kept"] == len(energy)
     assert row["laminarised_fraction"] == pytest.approx(1 - len(energy) / 40)
-    assert row["mean_kinetic_energy"] == pytest.approx(energy.mean())
+    assert row["mean_observable"] == pytest.approx(energy.mean())
     rises = (energy[:, :-1] < 0.07) & (energy[:, 1:] >= 0.07)
     assert row["events_per_series"] == pytest.approx(rises.sum() / len(energy))
     assert row["lyapunov_exponent_paper"] == 0.0163
