@@ -14,6 +14,7 @@ from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import module_of
 from burstcast_workflow.canonical import canonical, natural_order
 from burstcast_workflow.config.cases import block_cases, case_records
+from burstcast_workflow.config.measured_cases import is_measured, space_of
 from burstcast_workflow.control_plans import CONDITIONS, ControlPlan, block_plans, paper_plan
 from burstcast_workflow.identifiers import ForecasterName, parsed
 from burstcast_workflow.table_metrics import SUMMARIES
@@ -389,15 +390,15 @@ class Campaign:
         keys = {"case": run.case, "reynolds": self.reynolds(run.case), **name.keys}
         return {**keys, "forecaster": "random"} if run.random else keys
 
-    def of_each_case(self, *paths: str) -> list[Settings]:
-        """Settings of all cases, with whose they are and their key columns."""
+    def of_each_case(self, *paths: str, cases: Iterable[str] | None = None) -> list[Settings]:
+        """Settings of all cases, or of some, with whose they are and their key columns."""
         return [
             {
                 "identity": {"case": case},
                 "keys": {"case": case, "reynolds": self.reynolds(case)},
                 "settings": self.settings(paths, {"case": case}, {}),
             }
-            for case in self.case_names
+            for case in (self.case_names if cases is None else cases)
         ]
 
     @property
@@ -417,7 +418,7 @@ class Campaign:
             "classification_intervals",
             "horizon_intervals",
             *(["statistics_intervals"] if self.long_term_forecasters else []),
-            "data_generation_parameters",
+            *(["data_generation_parameters"] if self.simulated_cases else []),
             *(["network_hyperparameters"] if self.networks else []),
         ]
 
@@ -448,13 +449,35 @@ class Campaign:
 
     def dimension(self, case: str) -> int:
         """Components of a state."""
-        record = self.cases[case]
-        return make_system(record["system"], record["parameters"]).dimension
+        space = space_of(self.cases[case])
+        assert space is not None
+        return space.dimension
+
+    def has_equations(self, case: str) -> bool:
+        """Whether a case is simulated, so that there is what needs equations."""
+        return not is_measured(self.cases[case])
+
+    @property
+    def simulated_cases(self) -> tuple[str, ...]:
+        """Cases that are simulated."""
+        return tuple(case for case in self.case_names if self.has_equations(case))
+
+    @property
+    def measured_cases(self) -> tuple[str, ...]:
+        """Cases of measured series."""
+        return tuple(case for case in self.case_names if not self.has_equations(case))
+
+    def source_case(self, case: str) -> str:
+        """Case that a case is a part of, or itself: whose Lyapunov exponents and series it has."""
+        return str((self.cases[case].get("data") or {}).get("case") or case)
 
     def has_flow(self, case: str) -> bool:
         """Whether a case is a flow: its state, the amplitudes of velocity modes."""
         record = self.cases[case]
-        return flow_modes(make_system(record["system"], record["parameters"])) is not None
+        return (
+            self.has_equations(case)
+            and flow_modes(make_system(record["system"], record["parameters"])) is not None
+        )
 
     def scan_of(self, identifier: str) -> tuple[str, str]:
         """Reservoir and strategies of the scan that a network's search goes on from."""

@@ -8,10 +8,12 @@ depend on the machine. `burstcast_workflow.cost_report` compares predictions wit
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from burstcast import durations
 from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.identifiers import ForecasterName, parsed
 
 SECONDS_PER = {
@@ -76,11 +78,11 @@ class _Job:
         self.interval = campaign.sampling_interval(self.case)
         self.neurons = float(name.neurons or 0)
         self.dimension = campaign.dimension(self.case)
-        self.series = self("case.ensemble.series")
+        self.series, self.samples = _size(campaign, self.case)
         self.training_series = self("case.training.series")
         self.stride = self("case.ensemble.sampling_stride")
-        self.samples = self("case.ensemble.duration") / self.interval
-        self.transient = self("case.ensemble.transient") / self.interval
+        transient = campaign.cases[self.case]["ensemble"].get("transient", 0)
+        self.transient = transient / self.interval
         self.numbers = self.series * self.samples * self.dimension
         self.washout = self.steps("washout_lt")
         # what takes in the washout before a forecast: an ensemble, where it is filtered
@@ -140,9 +142,21 @@ def _calibration_forecast(job: _Job) -> tuple[float, float]:
     return series * starts, job.washout + reach
 
 
+def _size(campaign: Campaign, case: str) -> tuple[float, float]:
+    """Series, and samples in each series, of a case's ensemble."""
+    record = campaign.cases[campaign.source_case(case)]
+    data, ensemble = record.get("data"), record["ensemble"]
+    if data is None:
+        return ensemble["series"], ensemble["duration"] / campaign.sampling_interval(case)
+    # before the files are read, only their sizes are known
+    held = sum(Path(path).stat().st_size for path in data_files(data) if Path(path).exists())
+    series = record["training"]["series"] + record["test_series"]
+    return series, held / 8 / campaign.dimension(case) / series
+
+
 def _test_series(campaign: Campaign, case: str) -> float:
     record = campaign.cases[case]
-    left: int = record["ensemble"]["series"] - record["training"]["series"]
+    left = _size(campaign, case)[0] - record["training"]["series"]
     return float(max(0, min(record["test_series"], left)))
 
 

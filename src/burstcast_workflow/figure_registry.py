@@ -127,7 +127,9 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "tables": lambda campaign, case: "tables",
     # the computed Lyapunov exponents, where they set the unit of time
     "time_unit": lambda campaign, case: (
-        [] if campaign.steps_per_lyapunov_time(case) is not None else f"{case}/lyapunov.json"
+        []
+        if campaign.steps_per_lyapunov_time(case) is not None
+        else f"{campaign.source_case(case)}/lyapunov.json"
     ),
     "example": lambda campaign, case: campaign.example.directory,
     "example_strategies": _with_other_strategies,
@@ -187,7 +189,7 @@ def _with_long_term(campaign: Campaign) -> list[str]:
 
 
 def _with_spectrum(campaign: Campaign) -> list[str]:
-    cases = {one.case for one in campaign.spectrum_forecasters}
+    cases = {one.case for one in campaign.spectrum_forecasters} & {*campaign.simulated_cases}
     return [case for case in _with_long_term(campaign) if case in cases]
 
 

@@ -12,6 +12,7 @@ from burstcast_workflow.alarms import alarm_records, records_of, shown_committee
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.config.measured_cases import OFF, data_files
 from burstcast_workflow.cost_report import write_forecaster_costs
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.figure_registry import (
@@ -134,9 +135,9 @@ def cost_of(job):
     return memory.cost_class, memory.stage
 
 
-def of_cases(name):
-    """The file called ``name`` of every case of the campaign."""
-    return [f"{RESULTS}/{case}/{name}" for case in campaign.case_names]
+def of_cases(name, cases=campaign.case_names):
+    """The file called ``name`` of every case, of the whole campaign unless told otherwise."""
+    return [f"{RESULTS}/{case}/{name}" for case in cases]
 
 
 def of_forecasters(name, forecasters=campaign.forecasters):
@@ -155,7 +156,7 @@ def of_control(name, runs=campaign.control_runs):
 def time_unit_of(case):
     """The computed Lyapunov exponents of a case, where they set the unit of time."""
     if campaign.steps_per_lyapunov_time(case) is None:
-        return f"{RESULTS}/{case}/lyapunov.json"
+        return f"{RESULTS}/{campaign.source_case(case)}/lyapunov.json"
     return []
 
 
@@ -326,6 +327,32 @@ def stage(
             f"{whose}: {does}" if whose else does
         script:
             f"../scripts/{name}.py"
+
+
+# -- measured series ---------------------------------------------------------------------------------
+
+
+def one_of(cases):
+    """Wildcard that is one of these cases."""
+    return "|".join(map(re.escape, cases)) or "(?!)"
+
+
+# Who makes the ensemble of a case.
+SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
+if workflow.is_main_process and campaign.measured_cases:
+    print(
+        f"{', '.join(campaign.measured_cases)}: measured series; off: {OFF}",
+        file=sys.stderr,
+    )
+
+
+@of_job
+def sources_of_data(wildcards):
+    """Files that the measured series of a case come in."""
+    data = campaign.cases[wildcards.case]["data"]
+    if data["case"] is not None:
+        return [f"{RESULTS}/{data['case']}/ensemble.nc"]
+    return [local(path) for path in data_files(data)]
 
 
 # -- of single stages --------------------------------------------------------------------------------

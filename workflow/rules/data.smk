@@ -7,6 +7,17 @@ stage(
     settings="SYSTEM random_seed case.ensemble case.laminarisation_threshold",
     cost="integration",
     cached=True,
+    constraints={"case": SIMULATED},
+)
+stage(
+    "data/import_data",
+    "check and copy measured series",
+    inputs={"sources": sources_of_data},
+    outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
+    settings="SYSTEM case.data case.ensemble.time_step case.ensemble.sampling_stride "
+    "case.laminarisation_threshold case.training.series case.test_series",
+    cost="data",
+    constraints={"case": MEASURED},
 )
 stage(
     "data/event_threshold",
@@ -30,6 +41,17 @@ stage(
     "case.lyapunov.perturbation case.lyapunov.saturation",
     cost="tangent",
     cached=True,
+    constraints={"case": SIMULATED},
+)
+stage(
+    "data/neighbour_divergence",
+    "Lyapunov exponent, from how neighbours part",
+    inputs=files("ensemble"),
+    outputs={"exponents": f"{CASE}/lyapunov.json"},
+    settings="random_seed bootstrap case.ensemble.time_step case.ensemble.sampling_stride "
+    "case.training.series",
+    cost="data",
+    constraints={"case": MEASURED},
 )
 stage(
     "data/evaluation_set",

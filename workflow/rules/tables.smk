@@ -1,15 +1,19 @@
 """Tables: gathered from the files of many jobs, then percentiles and LaTeX."""
 
+# The case whose Lyapunov exponents each case has.
+EXPONENTS_OF = {case: campaign.source_case(case) for case in campaign.case_names}
+
 stage(
     "tables/dataset_table",
     "table of the dataset",
     inputs={
         "summaries": of_cases("dataset.json"),
         "events": of_cases("events.json"),
-        "exponents": of_cases("lyapunov.json"),
+        "exponents": of_cases("lyapunov.json", dict.fromkeys(EXPONENTS_OF.values())),
     },
     outputs={"table": in_report("dataset")},
     cases=campaign.of_each_case(*listed("TIME")),
+    exponents_of=EXPONENTS_OF,
 )
 stage(
     "tables/hyperparameters_table",
@@ -89,7 +93,7 @@ stage(
     "tables/lyapunov_spectrum_table",
     "table of the Lyapunov exponents",
     inputs={
-        "data": of_cases("lyapunov_spectrum.nc"),
+        "data": of_cases("lyapunov_spectrum.nc", campaign.simulated_cases),
         "forecasters": of_forecasters(
             "lyapunov_spectrum.nc", campaign.spectrum_forecasters
         ),
@@ -99,7 +103,7 @@ stage(
         "dimensions": f"{TABLES}/kaplan_yorke.csv",
     },
     settings="random_seed bootstrap",
-    cases=campaign.of_each_case(),
+    cases=campaign.of_each_case(cases=campaign.simulated_cases),
     rows=campaign.keys(campaign.spectrum_forecasters),
 )
 stage(
@@ -127,12 +131,13 @@ stage(
 stage(
     "tables/data_generation_parameters",
     "table of the parameters of the data",
-    inputs={"summaries": of_cases("dataset.json")},
+    inputs={"summaries": of_cases("dataset.json", campaign.simulated_cases)},
     outputs={"table": in_report("data_generation_parameters")},
     cases=campaign.of_each_case(
         *listed("SYSTEM case.ensemble.time_step case.ensemble.duration"),
         *listed("case.training.series case.laminarisation_threshold"),
         "case.event_threshold",
+        cases=campaign.simulated_cases,
     ),
 )
 stage(

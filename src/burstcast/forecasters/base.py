@@ -63,6 +63,8 @@ class Forecaster(abc.ABC):
 
     sees_truth: ClassVar[bool] = False
     """Whether it is given true states instead of observed ones: only as a bound for others."""
+    needs_equations: ClassVar[bool] = False
+    """Whether it forecasts with the equations of the system."""
 
     @classmethod
     @abc.abstractmethod

@@ -15,4 +15,5 @@ from burstcast.forecasters.equations_noisy import EquationsFromObservation
 class FilteredEquations(FilteredForecaster):
     """Integrates the equations from the estimate of an ensemble filter."""
 
+    needs_equations: ClassVar[bool] = True
     model_class: ClassVar[type[Forecaster]] = EquationsFromObservation

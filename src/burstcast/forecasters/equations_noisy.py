@@ -4,7 +4,7 @@ What separates it from the equations that see the truth is the error of the pres
 """
 
 from dataclasses import dataclass
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -26,6 +26,8 @@ class EquationsFromObservation(Forecaster):
     time_step, sampling_stride
         Of the integration: time units, and integration steps in a step of the forecast.
     """
+
+    needs_equations: ClassVar[bool] = True
 
     system: DynamicalSystem
     time_step: float

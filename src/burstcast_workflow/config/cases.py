@@ -7,6 +7,7 @@ from typing import Any
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import module_of, system_class
 from burstcast_workflow.canonical import canonical
+from burstcast_workflow.config.measured_cases import is_measured, measured_record
 from burstcast_workflow.config.model import Case
 from burstcast_workflow.config.places import Place
 
@@ -39,6 +40,8 @@ def case_records(config: Mapping[str, Any]) -> dict[str, Config]:
     ``case_defaults`` only what has no unit of an observable, a state or time: `WITHOUT_UNITS`. The
     case's own entry is laid over that: mappings are merged, everything else is replaced.
 
+    Measured series have records of their own (`burstcast_workflow.config.measured_cases`).
+
     A name ``Re<number>`` sets the parameter ``reynolds``.
     """
     return {name: case_record(config, name) for name in campaign_cases(config)}
@@ -48,7 +51,14 @@ def case_record(config: Mapping[str, Any], name: str) -> Config:
     """Complete record of one case; see `case_records`."""
     defaults, own = config["case_defaults"], config["cases"].get(name) or {}
     system = own.get("system", defaults["system"])
-    if system == defaults["system"]:
+    if is_measured(own):
+        # parts of what is simulated, never of what is measured itself
+        entries = {key: one for key, one in config["cases"].items() if not is_measured(one or {})}
+        simulated = {**config, "cases": entries}
+        base = measured_record(defaults, own["data"], lambda other: case_record(simulated, other))
+        record = _merged(base, {key: value for key, value in own.items() if key != "data"})
+        _derive(record, draws=False)
+    elif system == defaults["system"]:
         record = _merged(defaults, own)
     else:
         said = _merged(said_by_class(system), own)
@@ -57,7 +67,7 @@ def case_record(config: Mapping[str, Any], name: str) -> Config:
             shared["actuation"] = None
         record = _merged(shared, said)
         _derive(record, draws=_draws_initial_states(system))
-    if match := _REYNOLDS_NAME.fullmatch(name):
+    if not is_measured(own) and (match := _REYNOLDS_NAME.fullmatch(name)):
         # what the entry itself says stays, for the checks to compare
         record["parameters"].setdefault("reynolds", canonical(float(match[1])))
     result: Config = canonical(record, f"cases.{name}")
@@ -119,6 +129,7 @@ def _derive(record: Config, *, draws: bool) -> None:
     """Fill in what follows from other settings, where neither class nor entry says it."""
     record.setdefault("parameters", {})
     record.setdefault("laminarisation_threshold", None)
+    record.setdefault("data", None)
     lyapunov, ensemble = record["lyapunov"], record["ensemble"]
     lyapunov.setdefault("published_exponent", None)
     if draws and "initial_state" not in ensemble:
@@ -131,7 +142,8 @@ def _derive(record: Config, *, draws: bool) -> None:
         record["actuation"].setdefault("force", None)
     if "range" in record["density"]:
         low, high = record["density"]["range"]
-        record["controlled_density"].setdefault("range", [low, high])
+        if "controlled_density" in record:
+            record["controlled_density"].setdefault("range", [low, high])
         record.setdefault("fixed_point", {"variation": _SETTLED * (high - low), "above": low})
 
 

@@ -22,8 +22,15 @@ from burstcast_workflow.config.cases import (
     said_by_class,
 )
 from burstcast_workflow.config.kinds import RELATIONS, Section
+from burstcast_workflow.config.measured_cases import (
+    is_measured,
+    kinds_with_equations,
+    own_problems,
+    problems_of_data,
+    space_of,
+)
 from burstcast_workflow.config.messages import model_problems, suggestion
-from burstcast_workflow.config.model import Case, Configuration
+from burstcast_workflow.config.model import Case, Configuration, MeasuredCase
 from burstcast_workflow.config.places import Place
 from burstcast_workflow.control_plans import block_plans
 from burstcast_workflow.identifiers import parsed
@@ -214,6 +221,9 @@ def _class_defaults(config: Settings) -> Iterator[str]:
 
 
 def _case(config: Settings, name: str) -> Iterator[str]:
+    if is_measured(own := config["cases"].get(name) or {}):
+        yield from _measured(config, name, own)
+        return
     record = case_record(config, name)
     try:
         owner = system_class(record["system"]).__name__
@@ -236,7 +246,9 @@ def _case(config: Settings, name: str) -> Iterator[str]:
     yield from _system(name, record)
     kinds = _kinds(config, name)
     if any(kind.endswith("_filtered") for kind in kinds):
-        yield from _filter(config["forecasters"]["filter"], record)
+        yield from _filter(
+            config["forecasters"]["filter"], record, f"the system {record['system']}"
+        )
     ensemble, lyapunov = record["ensemble"], record["lyapunov"]
     training, test = record["training"]["series"], record["test_series"]
     if training + test > ensemble["series"]:
@@ -295,16 +307,53 @@ def _kinds(config: Settings, name: str) -> set[str]:
     }
 
 
-def _filter(settings: Settings, record: Settings) -> Iterator[str]:
-    try:
-        dimension = make_system(record["system"], record["parameters"]).dimension
-    except (ValueError, TypeError):  # told with the case
+def _measured(config: Settings, name: str, own: Settings) -> Iterator[str]:
+    """What is wrong with a case of measured series."""
+    if wrong := list(own_problems(own)):
+        yield from wrong
         return
-    members = settings["members"]
+    source, cases = own["data"].get("case"), campaign_cases(config)
+    if source is not None and (source not in cases or is_measured(config["cases"].get(source, {}))):
+        others = [case for case in cases if not is_measured(config["cases"].get(case) or {})]
+        yield (
+            f"data.case is {source}; it must be a case of the campaign that is simulated: "
+            f"{', '.join(others) or 'there is none'}"
+        )
+        return
+    record = case_record(config, name)
+    if wrong := model_problems(record, MeasuredCase):
+        if "range" not in record["density"]:  # what follows from it is not asked for
+            wrong = [text for text in wrong if not text.startswith("fixed_point is missing")]
+        yield from wrong
+        return
+    yield from _related(record, MeasuredCase)
+    yield from problems_of_data(record)
+    if config["statistics"]["duration"] is None and record["ensemble"].get("duration") is None:
+        yield "statistics.duration is null, but how long the series are, only the data tell: say it"
+    kinds = sorted(_kinds(config, name))
+    if needing := kinds_with_equations(kinds):
+        yield f"there are no equations of measured series to forecast with ({', '.join(needing)})"
+    if any(kind.endswith("_filtered") for kind in kinds):
+        yield from _filter(config["forecasters"]["filter"], record, name)
+    for index, block in enumerate(config["control"]["strategies"]):
+        if name in block.get("cases", []):
+            yield f"control.strategies[{index}].cases: control needs equations, which data have not"
+    if config["probability"]["calibration_series"] == 0 and record["training"]["series"] < 2:
+        yield (
+            "training.series is 1, but probabilities are calibrated on series that are left out of "
+            "the training one by one: take 2 at least (data.blocks cuts a long one)"
+        )
+
+
+def _filter(settings: Settings, record: Settings, whose: str) -> Iterator[str]:
+    members, space = settings["members"], space_of(record)
+    if space is None:  # told with the case
+        return
+    dimension = space.dimension
     if members % 2 or members < 2 * dimension:
         yield (
             f"forecasters.filter.members is {members}; it must be even, and at least twice the "
-            f"components of a state: {2 * dimension} for the system {record['system']}"
+            f"components of a state: {2 * dimension} for {whose}"
         )
 
 

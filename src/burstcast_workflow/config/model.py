@@ -203,6 +203,50 @@ class RecycleValidation(Section):
     )
 
 
+class Blocks(Section):
+    """How measured series are cut into series of equal length."""
+
+    duration: Positive = setting("length of each block; what is left over is dropped", TIME)
+    gap: float = setting("from the end of a block to the start of the next", TIME, ge=0, default=0)
+
+
+class Data(Section):
+    """Measured series instead of equations; null: the series are simulated."""
+
+    files: Distinct[str] = setting(
+        "files of series, or patterns (lab/run_*.csv): CSV, Parquet, NetCDF, HDF5, NumPy",
+        default=[],
+    )
+    case: CaseName | None = setting(
+        "another case of the campaign, of whose state only a part is seen", default=None
+    )
+    columns: Distinct[str] = setting(
+        "names of the columns of a table without a header, or along the last axis of an array",
+        default=[],
+    )
+    components: Distinct[str] = setting(
+        "what forecasters see: columns, expressions of columns, or <name> = <one of these>; all "
+        "columns if left out",
+        default=[],
+    )
+    observable: str = setting("a component, or an expression of components or columns")
+    observable_name: str = setting("what it is, for axes and tables", default="")
+    observable_symbol: str = setting("its symbol in TeX, without dollars", default="")
+    time_step: Annotated[Positive | None, Words("a number above 0")] = setting(
+        "time between two rows, which are the steps of a forecast", TIME, default=None
+    )
+    time: str | None = setting("column of times, to be checked against the time step", default=None)
+    series: str | None = setting(
+        "column that tells series apart, where a table holds several", default=None
+    )
+    array: str | None = setting("array that holds all components", default=None)
+    axes: Distinct[Literal["series", "time", "component"]] = setting(
+        "axes of the arrays, in their order; those that dimensions are named after, or this order",
+        default=[],
+    )
+    blocks: Blocks | None = setting("how series are cut; null: not at all", default=None)
+
+
 class Case(Section):
     """A dynamical system with its dataset: what every case starts from."""
 
@@ -229,6 +273,56 @@ class Case(Section):
     controlled_density: Density = setting("bins of the observable's density under control")
     actuation: Actuation | None
     test_series: Count = setting("number of series that forecasts are classified on")
+    recycle_validation: RecycleValidation
+    data: Data | None = setting(
+        "measured series instead of equations; null: the series are simulated"
+    )
+
+
+class MeasuredSteps(Section):
+    """Steps of measured series."""
+
+    time_step: Positive = setting("time step of the Runge-Kutta scheme, for learnt equations", TIME)
+    sampling_stride: Count = setting("integration steps in one step of a forecast")
+    duration: Positive | None = setting("of each series, where it is known", TIME, default=None)
+
+
+class MeasuredLyapunov(Section):
+    """The unit of time of measured series."""
+
+    time_unit: Literal["published", "computed"]
+    published_exponent: float | None = setting("", gt=0)
+    orthonormalisation_interval: Positive = setting("", TIME)
+
+
+class MeasuredParameters(Section):
+    """What was measured."""
+
+    components: list[str]
+    observable_of: str
+    observable_name: str
+    observable_symbol: str
+
+
+class MeasuredCase(Section):
+    """Complete record of a case of measured series."""
+
+    data: Data
+    system: str
+    parameters: MeasuredParameters
+    event_threshold: Threshold = setting(
+        "value of the observable that an extreme event reaches",
+        OBSERVABLE,
+        below="laminarisation_threshold",
+    )
+    laminarisation_threshold: float | None = setting("", OBSERVABLE)
+    ensemble: MeasuredSteps
+    lyapunov: MeasuredLyapunov
+    training: Training
+    density: Density
+    fixed_point: FixedPoint
+    actuation: None
+    test_series: Count
     recycle_validation: RecycleValidation
 
 

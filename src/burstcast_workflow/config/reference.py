@@ -53,7 +53,7 @@ def _default(config: Any, name: str) -> str:
     if name.startswith(("campaign", "cases")):
         return "see config.yaml"
     for part in name.split("."):
-        if part not in config:
+        if config is None or part not in config:
             return "left out"
         config = config[part]
     return f"`{json.dumps(config)}`"

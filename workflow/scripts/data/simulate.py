@@ -7,7 +7,7 @@ from burstcast.dataset import generate_ensemble, initial_states
 from burstcast.systems.sampling import sampled_initial_states
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import Variable, write_json, write_netcdf
+from burstcast_workflow.jobs.ensemble_files import write_ensemble
 from burstcast_workflow.jobs.systems import equations_of
 
 
@@ -51,46 +51,15 @@ def simulate(
         )
     states = np.concatenate([batch.states for batch in batches])
     observable = np.stack([system.observable(series.T) for series in states])
-    interval = given["time_step"] * given["sampling_stride"]
-    write_netcdf(
-        ensemble,
-        {
-            "series": Variable(("series",), index, "1", "number of the series in the ensemble"),
-            "lifetime": Variable(
-                ("generated",),
-                np.concatenate([batch.lifetimes for batch in batches]),
-                "1",
-                "steps until each series that was generated laminarised; all of a kept one",
-            ),
-            "time": Variable(
-                ("time",), interval * np.arange(states.shape[1]), "1", "time after the transient"
-            ),
-            "state": Variable(
-                ("series", "time", "component"),
-                states,
-                "1",
-                "state of the system",
-                chunks=(1, *states.shape[1:]),
-            ),
-            "observable": Variable(
-                ("series", "time"),
-                observable,
-                "1",
-                system.observable_name,
-                chunks=(1, observable.shape[1]),
-            ),
-        },
+    write_ensemble(
+        (ensemble, summary),
+        states,
+        observable,
+        system.observable_name,
+        index,
+        np.concatenate([batch.lifetimes for batch in batches]),
+        given["time_step"] * given["sampling_stride"],
         provenance,
-    )
-    write_json(
-        summary,
-        {
-            "series_generated": given["series"],
-            "series_kept": len(index),
-            "laminarised_fraction": 1 - len(index) / given["series"],
-            "mean_observable": float(observable.mean()),
-            "provenance": provenance,
-        },
     )
 
 

@@ -17,15 +17,18 @@ def dataset_table(
     settings: Settings,
 ) -> None:
     """Write one row for each case."""
-    events_of, exponents_of = (
-        files_of_cases(settings["cases"], paths) for paths in (events, exponents)
-    )
+    events_of = files_of_cases(settings["cases"], events)
+    # a case that is a part of another one has that one's
+    whose = settings["exponents_of"]
+    wanted = [{"identity": {"case": case}} for case in dict.fromkeys(whose.values())]
+    found_of = files_of_cases(wanted, exponents)
+    exponents_of = {case: found_of[other] for case, other in whose.items()}
     rows = []
     for record, path in gathered(settings["cases"], summaries):
         case, of_case = record["identity"]["case"], record["settings"]
         summary = read_json(path)
         exponents_found = read_json(exponents_of[case])
-        leading, growth = exponents_found["leading"], exponents_found["leading_by_growth"]
+        leading, growth = exponents_found["leading"], exponents_found.get("leading_by_growth", {})
         rows.append(
             {
                 **record["keys"],
@@ -37,9 +40,9 @@ def dataset_table(
                 "lyapunov_exponent": leading["mean"],
                 "lyapunov_exponent_low": leading["low"],
                 "lyapunov_exponent_high": leading["high"],
-                "lyapunov_exponent_by_growth": growth["mean"],
-                "lyapunov_exponent_by_growth_low": growth["low"],
-                "lyapunov_exponent_by_growth_high": growth["high"],
+                "lyapunov_exponent_by_growth": growth.get("mean"),
+                "lyapunov_exponent_by_growth_low": growth.get("low"),
+                "lyapunov_exponent_by_growth_high": growth.get("high"),
                 "lyapunov_exponent_paper": of_case["case.lyapunov.published_exponent"],
                 "steps_per_lyapunov_time": lyapunov_time(of_case, exponents_of[case]),
             }

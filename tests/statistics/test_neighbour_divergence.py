@@ -1,0 +1,111 @@
+"""The exponent from series against that from the equations, and against brute force."""
+
+import numpy as np
+import pytest
+
+from burstcast.dataset import generate_ensemble, initial_states
+from burstcast.statistics import neighbour_divergence as module
+from burstcast.statistics.neighbour_divergence import correlation_steps, neighbour_divergence
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+
+def lorenz(series=10, steps=4000):
+    """Sampled every 0.02 time units; published exponent: 0.906."""
+    generator = np.random.default_rng(1)
+    start = generator.normal(size=(3, series)) + np.array([[0], [0], [25]])
+    start = integrate(Lorenz63(), start, 0.01, 2000, stride=2000)[-1]
+    return integrate(Lorenz63(), start, 0.01, 2 * steps, stride=2).transpose(2, 0, 1)
+
+
+def estimate(series, interval, seed=0):
+    how = {"resamples": 200, "confidence": 0.95}
+    return neighbour_divergence(series, interval, np.random.default_rng(seed), **how)
+
+
+def test_lorenz() -> None:
+    found = estimate(lorenz(), 0.02)
+    assert found.exponent == pytest.approx(0.906, rel=0.1)
+    assert found.low < found.exponent < found.high
+    assert found.high - found.low < 0.25 * found.exponent
+
+
+def test_lorenz_with_noise_and_of_one_component() -> None:
+    series = lorenz()
+    noise = 0.01 * series.std(axis=(0, 1)) * np.random.default_rng(2).normal(size=series.shape)
+    assert estimate(series + noise, 0.02).exponent == pytest.approx(0.906, rel=0.12)
+    assert estimate(series[:, :, :1], 0.02).exponent == pytest.approx(0.906, rel=0.12)
+
+
+def test_one_long_series_keeps_out_of_its_own_neighbourhood() -> None:
+    found = estimate(lorenz(series=1, steps=20000), 0.02)
+    assert found.theiler_window > 3
+    assert found.exponent == pytest.approx(0.906, rel=0.15)
+
+
+def test_shear_flow() -> None:
+    """Re = 400, whose published exponent is 0.0163."""
+    start = [1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0]
+    generator = np.random.default_rng(3)
+    (flow,) = generate_ensemble(
+        MoehlisFaisstEckhardt(400.0),
+        initial_states(np.array(start, float), 3, 0.01, 16, generator),
+        time_step=0.25,
+        sampling_stride=4,
+        transient_steps=800,
+        kept_steps=10000,
+        laminarisation_threshold=0.48,
+    )
+    assert len(flow.states) >= 10
+    found = estimate(flow.states[:10], 1.0)
+    assert found.exponent == pytest.approx(0.0163, rel=0.2)
+
+
+def test_units_do_not_matter() -> None:
+    series = lorenz(series=4, steps=1500)
+    scaled = series * [1e-3, 50.0, 7.0] + [3.0, -100.0, 0.0]
+    one, other = estimate(series, 0.02), estimate(scaled, 0.1)
+    assert other.exponent == pytest.approx(one.exponent / 5, rel=1e-6)
+
+
+def test_distances_by_brute_force(monkeypatch) -> None:
+    monkeypatch.setattr(module, "REFERENCES", 10**6)  # every state is followed
+    series = lorenz(series=3, steps=120)
+    found = estimate(series, 0.02)
+    steps, window = len(found.log_distance) - 1, correlation_steps(series / series.std(axis=(0, 1)))
+    states = series / series.std(axis=(0, 1))
+    starts = states.shape[1] - steps
+    expected = []
+    for of in range(3):
+        for at in range(starts):
+            nearest = min(
+                (np.linalg.norm(states[of, at] - states[other, step]), other, step)
+                for other in range(3)
+                for step in range(starts)
+                if other != of or abs(step - at) > window
+            )[1:]
+            apart = states[of, at : at + steps + 1] - states[nearest[0]][nearest[1] :][: steps + 1]
+            expected.append(np.log(np.linalg.norm(apart, axis=1)))
+    np.testing.assert_allclose(found.log_distance, np.mean(expected, axis=0), rtol=1e-10)
+    first, last = found.fitted
+    times = 0.02 * np.arange(first, last + 1)
+    slope = np.polyfit(times, found.log_distance[first : last + 1], 1)[0]
+    assert found.exponent == pytest.approx(slope)
+
+
+def test_correlation_time_of_a_known_process() -> None:
+    generator = np.random.default_rng(4)
+    series = np.zeros((20, 4000, 1))
+    for step in range(1, 4000):
+        series[:, step] = 0.95 * series[:, step - 1] + generator.normal(size=(20, 1))
+    assert correlation_steps(series) == pytest.approx(1 / -np.log(0.95), abs=2)
+    assert correlation_steps(np.broadcast_to(np.arange(40.0)[:, None], (2, 40, 1))) <= 10
+
+
+def test_what_does_not_part_has_no_exponent() -> None:
+    time = 0.05 * np.arange(2000)
+    phases = np.linspace(0, 1, 5)[:, None]
+    circles = np.stack([np.cos(time + phases), np.sin(time + phases)], axis=2)
+    with pytest.raises(ValueError, match="no exponent can be seen in these series"):
+        estimate(circles, 0.05)

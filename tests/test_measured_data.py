@@ -1,0 +1,137 @@
+"""From columns to series: what is taken, how it is cut, and every message about what is wrong."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from burstcast.measured_data import (
+    Blocks,
+    Quantity,
+    Run,
+    blocks_of,
+    check_equidistant,
+    kept_series,
+    series_of_runs,
+)
+from burstcast.systems.measured import MeasuredSeries
+
+GENERATOR = np.random.default_rng(1)
+
+
+def run(name="run_1.csv", length=20, **columns):
+    found = {key: GENERATOR.normal(size=length) for key in ("u", "v", "flow rate [l/s]")}
+    return Run(name, {**found, **columns})
+
+
+def series(runs, components, observable, blocks=None):
+    quantities = [Quantity(text) for text in components]
+    space = MeasuredSeries([one.name for one in quantities], observable)
+    return series_of_runs(runs, space, quantities, blocks)
+
+
+def test_columns_expressions_and_names() -> None:
+    runs = [run("a"), run("b")]
+    found = series(runs, ["v", "u2 = u**2", "q = flow rate [l/s]", "u - v"], "v")
+    for states, one in zip(found, runs, strict=True):
+        u, v, q = one.columns.values()
+        np.testing.assert_array_equal(states, np.stack([v, u * u, q, u - v], axis=1))
+
+
+def test_an_observable_that_is_none_of_the_components_comes_last() -> None:
+    one = run()
+    found = series([one], ["u"], "u * v")
+    np.testing.assert_array_equal(found[0, :, 1], one.columns["u"] * one.columns["v"])
+    # an expression of components is none of its own
+    assert series([one], ["u", "v"], "u * v").shape == (1, 20, 2)
+
+
+@given(length=st.integers(5, 200), samples=st.integers(2, 60), gap=st.integers(1, 30))
+def test_blocks_lie_end_to_end_with_gaps(length: int, samples: int, gap: int) -> None:
+    one = Run("a", {"u": np.arange(length) + 1.0})
+    if length < samples:
+        with pytest.raises(ValueError, match=f"a has {length} rows, but a block .* {samples}"):
+            series([one], ["u"], "u", Blocks(samples, gap))
+        return
+    found = series([one], ["u"], "u", Blocks(samples, gap))[:, :, 0]
+    # brute force: row by row
+    rows, expected = list(range(1, length + 1)), []
+    while len(rows) >= samples:
+        expected.append(rows[:samples])
+        rows = rows[samples - 1 + gap :]
+    assert found.tolist() == expected
+    assert len(set(found.flat)) == found.size  # no sample twice
+
+
+def test_runs_of_unequal_length_are_cut() -> None:
+    runs = [run("a", 11), run("b", 30)]
+    assert series(runs, ["u"], "u", Blocks(5, 2)).shape == (2 + 5, 5, 1)
+    with pytest.raises(ValueError, match=r"a has 11 rows, b 30; .*data\.blocks"):
+        series(runs, ["u"], "u")
+
+
+def test_blocks_in_time_units() -> None:
+    assert blocks_of(10.0, 2.0, 0.5) == Blocks(21, 4)
+    assert blocks_of(0.3, 0.0, 0.1) == Blocks(4, 1)
+    assert blocks_of(1.0, 0.25, 0.1) == Blocks(11, 3)  # at least the gap
+
+
+@pytest.mark.parametrize(
+    ("columns", "components", "observable", "message"),
+    [
+        ({}, ["w"], "u", "run_1.csv: there is no column 'w'.*the columns are u, v, flow rate"),
+        ({}, ["u", "vv"], "u", "no column 'vv' .did you mean 'v'"),
+        ({}, ["u"], "u + w", "run_1.csv: there is no column 'w'"),
+        ({}, ["u", "w = a b"], "u", "no column 'a b', and 'a b' is no arithmetic expression"),
+        (
+            {"u": np.array([0.0, 1, np.nan, 2, np.nan])},
+            ["u"],
+            "u",
+            r"run_1.csv: column 'u' has no number in row 3 of 5 \(2 such rows in all\)",
+        ),
+        ({"u": np.array([0.0, 1, -np.inf])}, ["u"], "u", "'u' is infinite in row 3 of 3"),
+        (
+            {"u": np.array([1.0, -1, 2])},
+            ["r = sqrt(u)"],
+            "r",
+            "run_1.csv: the component 'r' has no number in row 2 of 3",
+        ),
+        ({"u": np.full(20, 3.5)}, ["u", "v"], "v", "the component 'u' is 3.5 always"),
+    ],
+)
+def test_mistakes(columns, components, observable, message) -> None:
+    length = len(next(iter(columns.values()), np.empty(20)))
+    with pytest.raises(ValueError, match=message):
+        series([run(length=length, **columns)], components, observable)
+
+
+def test_a_column_that_is_constant_in_one_run_only() -> None:
+    assert series([run(u=np.zeros(20)), run(u=np.ones(20))], ["u"], "u").shape == (2, 20, 1)
+
+
+def test_gaps_in_columns_that_nobody_asks_for() -> None:
+    assert series([run(v=np.full(20, np.nan))], ["u"], "u").shape == (1, 20, 1)
+
+
+def test_times_are_equidistant() -> None:
+    time = 1e4 + 0.02 * np.arange(1000)
+    check_equidistant("a", "t", time, 0.02)
+    check_equidistant("a", "t", np.array([f"{value:.4f}" for value in time], float), 0.02)
+    with pytest.raises(ValueError, match=r"'t' goes on by 0\.02 .* not by the time step, 0\.01"):
+        check_equidistant("a", "t", time, 0.01)
+    gap = np.delete(time, 400)
+    with pytest.raises(ValueError, match=r"a: column 't' goes on by 0\.04 from row 400 to row 401"):
+        check_equidistant("a", "t", gap, 0.02)
+    with pytest.raises(ValueError, match="from row 1 to row 2"):
+        check_equidistant("a", "t", time[::-1], 0.02)
+
+
+def test_series_beyond_the_laminarisation_threshold() -> None:
+    observable = np.array([[-3.0, -2, -3], [-3, -3, -3], [0, -3, 0]])
+    index, lifetimes = kept_series(observable, -2.5)
+    assert index.tolist() == [1]
+    assert lifetimes.tolist() == [1, 2, 0]
+    index, lifetimes = kept_series(observable, None)
+    assert (index.tolist(), lifetimes.tolist()) == ([0, 1, 2], [2, 2, 2])
+    with pytest.raises(ValueError, match="all 3 series exceed laminarisation_threshold, -4"):
+        kept_series(observable, -4)

@@ -1,0 +1,189 @@
+"""Cases of measured series in a config: what they start from, and every message."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.config.measured_cases import data_files
+from burstcast_workflow.costs import CostModel
+
+ROOT = Path(__file__).parents[2]
+DATA = {"files": ["lab/run_*.csv"], "components": ["u", "v"], "observable": "u", "time_step": 0.5}
+LAB = {
+    "data": DATA,
+    "event_threshold": -1.5,
+    "density": {"range": [-4, 0]},
+    "test_series": 3,
+    "training": {"series": 2},
+    "recycle_validation": {"series": 1},
+}
+PART = {"data": {"case": "Re400", "components": ["a1", "s = a2**2 + a3**2"]}}
+
+
+@pytest.fixture
+def config(tmp_path, monkeypatch):
+    """One simulated case, one of files, one that is a part of the simulated one."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab").mkdir()
+    for number in (10, 9, 1):
+        (tmp_path / "lab" / f"run_{number}.csv").write_text("u,v\n1,2\n")
+    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    config["cases"] |= {"lab": dict(LAB), "part": dict(PART)}
+    networks = {"neurons": [2000], "validation": ["RV"], "seeds": 1}
+    config["campaign"] = [
+        {"reynolds": [400], "forecasters": {"esn": networks, "equations": {}}},
+        {
+            "cases": ["lab", "part"],
+            "forecasters": {"esn": networks, "quadratic_filtered": {}, "persistence": {}},
+        },
+    ]
+    config["statistics"]["duration"] = 100
+    config["figures"]["reynolds_prediction_times_lt"] = [2]
+    return config
+
+
+def problem(config):
+    with pytest.raises(ConfigError) as caught:
+        load(config)
+    assert len(caught.value.problems) == 1, caught.value.problems
+    return caught.value.problems[0]
+
+
+def test_records(config):
+    records = case_records(load(config))
+    lab, part, whole = records["lab"], records["part"], records["Re400"]
+    # nothing in units of the shear flow
+    assert lab["laminarisation_threshold"] is None
+    assert lab["training"] == {"series": 2, "noise": 0}
+    assert lab["ensemble"] == {"time_step": 0.125, "sampling_stride": 4, "duration": None}
+    assert lab["lyapunov"] == {
+        "time_unit": "published",
+        "published_exponent": None,
+        "orthonormalisation_interval": 2.5,
+    }
+    assert lab["fixed_point"] == {"variation": 0.04, "above": -4}
+    assert lab["parameters"]["components"] == ["u", "v"]
+    assert lab["actuation"] is None
+    # everything of the same series
+    for name in ("event_threshold", "laminarisation_threshold", "training", "test_series"):
+        assert part[name] == whole[name]
+    assert part["lyapunov"]["published_exponent"] == 0.0163
+    assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 4000}
+    assert part["parameters"] == {
+        "components": ["a1", "s"],
+        "observable_of": "observable",
+        "observable_name": "kinetic energy",
+        "observable_symbol": "k",
+    }
+    assert part["data"]["columns"] == [f"a{number}" for number in range(1, 10)]
+
+
+def test_thresholds_of_another_observable_are_not_inherited(config):
+    config["cases"]["part"] = {"data": {**PART["data"], "observable": "a1"}}
+    with pytest.raises(ConfigError) as caught:
+        load(config)
+    text = "\n".join(caught.value.problems)
+    assert "case part: event_threshold is missing" in text
+    assert "case part: density.range is missing" in text
+
+
+def test_what_a_campaign_makes_of_them(config):
+    campaign = Campaign(load(config))
+    assert campaign.simulated_cases == ("Re400",)
+    assert campaign.measured_cases == ("lab", "part")
+    assert campaign.has_flow("Re400")
+    assert not campaign.has_flow("part")
+    assert campaign.source_case("part") == "Re400"
+    assert campaign.source_case("lab") == "lab"
+    assert {run.case for run in campaign.strategy_runs} == {"Re400"}
+    # only what is about measured series depends on their code
+    assert campaign.modules({"case": "part"})["burstcast.systems"] == ["measured"]
+    assert campaign.modules({"case": "Re400"})["burstcast.systems"] == ["mfe"]
+    costs = CostModel(campaign)
+    for case in ("lab", "part"):
+        names = {"case": case, "forecaster": "esn-N2000-RV-seed0"}
+        assert costs.predicted("training", "train", names).seconds > 0
+
+
+def test_files_as_people_sort_their_names(config):
+    data = {"files": ["lab/run_*.csv"]}
+    assert data_files(data) == [f"lab/run_{number}.csv" for number in (1, 9, 10)]
+    data = {"files": ["lab/run_9.csv", "./lab/run_*.csv", "upstream.csv"]}
+    assert data_files(data) == ["lab/run_9.csv", "lab/run_1.csv", "lab/run_10.csv", "upstream.csv"]
+
+
+def changed(name, value):
+    """Cases with one setting of `lab` or `part` changed."""
+    case, *path = name.split(".")
+    cases = {"lab": LAB, "part": PART}
+    found = dict(cases[case])
+    place = found
+    for key in path[:-1]:
+        place[key] = dict(place.get(key, {}))
+        place = place[key]
+    if value is ...:
+        del place[path[-1]]
+    else:
+        place[path[-1]] = value
+    return {case: found}
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "part"),
+    [
+        ("lab.event_threshold", ..., "case lab: event_threshold is missing"),
+        ("lab.density", ..., "case lab: density.range is missing"),
+        ("lab.data.observable", ..., "case lab: data.observable is missing"),
+        ("lab.data.time_step", ..., "case lab: data.time_step is missing: the time between"),
+        ("lab.data.time_step", 0, "data.time_step is 0; it must be a number above 0"),
+        ("lab.data.components", ..., "case lab: data.components is missing"),
+        ("lab.data.files", [], "case lab: data needs files"),
+        ("lab.data.case", "Re400", "case lab: data needs files: [...], or else the name"),
+        ("lab.data.files", ["lab/x_*"], "case lab: data.files: no file is called lab/x_*"),
+        ("lab.data.observable", "u +", "'u +' is no arithmetic expression"),
+        ("lab.data.observable", "sin(u)", "sin(u) is not understood"),
+        ("lab.data.components", ["u", "u = v"], "data.components has u twice"),
+        ("lab.data.step", 1, "unknown setting cases.lab.data.step"),
+        ("lab.data.blocks", {"gap": 1}, "case lab: data.blocks.duration is missing"),
+        ("lab.data.axes", ["x"], "cases.lab.data.axes[0] is the text 'x'; it must be series"),
+        ("lab.system", "mfe", "case lab: system means nothing for measured series"),
+        ("lab.actuation", {"parameters": {}}, "case lab: actuation means nothing"),
+        ("lab.training.series", 1, "case lab: training.series is 1, but probabilities"),
+        ("part.data.case", "Re600", "case part: data.case is Re600; it must be a case of the"),
+        ("part.data.case", "part", "case part: data.case is part; it must be a case of the"),
+        ("part.data.case", "lab", "that is simulated: Re400"),
+        ("part.data.components", ["a1", "b"], "there is no column 'b'"),
+        ("part.data.components", ["a1", "a10"], "no column 'a10' (did you mean 'a1'?)"),
+        ("part.data.time_step", 1, "data.time_step means nothing where the series are those of"),
+    ],
+)
+def test_mistakes(config, name, value, part):
+    config["cases"] |= changed(name, value)
+    assert part in problem(config)
+
+
+def test_forecasters_that_need_equations(config):
+    config["campaign"][1]["forecasters"] |= {"equations": {}, "equations_filtered": {}}
+    assert re.search(
+        r"cases lab, part: there are no equations of measured series to forecast with "
+        r"\(equations, equations_filtered\)",
+        problem(config),
+    )
+
+
+def test_control_needs_equations(config):
+    block = {"strategy": "reactive", "settings": {"level": [0.05], "decision_interval_lt": [0.5]}}
+    config["control"]["strategies"] = [{**block, "cases": ["part"]}]
+    assert "control.strategies[0].cases: control needs equations" in problem(config)
+
+
+def test_long_runs_need_a_duration(config):
+    config["statistics"]["duration"] = None
+    assert "case lab: statistics.duration is null, but how long" in problem(config)
+    config["cases"] |= changed("lab.data.blocks", {"duration": 50})
+    assert case_records(load(config))["lab"]["data"]["blocks"] == {"duration": 50, "gap": 0}

@@ -1,0 +1,47 @@
+"""Check measured series, and copy them into an ensemble as simulated ones are in."""
+
+import numpy as np
+
+from burstcast.measured_data import kept_series
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.ensemble_files import write_ensemble
+from burstcast_workflow.jobs.measured import measured_series
+from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.time_unit import sampling_interval
+
+
+def import_data(
+    *,
+    sources: list[str],
+    ensemble: str,
+    summary: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the series, their observable, and a summary."""
+    states = measured_series(settings, sources)
+    training, test = settings["case.training.series"], settings["case.test_series"]
+    if training + test > len(states):
+        raise ValueError(
+            f"training.series is {training} and test_series {test}, but the data have "
+            f"{len(states)} series in all, of {states.shape[1]} samples each: ask for fewer, or "
+            f"cut shorter blocks (data.blocks)"
+        )
+    space = system_of(settings)
+    observable = np.stack([space.observable(series.T) for series in states])
+    index, lifetimes = kept_series(observable, settings["case.laminarisation_threshold"])
+    write_ensemble(
+        (ensemble, summary),
+        states[index],
+        observable[index],
+        space.observable_name,
+        index,
+        lifetimes,
+        sampling_interval(settings),
+        provenance,
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, import_data)  # noqa: F821 - Snakemake puts it there

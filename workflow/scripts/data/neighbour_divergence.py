@@ -1,0 +1,47 @@
+"""Estimate the leading Lyapunov exponent of measured series: how fast neighbours part."""
+
+from burstcast import random_streams
+from burstcast.statistics.neighbour_divergence import neighbour_divergence
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.jobs.data import training_states
+from burstcast_workflow.jobs.time_unit import sampling_interval
+
+
+def estimated_exponent(
+    *, ensemble: str, exponents: str, settings: Settings, provenance: Provenance
+) -> None:
+    """Write the exponent of the training series, with its interval."""
+    series, interval = training_states(settings, ensemble), sampling_interval(settings)
+    try:
+        found = neighbour_divergence(
+            series,
+            interval,
+            random_streams.stream(
+                settings["random_seed"], "neighbour divergence", settings["case"]
+            ),
+            resamples=settings["bootstrap.resamples"],
+            confidence=settings["bootstrap.confidence"],
+        )
+    except ValueError as error:
+        raise ValueError(
+            f"{error}; give the unit of time (lyapunov.published_exponent, its inverse)"
+        ) from error
+    write_json(
+        exponents,
+        {
+            "leading": {"mean": found.exponent, "low": found.low, "high": found.high},
+            "method": "divergence of nearest neighbours in the training series",
+            "series": len(series),
+            "duration": interval * (series.shape[1] - 1),
+            "log_distance": found.log_distance.tolist(),
+            "fitted_steps": list(found.fitted),
+            "theiler_window": found.theiler_window,
+            "provenance": provenance,
+        },
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, estimated_exponent)  # noqa: F821 - Snakemake puts it there
