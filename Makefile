@@ -1,4 +1,4 @@
-# burstcast: make demo | test | paper | why | bench | slurm | check
+# burstcast: make demo | test | paper | why | archive | bench | slurm | check
 # All that is needed is Python >= 3.11 and make; everything else goes into .venv.
 
 PYTHON ?= python3
@@ -10,7 +10,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 export NUMBA_NUM_THREADS := 1
 
-.PHONY: demo test test-long test-slurm paper why prune bench slurm check clean
+.PHONY: demo test test-long test-slurm paper why prune archive bench slurm check clean
 
 demo: $(VENV)/installed
 	$(SNAKEMAKE) --configfile workflow/presets/quick.yaml $(ARGS)
@@ -34,11 +34,15 @@ test-slurm: $(VENV)/installed
 
 # What would run again, and why: make why ARGS="--configfile workflow/presets/quick.yaml"
 why: $(VENV)/installed
-	@$(BIN)/python -m burstcast_workflow.why $(ARGS)
+	@$(BIN)/burstcast why $(ARGS)
 
 # What results are not of this campaign any more; ARGS=--remove removes them
 prune: $(VENV)/installed
-	@$(BIN)/python -m burstcast_workflow.prune $(ARGS)
+	@$(BIN)/burstcast prune $(ARGS)
+
+# Tables, figures, config, versions and why in one zip that can be cited
+archive: $(VENV)/installed
+	@$(BIN)/burstcast archive $(ARGS)
 
 bench: $(VENV)/installed
 	$(BIN)/python benchmarks/bench.py $(ARGS)
@@ -53,7 +57,7 @@ check: $(VENV)/installed
 	$(BIN)/snakefmt --check Snakefile workflow/rules
 
 # The lock file holds every version; the package itself comes from this directory.
-$(VENV)/installed: requirements.lock pyproject.toml
+$(VENV)/installed: requirements.lock pyproject.toml setup.py
 	$(PYTHON) -c 'import sys; sys.exit("burstcast needs Python 3.11 or newer: make PYTHON=...") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.lock

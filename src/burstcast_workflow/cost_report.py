@@ -2,7 +2,7 @@
 
 ::
 
-    python -m burstcast_workflow.cost_report [options of snakemake]
+    burstcast costs [options of snakemake]
 
 All jobs of the campaign are listed by rule, as Snakemake plans them, with their predicted time.
 Where results have ``benchmark:`` records, the median of their times and the largest memory are
@@ -16,7 +16,6 @@ a rule that made it would run again after every other job.
 """
 
 import csv
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -27,7 +26,7 @@ from typing import Any
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.costs import SECONDS_PER, Cost, CostModel
 from burstcast_workflow.identifiers import ForecasterName
-from burstcast_workflow.why import planned
+from burstcast_workflow.why import names_of_rules, planned
 
 TABLE = "forecaster_costs.csv"
 """Table of what forecasters took, beside the records."""
@@ -70,10 +69,12 @@ def predicted_jobs(
 
 def _jobs(workflow: Any, seconds_per: Mapping[str, float] = SECONDS_PER) -> list[PredictedJob]:
     """All jobs of a plan."""
-    model = CostModel(workflow.globals["campaign"], seconds_per)
+    campaign = names_of_rules(workflow)["campaign"]
+    model = CostModel(campaign, seconds_per)
     found = []
     for job in workflow.dag.jobs:
-        if job.output:  # a target has none
+        # a target has no output, and nothing is known of another workflow's own rules
+        if job.output and job.rule.module_globals.get("campaign") is campaign:
             memory = job.rule.ruleinfo.resources[1]["mem_mb"]
             cost = model.predicted(memory.cost_class, memory.stage, job.wildcards_dict)
             record = Path(workflow.overwrite_workdir or "", job.benchmark)
@@ -238,15 +239,12 @@ def _ratio(measured: float, prediction: float) -> str:
     return f" {ratio:>5.2f}" + (" " if 0.5 <= ratio <= 2 else "!")
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
+def main(arguments: Sequence[str]) -> int:
     """Print the reports of a campaign."""
-    given = sys.argv[1:] if arguments is None else arguments
-    workflow = planned([*given, "--forceall"])
+    workflow = planned([*arguments, "--forceall"])
+    names = names_of_rules(workflow)
     print(report(_jobs(workflow)))
-    records = Path(workflow.overwrite_workdir or "", workflow.globals["TIMES"])
-    if text := forecasters_report(forecaster_costs(workflow.globals["campaign"], records)):
+    records = Path(workflow.overwrite_workdir or "", names["TIMES"])
+    if text := forecasters_report(forecaster_costs(names["campaign"], records)):
         print(f"\n{text}")
-
-
-if __name__ == "__main__":
-    main()
+    return 0

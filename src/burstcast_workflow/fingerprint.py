@@ -25,10 +25,13 @@ from functools import cache
 from pathlib import Path
 
 from burstcast.discovery import top_level_directory
+from burstcast_workflow.project import is_installed, packages_of
 
 _HASH_LENGTH = 12
 _HARNESS = "burstcast_workflow.harness"
 _VERSION = f"{_HARNESS}.version"
+# the project's packages, where others may lie in the same directory
+_OURS = ("burstcast", "burstcast_workflow")
 
 
 class Sources:
@@ -43,7 +46,7 @@ class Sources:
     """
 
     def __init__(self, root: Path, own_modules: Sequence[str] = ()) -> None:
-        self._packages, self._scripts = root / "src", root / "workflow" / "scripts"
+        self._packages, self._scripts = packages_of(root), root / "workflow" / "scripts"
         self._own_modules = tuple(own_modules)
 
     def fingerprint(self, script: str, found_by_name: Mapping[str, Sequence[str]]) -> list[str]:
@@ -84,7 +87,10 @@ class Sources:
         roots = _with_own_roots(((self._packages, ""),), self._own_modules)
         found = _reached(list(self._own_modules), roots)
         return {
-            name: path for name, path in found.items() if not path.is_relative_to(self._packages)
+            name: path
+            for name, path in found.items()
+            if not path.is_relative_to(self._packages)
+            or (is_installed(self._packages) and name.partition(".")[0] not in _OURS)
         }
 
 
@@ -188,6 +194,8 @@ def _located(module: str, roots: tuple[_Root, ...]) -> Path | None:
     """File of a module of the project; None for other modules, and names that are no modules."""
     first, *_ = parts = module.split(".")
     for root, package in roots:
+        if not package and is_installed(root) and first not in _OURS:
+            continue  # other libraries: their versions count, not their code
         path = root.joinpath(*parts)
         for candidate in (path / "__init__.py", path.with_name(path.name + ".py")):
             if package in ("", first) and candidate.is_file():

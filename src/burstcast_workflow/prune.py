@@ -2,7 +2,7 @@
 
 ::
 
-    python -m burstcast_workflow.prune [--remove] [options of snakemake]
+    burstcast prune [--remove] [options of snakemake]
 
 A stage that was switched off and networks that left the campaign leave files behind, which nothing
 keeps up to date. The records know them all (`burstcast_workflow.harness.records`): what has a
@@ -18,9 +18,7 @@ from typing import Any
 
 from burstcast_workflow.harness.records import Records
 from burstcast_workflow.harness.run import OvertakenError, Run
-from burstcast_workflow.why import planned
-
-_REMOVE = "--remove"
+from burstcast_workflow.why import names_of_rules, planned
 
 
 class PartOfCampaignError(ValueError):
@@ -64,7 +62,7 @@ def stale_note(results: str, workflow: Any) -> str:
     except PartOfCampaignError:
         return ""
     counted = f"{count} file{'s' if count > 1 else ''}"
-    said = f"Not of this campaign any more: {counted} in {results} (make prune lists them)."
+    said = f"Not of this campaign any more: {counted} in {results} (burstcast prune lists them)."
     return said if count else ""
 
 
@@ -93,24 +91,19 @@ def remove(results: str, names: Sequence[str]) -> None:
                     above.rmdir()
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str], *, remove_them: bool = False) -> int:
     """List stale files; remove them if told so."""
-    given = sys.argv[1:] if arguments is None else list(arguments)
-    workflow = planned([argument for argument in given if argument != _REMOVE])
-    run = workflow.globals["run"]
+    workflow = planned(arguments)
+    run = names_of_rules(workflow)["run"]
     try:
         names = stale_files(run.results, workflow)
-        if _REMOVE in given:
+        if remove_them:
             remove(run.results, names)
     except (PartOfCampaignError, OvertakenError) as error:
         print(error, file=sys.stderr)
         return 2
     for name in names:
         print(f"{run.results}/{name}")
-    what = "removed" if _REMOVE in given else f"not of this campaign any more ({_REMOVE}?)"
+    what = "removed" if remove_them else "not of this campaign any more (--remove?)"
     print(f"{len(names)} files in {run.results}: {what}")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

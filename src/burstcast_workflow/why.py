@@ -2,7 +2,7 @@
 
 ::
 
-    python -m burstcast_workflow.why [options of snakemake]
+    burstcast why [options of snakemake]
 
 Snakemake's dry run says which jobs would run. Here the settings, code and inputs that each of them
 has now are compared with those that its results were made with, as their records say
@@ -367,20 +367,35 @@ def planned(arguments: Sequence[str]) -> Any:
     return workflows[0]
 
 
-def snakemake_jobs(arguments: Sequence[str]) -> tuple[list[Job], dict[str, list[Identity]]]:
-    """Ask Snakemake which jobs would run.
+def names_of_rules(workflow: Any) -> Mapping[str, Any]:
+    """Names that the rules of burstcast know, also where another workflow has them as a module.
+
+    Raises
+    ------
+    SystemExit
+        With status 2 if the workflow has no such rules.
+    """
+    for rule in workflow.rules:
+        names: Mapping[str, Any] = rule.module_globals
+        if "campaign" in names and "run" in names:
+            return names
+    print("this workflow has no rules of burstcast", file=sys.stderr)
+    raise SystemExit(2)
+
+
+def jobs_to_run(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
+    """Tell which jobs would run.
 
     Parameters
     ----------
-    arguments
-        Options of snakemake.
+    workflow
+        Of Snakemake, after planning (`planned`).
 
     Returns
     -------
     Jobs in the order of the workflow, and the wildcards of those that have results already, by
     rule.
     """
-    workflow = planned(arguments)
     dag, persistence = workflow.dag, workflow.persistence
     known: dict[str, list[Identity]] = {}
     running = []
@@ -419,12 +434,7 @@ def _described_job(job: Any, dag: Any, persistence: Any, numbers: Mapping[Any, i
     )
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str]) -> int:
     """Print what would run again, and why."""
-    jobs, known = snakemake_jobs(sys.argv[1:] if arguments is None else arguments)
-    print(report(jobs, known))
+    print(report(*jobs_to_run(planned(arguments))))
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -120,7 +120,7 @@ def test_the_reference_tells_what_config_yaml_leaves_out(config):
 
 
 def test_the_reference_of_all_settings_is_up_to_date():
-    """Made by: python -m burstcast_workflow.config.reference > docs/settings.md."""
+    """Made by: burstcast settings > docs/settings.md."""
     written = (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
     assert written == reference.text(read(ROOT / "config.yaml"))
 

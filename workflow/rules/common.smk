@@ -37,6 +37,7 @@ from burstcast_workflow.planning import (
     plan_by_records,
     refuse_what_nothing_makes,
 )
+from burstcast_workflow.project import packages_of
 from burstcast_workflow.prune import stale_note
 from burstcast_workflow.setting_groups import listed
 from burstcast_workflow.summary import campaign_summary
@@ -48,7 +49,7 @@ gc.set_threshold(200_000, 50, 1000)
 
 PROJECT = Path(str(workflow.current_basedir)).parents[1]
 try:
-    check_imports(PROJECT / "src")
+    check_imports(packages_of(PROJECT))
     if workflow.is_main_process:
         directories = search_directories(workflow.configfiles, PROJECT)
         make_importable(directories)
@@ -61,7 +62,7 @@ try:
         make_importable(directories)
     sources = Sources(PROJECT, own_modules(config))
     if workflow.is_main_process:
-        compile_by_content(PROJECT / "src", sources.own_files().values())
+        compile_by_content(packages_of(PROJECT), sources.own_files().values())
 except (CodeChangedError, ConfigError, OvertakenError) as error:
     # without the traceback, in which nobody would find the message
     raise WorkflowError(str(error)) from None
@@ -105,7 +106,8 @@ onstart:
         {
             job.jobid: costs.predicted(*cost_of(job), job.wildcards_dict).seconds
             for job in workflow.dag.needrun_jobs()
-            if job.output
+            # a workflow that has this one as a module may have rules of its own
+            if job.output and job.rule.module_globals.get("campaign") is campaign
         }
     )
 

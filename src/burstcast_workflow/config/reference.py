@@ -1,14 +1,11 @@
 """The reference of all settings, made from the model and config.yaml.
 
-``python -m burstcast_workflow.config.reference > docs/settings.md``, where config.yaml is.
+``burstcast settings > docs/settings.md``
 """
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
-
-import yaml
 
 from burstcast_workflow.config.kinds import RELATIONS
 from burstcast_workflow.config.model import Configuration
@@ -23,7 +20,7 @@ Kinds of forecasters are modules of `burstcast.forecasters`; where they are chos
 `statistics`, `control`), a kind that is left out or null has none. An overlay lays mappings over
 those of config.yaml and replaces all else, lists too: null takes away a kind that config.yaml has.
 
-This page is made by `python -m burstcast_workflow.config.reference > docs/settings.md`.
+This page is made by `burstcast settings > docs/settings.md`.
 """
 _COLUMNS = ("Setting", "Allowed", "Unit", "Default", "Meaning")
 
@@ -61,7 +58,3 @@ def _default(config: Any, name: str) -> str:
 
 def _row(cells: Sequence[str]) -> str:
     return f"| {' | '.join(cells).replace('<', '&lt;')} |"
-
-
-if __name__ == "__main__":
-    print(text(yaml.safe_load(Path("config.yaml").read_text(encoding="utf-8"))), end="")

@@ -13,10 +13,10 @@ on, with other campaigns.
 
 On the command line::
 
-    python -m burstcast_workflow.harness.cache size
-    python -m burstcast_workflow.harness.cache verify
-    python -m burstcast_workflow.harness.cache prune --older-than 30d
-    python -m burstcast_workflow.harness.cache prune --to-size 20G
+    burstcast cache size
+    burstcast cache verify
+    burstcast cache prune --older-than 30d
+    burstcast cache prune --to-size 20G
 """
 
 import argparse
@@ -27,7 +27,6 @@ import os
 import platform
 import re
 import shutil
-import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
@@ -373,10 +372,10 @@ def readable_size(size: float) -> str:
     return f"{size:.1f} TiB"
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str]) -> int:
     """Show the size of the cache, verify or prune it."""
     parser = argparse.ArgumentParser(
-        prog="python -m burstcast_workflow.harness.cache",
+        prog="burstcast cache",
         description="Results shared between campaigns: their size, verification and pruning.",
     )
     parser.add_argument(
@@ -415,7 +414,3 @@ def _print_sizes(found: Sequence[Entry]) -> None:
         sizes = [entry.size for entry in found if entry.rule == rule]
         print(f"{rule:20} {len(sizes):6} {readable_size(sum(sizes)):>12}")
     print(f"{'all':20} {len(found):6} {readable_size(sum(entry.size for entry in found)):>12}")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

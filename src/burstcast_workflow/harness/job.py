@@ -97,7 +97,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     identity = job_identity(stage_of(script), snakemake.wildcards)
     declared = canonical(dict(snakemake.params.settings), "params.settings")
     logger.info("%s starts with settings %s", label, canonical_json(declared))
-    plan = {"code": code, "directories": []} if run is None else run.plan()
+    plan: dict[str, Any] = {"code": code, "directories": []} if run is None else run.plan()
     planned = plan["code"]
     make_importable(plan["directories"])
     check_code(script, code, planned)
@@ -128,7 +128,8 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     seconds = time.monotonic() - start
     if records is not None:
         made_by = identity, dict(snakemake.params.items()), inputs.by_path
-        records.write(snakemake.output, *made_by, snakemake.log[0], seconds)
+        revision = plan.get("revision", "")
+        records.write(snakemake.output, *made_by, snakemake.log[0], seconds, revision)
     if keep is not None and not cached:
         keep(seconds)
 

@@ -57,6 +57,9 @@ class Record:
         Its log, below the results directory.
     seconds
         How long the job took.
+    revision
+        Git revision of the sources that it was planned with; empty in records of former versions.
+        It makes no job run again: what a job runs, the fingerprints in its parameters tell.
     """
 
     path: str
@@ -67,6 +70,7 @@ class Record:
     inputs: dict[str, str]
     log: str
     seconds: float
+    revision: str = ""
 
 
 class Records:
@@ -146,6 +150,7 @@ class Records:
         inputs: Mapping[str, str],
         log: str,
         seconds: float,
+        revision: str = "",
     ) -> None:
         """Write the records of a job's outputs.
 
@@ -153,7 +158,7 @@ class Records:
         ----------
         outputs
             Its files.
-        identity, parameters, inputs, log, seconds
+        identity, parameters, inputs, log, seconds, revision
             As in `Record`; the inputs by their paths, as the rules give them.
         """
         for path in outputs:
@@ -168,6 +173,7 @@ class Records:
                 inputs={self.name(source): value for source, value in inputs.items()},
                 log=self.name(log),
                 seconds=round(seconds, 3),
+                revision=revision,
             )
             check_ownership()
             self._write(record)

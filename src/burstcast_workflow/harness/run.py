@@ -7,8 +7,8 @@ is no longer the newest may not write. This holds on shared file systems, too, a
 job that was stopped between the look at the claim and its writing cannot write the record of the
 file, too, and a file without its own record is no result (`burstcast_workflow.harness.records`).
 
-The claim also says what was planned: the config, the fingerprints of the code, and where the user's
-own modules lie. On a cluster,
+The claim also says what was planned: the config, the fingerprints of the code, where the user's own
+modules lie, and the revision of the sources, which the records of results repeat. On a cluster,
 Snakemake reads the workflow anew for every job, but takes the config from there: edits during a
 campaign count at its next run.
 """
@@ -21,6 +21,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from burstcast_workflow.project import source_revision
 
 VARIABLE = "BURSTCAST_RUN"
 """Environment variable that tells jobs which run they belong to: its token and its results."""
@@ -97,6 +99,7 @@ class Run:
             "config": config,
             "code": sorted(code),
             "directories": list(directories),
+            "revision": source_revision(),
         }
         path = Path(self.results) / CLAIM
         path.parent.mkdir(parents=True, exist_ok=True)

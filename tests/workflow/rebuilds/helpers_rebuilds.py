@@ -203,7 +203,7 @@ class Project:
         """What the project itself says would run again, and why."""
         options = self.options("-n", overlay=overlay)[1:]
         result = subprocess.run(
-            [sys.executable, "-m", "burstcast_workflow.why", *targets, *options],
+            [sys.executable, "-m", "burstcast_workflow", "why", *targets, *options],
             cwd=self.directory,
             env=self.environment(),
             capture_output=True,

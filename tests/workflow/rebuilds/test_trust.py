@@ -141,10 +141,10 @@ SMALLER = {
 
 
 def prune(project: Project, *arguments: str, overlay: dict | None = None) -> tuple[int, list[str]]:
-    """What ``make prune`` says, by lines, and its status."""
+    """What ``burstcast prune`` says, by lines, and its status."""
     result = subprocess.run(
         [
-            *(sys.executable, "-m", "burstcast_workflow.prune"),
+            *(sys.executable, "-m", "burstcast_workflow", "prune"),
             *arguments,
             *project.options("-n", overlay=overlay)[1:],
         ],

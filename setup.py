@@ -1,0 +1,45 @@
+"""What pyproject.toml cannot say: a wheel has the workflow's files inside burstcast_workflow."""
+
+import shutil
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.build_py import build_py
+
+ROOT = Path(__file__).parent
+FILES = (
+    *("Snakefile", "config.yaml", "workflow", "resources", "profiles"),
+    *("requirements.lock", "CITATION.cff"),
+)
+
+
+class BuildWithWorkflow(build_py):
+    """Copies the workflow's files beside the modules, and notes the revision that they are of."""
+
+    def run(self):
+        """Build; an editable installation uses the files where they are."""
+        super().run()
+        if not self.editable_mode:
+            self.copy_workflow(Path(self.build_lib) / "burstcast_workflow" / "project")
+
+    def copy_workflow(self, target):
+        """Copy all files into a directory, which is made anew."""
+        shutil.rmtree(target, ignore_errors=True)
+        target.mkdir(parents=True)
+        for name in FILES:
+            source = ROOT / name
+            if source.is_dir():
+                without = shutil.ignore_patterns("__pycache__", ".*")
+                shutil.copytree(source, target / name, ignore=without)
+            else:
+                shutil.copy2(source, target / name)
+        if (ROOT / ".git").exists():
+            # the module itself is not importable here: nothing is installed yet
+            code = (ROOT / "src" / "burstcast_workflow" / "project.py").read_text(encoding="utf-8")
+            names = {"__file__": str(ROOT / "src" / "burstcast_workflow" / "project.py")}
+            exec(compile(code, names["__file__"], "exec"), names)
+            revision = names["git_revision"](ROOT)
+            (target / "revision.txt").write_text(f"{revision}\n", encoding="utf-8")
+
+
+setup(cmdclass={"build_py": BuildWithWorkflow})

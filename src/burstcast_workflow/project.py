@@ -1,0 +1,75 @@
+"""Where the workflow's own files lie: Snakefile, rules, scripts, presets, published values.
+
+In a working copy they are beside ``src``. A wheel has them inside this package, where `setup.py`
+puts them, so that an installed burstcast runs as it is.
+"""
+
+import subprocess
+from functools import cache
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent
+# beside the workflow's files in a wheel: what they were built from
+_REVISION = "revision.txt"
+_INSTALLED = "project"
+
+
+def project_root() -> Path:
+    """Directory with the workflow's Snakefile."""
+    installed = _PACKAGE / _INSTALLED
+    return installed if installed.is_dir() else _PACKAGE.parents[1]
+
+
+def snakefile() -> str:
+    """Path of the workflow's Snakefile, for a workflow that takes it as a module."""
+    return str(project_root() / "Snakefile")
+
+
+def packages_of(project: Path) -> Path:
+    """Directory of the packages that belong to the workflow's files.
+
+    Parameters
+    ----------
+    project
+        Directory of these files.
+    """
+    beside = project / "src"
+    return beside if beside.is_dir() else project.parents[1]
+
+
+@cache
+def is_installed(packages: Path) -> bool:
+    """Whether a directory of packages is that of an installed burstcast: others lie there, too."""
+    return (packages / "burstcast_workflow" / _INSTALLED).is_dir()
+
+
+def source_revision() -> str:
+    """Git revision of the sources, with ``-dirty`` where files differ from it; or "unknown".
+
+    A wheel knows the one that it was built from.
+    """
+    root = project_root()
+    noted = root / _REVISION
+    if noted.exists():
+        return noted.read_text(encoding="utf-8").strip()
+    return git_revision(root)
+
+
+def git_revision(root: Path) -> str:
+    """Revision of a working copy, with ``-dirty`` where files that git knows differ from it."""
+    try:
+        top, commit, changed = (
+            subprocess.run(
+                ["git", "-C", str(root), *arguments], capture_output=True, text=True, check=True
+            ).stdout.strip()
+            for arguments in (
+                ["rev-parse", "--show-toplevel"],
+                ["rev-parse", "HEAD"],
+                ["status", "--porcelain", "--untracked-files=no"],
+            )
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    if Path(top).resolve() != root.resolve():
+        return "unknown"  # a directory inside somebody else's repository
+    return f"{commit}-dirty" if changed else commit

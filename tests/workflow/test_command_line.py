@@ -1,0 +1,305 @@
+"""The command ``burstcast``, and burstcast as others install it."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+
+import burstcast_workflow
+from burstcast_workflow.archive import NothingToArchiveError, contents, versions, write_archive
+from burstcast_workflow.command_line import main
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.project import (
+    git_revision,
+    is_installed,
+    packages_of,
+    project_root,
+    snakefile,
+)
+from burstcast_workflow.study import presets
+
+ROOT = Path(__file__).parents[2]
+
+
+def said_by(arguments, cwd, status=0, **environment):
+    """What a command says on both channels."""
+    result = subprocess.run(
+        list(map(str, arguments)),
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+    assert result.returncode == status, result.stdout + result.stderr
+    return result.stdout + result.stderr
+
+
+# -- what is where ---------------------------------------------------------------------------------
+
+
+def test_the_project_is_found(tmp_path):
+    assert project_root() == ROOT
+    assert Path(snakefile()) == ROOT / "Snakefile"
+    assert packages_of(ROOT) == ROOT / "src" == Path(burstcast_workflow.__path__[0]).parent
+    assert not is_installed(ROOT / "src")
+    installed = tmp_path / "site-packages" / "burstcast_workflow" / "project"
+    installed.mkdir(parents=True)
+    assert packages_of(installed) == tmp_path / "site-packages"
+    assert is_installed(tmp_path / "site-packages")
+
+
+def test_a_revision_says_whether_files_differ_from_it(tmp_path):
+    assert git_revision(tmp_path) == "unknown"
+    git = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
+    said_by([*git, "init", "-q"], tmp_path)
+    (tmp_path / "file").write_text("one")
+    said_by([*git, "add", "file"], tmp_path)
+    said_by([*git, "commit", "-qm", "first"], tmp_path)
+    revision = git_revision(tmp_path)
+    assert re.fullmatch("[0-9a-f]{40}", revision)
+    (tmp_path / "results").write_text("not known to git")
+    assert git_revision(tmp_path) == revision
+    (tmp_path / "file").write_text("two")
+    assert git_revision(tmp_path) == f"{revision}-dirty"
+    (tmp_path / "below").mkdir()
+    assert git_revision(tmp_path / "below") == "unknown"  # it is not this repository's own
+
+
+# -- the command -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "required: COMMAND"),
+        (["wy"], "invalid choice: 'wy'"),
+        (["init"], "required: directory"),
+        (["init", "study", "--preset", "tin"], "invalid choice: 'tin'"),
+        (["init", "study", "--configfile", "x"], "init does not know --configfile x"),
+        (["settings", "more"], "settings does not know more"),
+    ],
+)
+def test_a_mistake_is_told_in_a_line(arguments, message, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    last = capsys.readouterr().err.strip().splitlines()[-1]
+    assert last.startswith("burstcast")
+    assert message in last
+
+
+def test_settings_are_the_page(capsys):
+    assert main(["settings"]) == 0
+    assert capsys.readouterr().out == (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("preset", sorted(presets()))
+def test_a_study_is_laid_out_with_a_config_that_is_right(preset, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["init", "my-study", "--preset", preset]) == 0
+    study = tmp_path / "my-study"
+    written = {str(path.relative_to(study)) for path in study.rglob("*") if path.is_file()}
+    assert written == {"Snakefile", "config.yaml", "README.md", "profiles/default/config.yaml"}
+    assert "cd my-study; snakemake" in capsys.readouterr().out
+    config = yaml.safe_load((study / "config.yaml").read_text())
+    expected = yaml.safe_load(presets()[preset].read_text())
+    assert config == {**expected, "results": f"results/{preset}"}
+    load(config, [study / "config.yaml"], defaults=ROOT / "config.yaml")
+    commands = re.findall(r"^    (\w+.*?) +#", (study / "README.md").read_text(), re.MULTILINE)
+    assert commands == ["snakemake", "burstcast why", "burstcast archive"]
+
+
+def test_nothing_is_laid_out_over_what_is_there(tmp_path, capsys):
+    (tmp_path / "file").write_text("mine")
+    for there in (tmp_path, tmp_path / "file"):
+        assert main(["init", str(there)]) == 2
+    assert "there already and not empty" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+COMMAND = [sys.executable, "-m", "burstcast_workflow"]
+
+
+def test_a_study_plans(tmp_path):
+    said_by([*COMMAND, "init", "study", "--preset", "tiny"], tmp_path)
+    why = said_by([*COMMAND, "why", "results/tiny/tables/horizon.csv"], tmp_path / "study")
+    assert "not made yet" in why
+    assert "train (4)" in why
+
+
+@pytest.mark.long
+def test_a_study_may_have_rules_of_its_own(tmp_path):
+    said_by([*COMMAND, "init", "study", "--preset", "tiny"], tmp_path)
+    study = tmp_path / "study"
+    said_by([Path(sys.executable).with_name("snakefmt"), "--check", "Snakefile"], study)
+    with (study / "Snakefile").open("a") as file:
+        file.write('\nrule own:\n    output: "own.txt"\n    shell: "echo done > {output}"\n')
+    costs = said_by([*COMMAND, "costs", "results/tiny/tables/horizon.csv", "own.txt"], study)
+    assert "\ntrain " in costs
+    assert "own" not in costs
+    snakemake = [sys.executable, "-m", "snakemake", "--cores", "1"]
+    said = said_by([*snakemake, "own.txt", "results/tiny/figures/validation_strategies.png"], study)
+    assert "100%" in said  # the handlers of the module are called
+    assert "Tables: results/tiny" in said
+    assert (study / "own.txt").exists()
+    said = said_by([*COMMAND, "archive", "--output", "x.zip"], study)
+    assert "x.zip: 7 files" in said
+    # a workflow that has nothing of burstcast
+    (study / "Snakefile").write_text("rule own:\n    output: 'b'\n    shell: 'touch b'\n")
+    assert "no rules of burstcast" in said_by([*COMMAND, "prune", "own"], study, status=2)
+
+
+# -- the archive -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def results(tmp_path):
+    """Results of three files, by two revisions and one that is not known."""
+    directory = tmp_path / "results" / "quick"
+    for name, revision in {
+        "tables/scores.csv": "a1",
+        "tables/scores.tex": "a1",
+        "figures/scores.pdf": "b2-dirty",
+        "Re400/ensemble.nc": None,
+    }.items():
+        path, record = directory / name, directory / ".records" / f"{name}.json"
+        for one in (path, record):
+            one.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(name)
+        record.write_text(json.dumps({} if revision is None else {"revision": revision}))
+    (directory / "tables" / ".scores.csv.1.partial").write_text("half")
+    return directory
+
+
+def test_an_archive_has_what_can_be_cited(results, tmp_path):
+    files = contents(results, {"results": str(results), "random_seed": 3}, "nothing")
+    assert set(files) == {
+        f"quick/{name}"
+        for name in (
+            *("tables/scores.csv", "tables/scores.tex", "figures/scores.pdf"),
+            *("config.yaml", "versions.json", "why.txt", "README.md", "CITATION.cff"),
+        )
+    }
+    config = yaml.safe_load(files["quick/config.yaml"])
+    assert config == {"results": "results/quick", "random_seed": 3}
+    assert str(tmp_path) not in b"".join(files.values()).decode()
+    told = json.loads(files["quick/versions.json"])
+    assert told["files by revision"] == {"a1": 2, "b2-dirty": 1, "unknown": 1}
+    assert {"numpy", "scipy", "snakemake"} <= set(told["libraries"])
+
+
+def test_equal_results_make_equal_archives(results, tmp_path):
+    files = contents(results, {"results": "results/quick"}, "nothing")
+    packed = []
+    for number, order in enumerate((sorted(files), sorted(files, reverse=True))):
+        path = tmp_path / f"{number}.zip"
+        write_archive(path, {name: files[name] for name in order})
+        packed.append(path.read_bytes())
+        with zipfile.ZipFile(path) as archive:
+            assert archive.testzip() is None
+            assert archive.namelist() == sorted(files)
+            assert archive.read("quick/tables/scores.csv") == b"tables/scores.csv"
+    assert packed[0] == packed[1]
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_an_archive_of_nothing_is_refused(tmp_path):
+    with pytest.raises(NothingToArchiveError, match="neither tables nor figures"):
+        contents(tmp_path, {}, "")
+
+
+def test_records_say_the_revision_and_files_do_not(finished):
+    """Equal runs of different revisions have the same bits: only records tell them apart."""
+    results = finished.project.results
+    claim = json.loads((results / ".run.json").read_bytes())
+    told = versions(results)
+    assert list(told["files by revision"]) == [claim["revision"]]
+    path = results / "Re400" / "esn-N40-RV-seed0" / "forecaster.nc"
+    if claim["revision"] != "unknown":
+        assert claim["revision"][:40].encode() not in path.read_bytes()
+
+
+# -- the wheel -------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """The programs of an environment with a wheel of burstcast, and the libraries that are here."""
+    directory = tmp_path_factory.mktemp("wheel")
+    copy = directory / "source"
+    tracked = said_by(["git", "ls-files"], ROOT).splitlines()
+    for name in tracked:
+        if (ROOT / name).exists():
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, copy / name)
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
+    said_by([*pip, "wheel", "-q", "--no-deps", "-w", directory, copy], directory)
+    (wheel,) = directory.glob("*.whl")
+    said_by([sys.executable, "-m", "venv", directory / "venv"], directory)
+    (site,) = (directory / "venv" / "lib").glob("python*/site-packages")
+    (site / "environment.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    programs = directory / "venv" / "bin"
+    install = [programs / "pip", "install", "-q", "--no-deps", "--no-index", wheel]
+    said_by(install, directory)
+    return programs
+
+
+@pytest.mark.long
+def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tmp_path, finished):
+    environment = {
+        "PATH": f"{installed}:{os.environ['PATH']}",
+        "PYTHONPATH": "",
+        "PYTHONDONTWRITEBYTECODE": "",
+    }
+    python = installed / "python"
+    place = "import burstcast_workflow.project as p; print(p.project_root())"
+    root = Path(said_by([python, "-c", place], tmp_path, **environment).strip())
+    assert root.parents[1].name == "site-packages"
+    said_by(["burstcast", "init", "my-study", "--preset", "tiny"], tmp_path, **environment)
+    study = tmp_path / "my-study"
+    snakemake = [python, "-m", "snakemake", "--cores", "2"]
+    said = said_by([*snakemake, "tables"], study, **environment)
+    assert "100%" in said
+    # the same numbers as from a working copy
+    for name in ("tables/horizon.csv", "tables/classification.csv", "tables/control.csv"):
+        expected = (finished.project.results / name).read_bytes()
+        assert (study / "results" / "tiny" / name).read_bytes() == expected
+    why = ["burstcast", "why", "tables"]
+    assert "up to date" in said_by(why, study, **environment)
+    # sources are verified: those of the installed package, and of no other library
+    claim = json.loads((study / "results" / "tiny" / ".run.json").read_bytes())
+    assert all(
+        entry.startswith(("burstcast.", "burstcast_workflow.", "burstcast@", "burstcast_workflow@"))
+        or entry.partition("@")[0].endswith(".py")
+        for entry in claim["code"]
+    )
+    edited = root.parents[1] / "burstcast" / "events.py"
+    edited.write_text(edited.read_text() + "\nEDITED = True\n")
+    assert "code of burstcast.events changed" in said_by(why, study, **environment)
+    said = said_by(["burstcast", "archive"], study, **environment)
+    assert re.search(r"tiny.zip: \d\d files", said)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("prefix", ["", " as flow_*"])
+@pytest.mark.parametrize("path", ["Snakefile", "workflow/Snakefile"])
+def test_an_installed_workflow_is_taken_as_a_module(installed, tmp_path, prefix, path):
+    (tmp_path / "Snakefile").write_text(
+        "from burstcast_workflow.project import project_root\n"
+        "configfile: project_root() / 'workflow/presets/tiny.yaml'\n"
+        f"module burstcast:\n    snakefile: project_root() / {path!r}\n    config: config\n"
+        f"use rule * from burstcast{prefix}\n"
+    )
+    environment = {"PATH": f"{installed}:{os.environ['PATH']}", "PYTHONPATH": ""}
+    command = [installed / "python", "-m", "snakemake", "--dry-run", "--cores", "1"]
+    said = said_by(command, tmp_path, **environment)
+    assert re.search(rf"^{'flow_' if prefix else ''}train +4$", said, re.MULTILINE)
