@@ -1,4 +1,4 @@
-"""Look at a system before a campaign: ``python -m burstcast_workflow.check_system NAME``.
+"""Look at a system before a campaign: ``burstcast check-system NAME``.
 
 In seconds: whether it keeps to the interface, its exponents, and a case to paste into a config.
 """
@@ -79,7 +79,7 @@ def report(system: str, parameters: Mapping[str, float], check: SystemCheck) -> 
     return "\n".join(lines) + "\n" + case_text(system, parameters, check)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str]) -> int:
     """Check the system that the command line names; 0 if nothing is wrong with it."""
     parser = argparse.ArgumentParser(
         prog="burstcast check-system", description="Look at a dynamical system before a campaign."
@@ -125,7 +125,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     return int(value) if isinstance(value, float) and value.is_integer() else value
-
-
-if __name__ == "__main__":
-    sys.exit(main())

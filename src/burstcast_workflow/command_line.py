@@ -45,9 +45,12 @@ def _parser() -> argparse.ArgumentParser:
         "archive", "tables, figures, config, versions and why in one zip", _OF_SNAKEMAKE
     )
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")
-    commands.add_parser(
-        "cache", help="the cache that campaigns share: size, verify, prune", add_help=False
-    )
+    # these read their arguments themselves
+    for name, does in (
+        ("check-system", "look at a dynamical system, and propose a case of it"),
+        ("cache", "the cache that campaigns share: size, verify, prune"),
+    ):
+        commands.add_parser(name, help=does, add_help=False)
     return parser
 
 
@@ -58,6 +61,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from burstcast_workflow.harness import cache
 
         return cache.main(given[1:])
+    if given[:1] == ["check-system"]:
+        from burstcast_workflow import check_system
+
+        return check_system.main(given[1:])
     parser = _parser()
     chosen, others = parser.parse_known_args(given)
     if others and chosen.command not in _FOR_SNAKEMAKE:

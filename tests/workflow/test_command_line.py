@@ -85,6 +85,8 @@ def test_a_revision_says_whether_files_differ_from_it(tmp_path):
         (["init"], "required: directory"),
         (["init", "study", "--preset", "tin"], "invalid choice: 'tin'"),
         (["init", "study", "--configfile", "x"], "init does not know --configfile x"),
+        (["check-system"], "the following arguments are required: system"),
+        (["cache", "shrink"], "invalid choice: 'shrink'"),
         (["settings", "more"], "settings does not know more"),
     ],
 )
@@ -116,6 +118,13 @@ def test_a_study_is_laid_out_with_a_config_that_is_right(preset, tmp_path, capsy
     load(config, [study / "config.yaml"], defaults=ROOT / "config.yaml")
     commands = re.findall(r"^    (\w+.*?) +#", (study / "README.md").read_text(), re.MULTILINE)
     assert commands == ["snakemake", "burstcast why", "burstcast archive"]
+
+
+def test_a_system_is_checked(capsys):
+    assert main(["check-system", "lorenz63"]) == 0
+    assert yaml.safe_load(capsys.readouterr().out.split("\n\n")[-1])["cases"]["lorenz63"]
+    assert main(["check-system", "lorentz63"]) == 1
+    assert "did you mean 'lorenz63'" in capsys.readouterr().err
 
 
 def test_nothing_is_laid_out_over_what_is_there(tmp_path, capsys):
