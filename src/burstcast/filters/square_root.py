@@ -1,5 +1,3 @@
-# Numba gives the compiled functions types of its own, which mypy cannot follow.
-# mypy: disable-error-code="no-untyped-call,no-untyped-def,untyped-decorator"
 """The ensemble square-root filter: an estimate of the present state from a noisy history.
 
 An ensemble of states stands for what is known: its mean for the estimate, its scatter for the
@@ -13,7 +11,6 @@ observation are independent, so that they are assimilated one after the other.
 import math
 
 import numpy as np
-from numba import njit
 
 from burstcast.arrays import FloatArray
 
@@ -81,9 +78,36 @@ def assimilate(
     -------
     ``(rows, members, batch)``. An ensemble with a member that is not finite is not finite.
     """
-    updated = np.empty_like(ensemble)
-    _assimilate(ensemble, observation, np.square(noise), float(inflation), updated)
+    # an ensemble whose model has left the finite numbers is a result
+    with np.errstate(over="ignore", invalid="ignore"):
+        centre = mean(ensemble)
+        deviation = inflation * (ensemble - centre[:, np.newaxis])
+        for component, variance in enumerate(np.square(noise)):
+            innovation = observation[component] - centre[component]
+            gain, reduced = _gains(deviation, component, variance)
+            observed = deviation[component].copy()
+            centre += gain * innovation
+            deviation -= reduced[:, np.newaxis] * observed
+        updated: FloatArray = centre[:, np.newaxis] + deviation
     return updated
+
+
+def _gains(deviation: FloatArray, component: int, variance: float) -> tuple[FloatArray, FloatArray]:
+    """Gains of the mean and of the deviations from an observed component, ``(rows, batch)``."""
+    rows, members, batch = deviation.shape
+    observed = deviation[component]
+    # sums go member by member, as that of the mean does
+    spread, covariance = np.zeros(batch), np.zeros((rows, batch))
+    for member in range(members):
+        spread += observed[member] * observed[member]
+        covariance += deviation[:, member] * observed[member]
+    total = spread / (members - 1) + variance
+    # known without error, and observed without error: nothing to learn
+    known = total == 0.0
+    total[known] = 1.0
+    gain = covariance / (members - 1) / total
+    gain[:, known] = 0.0
+    return gain, gain / (1.0 + np.sqrt(variance / total))
 
 
 def mean(ensemble: FloatArray) -> FloatArray:
@@ -94,43 +118,3 @@ def mean(ensemble: FloatArray) -> FloatArray:
         total += ensemble[:, member]
     total /= ensemble.shape[1]
     return total
-
-
-@njit(cache=True)
-def _assimilate(ensemble, observation, variance, inflation, updated):
-    rows, members, batch = ensemble.shape
-    deviation = np.empty((rows, members))
-    observed = np.empty(members)
-    centre = np.empty(rows)
-    for point in range(batch):
-        for row in range(rows):
-            total = 0.0
-            for member in range(members):
-                total += ensemble[row, member, point]
-            centre[row] = total / members
-            for member in range(members):
-                departure = ensemble[row, member, point] - centre[row]
-                deviation[row, member] = inflation * departure
-        for component in range(variance.size):
-            for member in range(members):
-                observed[member] = deviation[component, member]
-            spread = 0.0
-            for member in range(members):
-                spread += observed[member] * observed[member]
-            spread /= members - 1
-            if spread + variance[component] == 0.0:
-                continue  # known without error, and observed without error: nothing to learn
-            error = math.sqrt(variance[component] / (spread + variance[component]))
-            innovation = observation[component, point] - centre[component]
-            for row in range(rows):
-                covariance = 0.0
-                for member in range(members):
-                    covariance += deviation[row, member] * observed[member]
-                gain = covariance / (members - 1) / (spread + variance[component])
-                centre[row] += gain * innovation
-                reduced = gain / (1.0 + error)
-                for member in range(members):
-                    deviation[row, member] -= reduced * observed[member]
-        for row in range(rows):
-            for member in range(members):
-                updated[row, member, point] = centre[row] + deviation[row, member]
