@@ -1,4 +1,3 @@
-# burstcast: make demo | test | paper | why | archive | bench | slurm | check
 # All that is needed is Python >= 3.11 and make; everything else goes into .venv.
 
 PYTHON ?= python3
@@ -10,47 +9,51 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 export NUMBA_NUM_THREADS := 1
 
-.PHONY: demo test test-long test-slurm paper why prune archive bench slurm check clean
+# What `make` and `make help` say: the words after ##.
+.PHONY: help demo test test-long test-slurm paper why prune archive bench slurm check clean
 
-demo: $(VENV)/installed
+help:
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@echo 'Options follow in ARGS: make paper ARGS="-n". Which Python: make PYTHON=python3.13 demo'
+
+demo: $(VENV)/installed ## networks of two sizes, learnt equations, control: a few minutes
 	$(SNAKEMAKE) --configfile workflow/presets/quick.yaml $(ARGS)
 	@echo
 	@echo "The results are in results/quick: tables/*.csv and *.tex, figures/*.pdf and *.png."
 
-paper: $(VENV)/installed
+paper: $(VENV)/installed ## the paper's whole campaign: hours
 	$(SNAKEMAKE) $(ARGS)
 	@echo
 	@echo "The results are in results/paper."
 
 # Two processes; tests that look at the same run of a campaign share one (tests/conftest.py).
-test: $(VENV)/installed check
+test: $(VENV)/installed check ## linters, types, tests
 	$(BIN)/pytest -n 2 --dist loadgroup $(ARGS)
 
-test-long: $(VENV)/installed
+test-long: $(VENV)/installed ## tests that take long
 	$(BIN)/pytest -m long $(ARGS)
 
-test-slurm: $(VENV)/installed
+test-slurm: $(VENV)/installed ## tests on a Slurm of their own
 	$(BIN)/pytest -m slurm $(ARGS)
 
 # What would run again, and why: make why ARGS="--configfile workflow/presets/quick.yaml"
-why: $(VENV)/installed
+why: $(VENV)/installed ## what would run again, and why
 	@$(BIN)/burstcast why $(ARGS)
 
 # What results are not of this campaign any more; ARGS=--remove removes them
-prune: $(VENV)/installed
+prune: $(VENV)/installed ## results that are not of the campaign any more
 	@$(BIN)/burstcast prune $(ARGS)
 
-# Tables, figures, config, versions and why in one zip that can be cited
-archive: $(VENV)/installed
+archive: $(VENV)/installed ## tables, figures, config, versions and why in one zip
 	@$(BIN)/burstcast archive $(ARGS)
 
-bench: $(VENV)/installed
+bench: $(VENV)/installed ## time what the work is made of
 	$(BIN)/python benchmarks/bench.py $(ARGS)
 
-slurm: $(VENV)/installed
+slurm: $(VENV)/installed ## the paper's campaign on a Slurm cluster
 	$(SNAKEMAKE) --workflow-profile profiles/slurm $(ARGS)
 
-check: $(VENV)/installed
+check: $(VENV)/installed ## linters and types alone
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check src tests workflow/scripts benchmarks
 	$(BIN)/mypy
@@ -64,5 +67,5 @@ $(VENV)/installed: requirements.lock pyproject.toml setup.py
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -e .
 	touch $@
 
-clean:
+clean: ## remove what is not the results'
 	rm -rf $(VENV) .snakemake .pytest_cache .mypy_cache .ruff_cache src/burstcast/__pycache__/numba-*

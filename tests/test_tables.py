@@ -13,7 +13,6 @@ from burstcast.tables import (
     network_parameters,
     percentiles,
     side_by_side,
-    to_latex,
 )
 
 KEYS = ["case", "reynolds", "neurons"]
@@ -117,42 +116,6 @@ def test_latex_number_refuses_what_is_no_number() -> None:
 def test_escape_makes_every_special_character_literal() -> None:
     assert escape("a_b & 5% {x} #1 $y") == r"a\_b \& 5\% \{x\} \#1 \$y"
     assert escape("~^\\") == r"\textasciitilde{}\textasciicircum{}\textbackslash{}"
-
-
-def test_to_latex_is_a_booktabs_table() -> None:
-    table = pd.DataFrame({"case_name": ["Re_400", "x"], "p50": [0.51234, math.nan]})
-    text = to_latex(
-        table, "Scores.", "tab:scores", headers={"p50": r"$p_{50}$"}, formats={"p50": ".3f"}
-    )
-    assert text.splitlines() == [
-        r"\begin{table}",
-        r"  \centering",
-        r"  \caption{Scores.}",
-        r"  \label{tab:scores}",
-        r"  \begin{tabular}{lr}",
-        r"    \toprule",
-        r"    case\_name & $p_{50}$ \\",
-        r"    \midrule",
-        r"    Re\_400 & $0.512$ \\",
-        r"    x & -- \\",
-        r"    \bottomrule",
-        r"  \end{tabular}",
-        r"\end{table}",
-    ]
-    assert text.endswith("\n")
-
-
-def test_verbatim_columns_are_not_escaped() -> None:
-    table = pd.DataFrame({"a": [r"$\rho$"], "b": [r"$\rho$"]})
-    body = to_latex(table, "c", "l", verbatim=["a"]).splitlines()[8]
-    assert body.strip() == r"$\rho$ & \$\textbackslash{}rho\$ \\"
-
-
-def test_to_latex_refuses_unknown_columns_and_infinite_cells() -> None:
-    with pytest.raises(KeyError, match="recall"):
-        to_latex(pd.DataFrame({"a": [1.0]}), "c", "l", formats={"recall": ".3f"})
-    with pytest.raises(ValueError, match="infinite value in column a"):
-        to_latex(pd.DataFrame({"a": [math.inf]}), "c", "l")
 
 
 def test_the_papers_parameter_tables() -> None:

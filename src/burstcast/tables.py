@@ -1,7 +1,7 @@
-"""Percentiles over an ensemble of networks, the paper's parameter tables, and their LaTeX."""
+"""Percentiles over an ensemble of networks, and the paper's parameter tables."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -103,94 +103,6 @@ def latex_number(value: float, digits: int = 4) -> str:
     mantissa, exponent = plain.split("e")
     power = f"10^{{{int(exponent)}}}"
     return f"${power}$" if mantissa == "1" else rf"${mantissa}\times{power}$"
-
-
-def to_latex(
-    table: pd.DataFrame,
-    caption: str,
-    label: str,
-    *,
-    headers: Mapping[str, str] | None = None,
-    formats: Mapping[str, str] | None = None,
-    verbatim: Collection[str] = (),
-    alignment: str | None = None,
-) -> str:
-    """Write a table as a LaTeX ``table`` environment with booktabs rules.
-
-    Parameters
-    ----------
-    table
-        The index is not written.
-    caption, label
-        LaTeX: taken as they are.
-    headers
-        LaTeX heads of columns (``{"p50": r"$p_{50}$"}``), taken as they are; a column without one
-        shows its escaped name, or nothing if its name is empty.
-    formats
-        Python format specifications of numerical columns (``{"recall": ".3f"}``); a number of
-        another column is written by :func:`latex_number`.
-    verbatim
-        Columns whose text is LaTeX already; other text is escaped.
-    alignment
-        Column specification; by default numbers to the right and text to the left.
-
-    Returns
-    -------
-    str
-        Ends with a newline. Empty cells show as a dash.
-
-    Raises
-    ------
-    KeyError
-        If ``headers``, ``formats`` or ``verbatim`` name a column that the table does not have.
-    ValueError
-        If a cell is infinite.
-    """
-    headers = headers or {}
-    formats = formats or {}
-    unknown = {*headers, *formats, *verbatim} - set(table.columns)
-    if unknown:
-        raise KeyError(f"the table has no column {', '.join(sorted(unknown))}")
-    if alignment is None:
-        alignment = "".join(
-            "r" if pd.api.types.is_numeric_dtype(table[name]) else "l" for name in table.columns
-        )
-
-    def cell(name: str, value: object) -> str:
-        if value is None or value is pd.NA or (isinstance(value, float) and math.isnan(value)):
-            return "--"
-        if isinstance(value, int | float | np.number) and not isinstance(value, bool):
-            number = float(value)
-            if not math.isfinite(number):
-                raise ValueError(f"infinite value in column {name}")
-            return f"${number:{formats[name]}}$" if name in formats else latex_number(number)
-        return str(value) if name in verbatim else escape(str(value))
-
-    def line(cells: Sequence[str]) -> str:
-        return "    " + " & ".join(cells) + r" \\"
-
-    names = [str(name) for name in table.columns]
-    body = [
-        line([cell(name, value) for name, value in zip(names, values, strict=True)])
-        for values in table.itertuples(index=False, name=None)
-    ]
-    return "\n".join(
-        [
-            r"\begin{table}",
-            r"  \centering",
-            rf"  \caption{{{caption}}}",
-            rf"  \label{{{label}}}",
-            rf"  \begin{{tabular}}{{{alignment}}}",
-            r"    \toprule",
-            line([headers.get(name, escape(name)) for name in names]),
-            r"    \midrule",
-            *body,
-            r"    \bottomrule",
-            r"  \end{tabular}",
-            r"\end{table}",
-            "",
-        ]
-    )
 
 
 def data_parameters(

@@ -83,9 +83,9 @@ def _committee(
     return Alarm(members[0].case, identifier, named, tuple(members), by_members)
 
 
-def alarm_records(campaign: Campaign, cases: Iterable[str]) -> list[dict[str, Any]]:
-    """Records for jobs of all alarms of some cases (`records_of`)."""
-    return records_of(campaign, (alarm for case in cases for alarm in alarms_of(campaign, case)))
+def alarm_records(campaign: Campaign, case: str) -> list[dict[str, Any]]:
+    """Records for jobs of all alarms of a case (`records_of`)."""
+    return records_of(campaign, alarms_of(campaign, case))
 
 
 def records_of(campaign: Campaign, alarms: Iterable[Alarm]) -> list[dict[str, Any]]:
@@ -95,14 +95,12 @@ def records_of(campaign: Campaign, alarms: Iterable[Alarm]) -> list[dict[str, An
     """
     return [
         {
-            "case": alarm.case,
             "alarm": alarm.identifier,
             "members": [] if alarm.by_members else _identifiers(alarm),
             "ensembles": _identifiers(alarm) if alarm.by_members else [],
             "compared": alarm.compared,
             "keys": {
-                "case": alarm.case,
-                "reynolds": campaign.reynolds(alarm.case),
+                **campaign.case_keys(alarm.case),
                 **alarm.name.keys,
                 "alarm": alarm.identifier,
             },

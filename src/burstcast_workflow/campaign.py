@@ -1,6 +1,6 @@
 """The campaign: cases, forecasters, who controls what, and the settings that stages read."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
@@ -17,7 +17,6 @@ from burstcast_workflow.config.cases import block_cases, case_records
 from burstcast_workflow.config.measured_cases import is_measured, space_of
 from burstcast_workflow.control_plans import CONDITIONS, ControlPlan, block_plans, paper_plan
 from burstcast_workflow.identifiers import ForecasterName, parsed
-from burstcast_workflow.table_metrics import SUMMARIES
 
 Settings = dict[str, Any]
 
@@ -341,16 +340,12 @@ class Campaign:
         return [
             {
                 "identity": one.identity,
-                "keys": {
-                    "case": one.case,
-                    "reynolds": self.reynolds(one.case),
-                    **one.name.keys,
-                },
+                "keys": {**self.case_keys(one.case), **one.name.keys},
             }
             for one in forecasters
         ]
 
-    def control_keys(self, runs: Iterable[ControlRun] | None = None) -> list[Settings]:
+    def control_keys(self, runs: Iterable[ControlRun]) -> list[Settings]:
         """Records for tables of the paper's control, by prediction time.
 
         Random alarms have the keys of whom they stand in for.
@@ -360,19 +355,17 @@ class Campaign:
                 "identity": run.identity,
                 "keys": {**self._keys_of(run), "prediction_time_lt": run.prediction_time_lt},
             }
-            for run in (self.control_runs if runs is None else runs)
+            for run in runs
         ]
 
-    def strategy_keys(self) -> list[Settings]:
+    def strategy_keys(self, runs: Sequence[ControlRun]) -> list[Settings]:
         """Records for tables of all control, with strategy, settings and conditions.
 
         A setting that is none of a strategy's own is empty.
         """
-        names = list(
-            dict.fromkeys(name for run in self.strategy_runs for name, _ in run.plan.settings)
-        )
+        names = list(dict.fromkeys(name for run in runs for name, _ in run.plan.settings))
         records = []
-        for run in self.strategy_runs:
+        for run in runs:
             record = self.settings(
                 ["control.run"], {"case": run.case, "strategy": run.plan.identifier}, {}
             )["control.run"]
@@ -387,39 +380,22 @@ class Campaign:
 
     def _keys_of(self, run: ControlRun) -> Settings:
         name = ForecasterName("none") if run.forecaster is None else run.forecaster.name
-        keys = {"case": run.case, "reynolds": self.reynolds(run.case), **name.keys}
+        keys = {**self.case_keys(run.case), **name.keys}
         return {**keys, "forecaster": "random"} if run.random else keys
+
+    def case_keys(self, case: str) -> Settings:
+        """Key columns of a case in tables."""
+        return {"case": case, "reynolds": self.reynolds(case)}
 
     def of_each_case(self, *paths: str, cases: Iterable[str] | None = None) -> list[Settings]:
         """Settings of all cases, or of some, with whose they are and their key columns."""
         return [
             {
                 "identity": {"case": case},
-                "keys": {"case": case, "reynolds": self.reynolds(case)},
+                "keys": self.case_keys(case),
                 "settings": self.settings(paths, {"case": case}, {}),
             }
             for case in (self.case_names if cases is None else cases)
-        ]
-
-    @property
-    def table_names(self) -> list[str]:
-        """Names of all tables: results, percentiles over networks, parameters."""
-        names = ["dataset", "classification", "horizon"]
-        names += ["hyperparameters"] if self.networks else []
-        if self.long_term_forecasters:
-            names += ["statistics", "survival", "survival_curve"]
-        if self.spectrum_forecasters:
-            names += ["lyapunov_spectrum", "kaplan_yorke"]
-        names += ["control"] if self.control_runs else []
-        names += ["control_strategies"] if self.strategy_runs else []
-        return [
-            *names,
-            *(f"{name}_percentiles" for name in names if name in SUMMARIES),
-            "classification_intervals",
-            "horizon_intervals",
-            *(["statistics_intervals"] if self.long_term_forecasters else []),
-            *(["data_generation_parameters"] if self.simulated_cases else []),
-            *(["network_hyperparameters"] if self.networks else []),
         ]
 
     # -- facts about cases -------------------------------------------------------------------------

@@ -72,11 +72,12 @@ class _Job:
         self, campaign: Campaign, stage: str, wildcards: Mapping[str, str], name: ForecasterName
     ) -> None:
         self.campaign, self.stage, self.wildcards, self.name = campaign, stage, wildcards, name
-        # what tables and figures take of all cases is judged by one of them
+        # what is taken of all cases is judged by one of them
         self.case = wildcards.get("case") or campaign.example.case
         self.lyapunov_time = campaign.steps_per_lyapunov_time(self.case) or _TYPICAL_LYAPUNOV_TIME
         self.interval = campaign.sampling_interval(self.case)
         self.neurons = float(name.neurons or 0)
+        self.forecasters = len(campaign.select(case=self.case))
         self.dimension = campaign.dimension(self.case)
         self.series, self.samples = _size(campaign, self.case)
         self.training_series = self("case.training.series")
@@ -280,7 +281,7 @@ def _search(job: _Job, points: float, bayesian: bool = False) -> _Account:
 
 def _bootstrap(job: _Job) -> _Account:
     scores = job("bootstrap.resamples") * len(job("classification.prediction_times_lt"))
-    series = sum(_test_series(job.campaign, one.case) for one in job.campaign.forecasters)
+    series = _test_series(job.campaign, job.case) * job.forecasters
     start_up, work, held = _CLASSES["gather"](job)
     return start_up, {**work, "resampled series": scores * series}, held
 
@@ -288,7 +289,8 @@ def _bootstrap(job: _Job) -> _Account:
 def _bootstrap_runs(job: _Job) -> _Account:
     """Statistics of resampled long runs: their histograms are summed anew each time."""
     bins, runs = job("case.density.bins"), job("statistics.starting_points")
-    resamples = job("bootstrap.resamples") * len(job.campaign.long_term_forecasters)
+    ours = [one for one in job.campaign.long_term_forecasters if one.case == job.case]
+    resamples = job("bootstrap.resamples") * len(ours)
     start_up, work, held = _CLASSES["gather"](job)
     return start_up, {**work, "number": 0.3 * resamples * runs * bins}, held + runs * bins
 
@@ -306,7 +308,7 @@ _CLASSES: dict[str, Callable[[_Job], _Account]] = {
     "spectrum": _spectrum,
     "control": _control,
     # small files of all forecasters into a table; the same with intervals of scores
-    "gather": lambda job: (_PLAIN, {"file": len(job.campaign.forecasters)}, 20 / _MIB_PER_NUMBER),
+    "gather": lambda job: (_PLAIN, {"file": job.forecasters}, 20 / _MIB_PER_NUMBER),
     "bootstrap": _bootstrap,
     "bootstrap_runs": _bootstrap_runs,
     # the largest figure holds the observable of the whole ensemble, and what it draws of it

@@ -124,7 +124,10 @@ def _suppressed_event(campaign: Campaign, case: str) -> str:
 # What entries name: places below the results directory (several, where files are gathered), ...
 _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "case": lambda campaign, case: case,
-    "tables": lambda campaign, case: "tables",
+    "shown_cases": lambda campaign, case: _reynolds_cases(campaign),
+    "panels": lambda campaign, case: [
+        panel["identity"]["case"] for panel in _panels(campaign, case)
+    ],
     # the computed Lyapunov exponents, where they set the unit of time
     "time_unit": lambda campaign, case: (
         []
@@ -140,8 +143,6 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
 }
 # ... and settings that are not in the config.
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
-    "shown_case": lambda campaign, case: case,
-    "shown_cases": lambda campaign, case: _reynolds_cases(campaign),
     "shown_neurons": lambda campaign, case: campaign.example.name.neurons,
     "shown_validation": lambda campaign, case: campaign.example.name.validation,
     "strategies": _strategies,
@@ -281,8 +282,8 @@ _STATISTICS = {
 }
 _OF_STATISTICS = {
     **_STATISTICS,
-    "percentiles": "tables/statistics_percentiles.csv",
-    "intervals": "tables/statistics_intervals.csv",
+    "percentiles": "case/tables/statistics_percentiles.csv",
+    "intervals": "case/tables/statistics_intervals.csv",
 }
 
 FIGURES: Mapping[str, Figure] = {
@@ -310,9 +311,9 @@ FIGURES: Mapping[str, Figure] = {
         "SYSTEM case.event_threshold figures.example_prediction_time_lt classification.window_lt",
     ),
     "classification_scores": Figure(
-        {"percentiles": "tables/classification_percentiles.csv"},
+        {"percentiles": "case/tables/classification_percentiles.csv"},
         "figures.fixed_neurons figures.fixed_prediction_time_lt",
-        "shown_case shown_validation",
+        "shown_validation",
         _every,
         published=True,
     ),
@@ -324,33 +325,32 @@ FIGURES: Mapping[str, Figure] = {
     ),
     "horizon_by_size": Figure(
         {
-            "percentiles": "tables/horizon_percentiles.csv",
-            "intervals": "tables/horizon_intervals.csv",
+            "percentiles": "case/tables/horizon_percentiles.csv",
+            "intervals": "case/tables/horizon_intervals.csv",
         },
-        shows="shown_case",
         cases=_with_sizes,
         published=True,
     ),
     "forecast_skill": Figure(
-        {"scores": "tables/probability_scores.csv"},
+        {"scores": "case/tables/probability_scores.csv"},
         "figures.fixed_neurons",
-        "shown_case shown_validation",
+        "shown_validation",
         _every,
     ),
     "reliability": Figure(
-        {"bins": "tables/reliability.csv"},
+        {"bins": "case/tables/reliability.csv"},
         "figures.fixed_neurons figures.reynolds_prediction_times_lt",
-        "shown_case shown_validation",
+        "shown_validation",
     ),
     "economic_value": Figure(
-        {"values": "tables/economic_value.csv"},
+        {"values": "case/tables/economic_value.csv"},
         "figures.fixed_neurons figures.reynolds_prediction_times_lt",
-        "shown_case shown_validation",
+        "shown_validation",
     ),
     "alarm_lead_times": Figure(
-        {"lead_times": "tables/lead_times.csv"},
+        {"lead_times": "case/tables/lead_times.csv"},
         "figures.fixed_neurons",
-        "shown_case shown_validation",
+        "shown_validation",
     ),
     "committee_event": Figure(
         {"event": "case/committee_event.nc"},
@@ -359,47 +359,44 @@ FIGURES: Mapping[str, Figure] = {
     ),
     "by_reynolds": Figure(
         {
-            "horizon": "tables/horizon_percentiles.csv",
-            "classification": "tables/classification_percentiles.csv",
+            "horizons": "shown_cases/tables/horizon_percentiles.csv",
+            "scores": "shown_cases/tables/classification_percentiles.csv",
         },
         "figures.fixed_neurons figures.reynolds_prediction_times_lt",
-        "shown_cases",
-        _with_reynolds,
+        cases=_with_reynolds,
         published=True,
     ),
     "long_term_density": Figure(
         _OF_STATISTICS,
         "SYSTEM case.event_threshold",
-        "shown_case rows",
+        "rows",
         _with_long_term,
         published=True,
     ),
     "survival": Figure(
         {
-            "curves": "tables/survival_curve.csv",
-            "curve_percentiles": "tables/survival_curve_percentiles.csv",
-            "rates": "tables/survival.csv",
-            "rate_percentiles": "tables/survival_percentiles.csv",
+            "curves": "case/tables/survival_curve.csv",
+            "curve_percentiles": "case/tables/survival_curve_percentiles.csv",
+            "rates": "case/tables/survival.csv",
+            "rate_percentiles": "case/tables/survival_percentiles.csv",
         },
         "figures.fixed_neurons",
-        "shown_case",
-        _with_long_term,
+        cases=_with_long_term,
     ),
     "lyapunov_spectrum": Figure(
         {
-            "exponents": "tables/lyapunov_spectrum.csv",
-            "exponent_percentiles": "tables/lyapunov_spectrum_percentiles.csv",
-            "dimensions": "tables/kaplan_yorke.csv",
-            "dimension_percentiles": "tables/kaplan_yorke_percentiles.csv",
+            "exponents": "case/tables/lyapunov_spectrum.csv",
+            "exponent_percentiles": "case/tables/lyapunov_spectrum_percentiles.csv",
+            "dimensions": "case/tables/kaplan_yorke.csv",
+            "dimension_percentiles": "case/tables/kaplan_yorke_percentiles.csv",
         },
         "figures.fixed_neurons",
-        "shown_case",
-        _with_spectrum,
+        cases=_with_spectrum,
     ),
     "profile_errors": Figure(
         _OF_STATISTICS,
         "SYSTEM statistics.profile_points",
-        "shown_case rows",
+        "rows",
         _flows(_with_long_term),
         published=True,
     ),
@@ -429,21 +426,21 @@ FIGURES: Mapping[str, Figure] = {
         cases=_flows(_control_example),
     ),
     "control_tradeoff": Figure(
-        {"percentiles": "tables/control_percentiles.csv"},
+        {"percentiles": "case/tables/control_percentiles.csv"},
         "SYSTEM",
-        "shown_case controlling",
+        "controlling",
         _controlled,
     ),
     "control_density": Figure(
-        {"densities": "tables/control_density.csv"},
+        {"densities": "panels/tables/control_density.csv"},
         "SYSTEM control.prediction_times_lt",
         "panels",
         _controlled_systems,
     ),
     "control_frontier": Figure(
-        {"scores": "tables/control_strategies.csv"},
+        {"scores": "case/tables/control_strategies.csv"},
         "SYSTEM case.training.noise control.span_lt",
-        "shown_case frontier_network",
+        "frontier_network",
         _with_frontier,
     ),
 }

@@ -59,6 +59,16 @@ class ForecasterName:
         }
 
 
+def described(kind: Any, neurons: Any = None, validation: Any = None) -> str:
+    """How a person is told who forecasts: "esn, 500 neurons, RV"; for what is missing, nothing."""
+    parts = [kind] if isinstance(kind, str) else []
+    if isinstance(neurons, int | float) and neurons == neurons and neurons > 0:
+        parts.append(f"{neurons:g} neurons")
+    return ", ".join(
+        [*parts, *([validation] if isinstance(validation, str) and validation else [])]
+    )
+
+
 def parsed(identifier: str) -> ForecasterName:
     """Read an identifier.
 

@@ -1,4 +1,4 @@
-"""What a finished campaign has found, in a few lines: for the end of a run."""
+"""What a finished campaign has found, and what is odd about it: for the end of a run."""
 
 from collections.abc import Hashable, Mapping
 from pathlib import Path
@@ -7,10 +7,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from burstcast_workflow.identifiers import described
+
 PREDICTION_TIME_LT = 2.0
 """Of the F-score that is shown, or the nearest that the campaign has."""
 
 MOST_ROWS = 16
+
+MOST_WARNINGS = 8
 
 _KEYS = ["case", "forecaster", "neurons", "validation"]
 
@@ -57,6 +61,33 @@ def campaign_summary(tables: Path) -> str:
     return text + (f"\n... and {left_out} more in {tables}" if left_out > 0 else "")
 
 
+def warnings_summary(tables: Path) -> str:
+    """Signs that results are less than they seem, each with what to try; empty if there are none.
+
+    Parameters
+    ----------
+    tables
+        Directory of the campaign's tables.
+    """
+    path = tables / "warnings.csv"
+    if not path.exists() or (table := pd.read_csv(path)).empty:
+        return ""
+    # one line for what is said of several
+    names = ["warning", "finding", "advice", "case"]
+    rows = table.astype(object).to_dict("records")
+    whose: dict[tuple[str, ...], list[str]] = {}
+    for row in rows:
+        who = _who(row)
+        whose.setdefault(tuple(row[name] for name in names), []).append(who)
+    lines = [
+        f"  {', '.join([case, *filter(None, ['; '.join(whom)])])}: {finding}. Try: {advice}."
+        for (_, finding, advice, case), whom in whose.items()
+    ]
+    left_out = len(lines) - MOST_WARNINGS
+    lines = lines[:MOST_WARNINGS] + ([f"  ... and {left_out} more"] if left_out > 0 else [])
+    return "\n".join([f"What to look at twice ({path}):", *lines])
+
+
 def _medians(path: Path, metric: str) -> pd.DataFrame | None:
     if not path.exists():
         return None
@@ -68,6 +99,4 @@ def _medians(path: Path, metric: str) -> pd.DataFrame | None:
 
 
 def _who(row: Mapping[Hashable, Any]) -> str:
-    if not row["neurons"]:
-        return str(row["forecaster"])
-    return f"{row['forecaster']}, {row['neurons']:g} neurons, {row['validation']}"
+    return described(row["forecaster"], row["neurons"], row["validation"])

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.arrays import FloatArray
-from burstcast.control import decisions as decisions_module
+from burstcast.control import states as states_module
 from burstcast.control.actuation import actuated_system
 from burstcast.control.decision_outcome import count_decisions
 from burstcast.control.decisions import DecidedFlows, run_decided_flows
@@ -204,7 +204,7 @@ def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> 
     together = followed()
     assert together.decisions.on.any()
     assert 0 < len(together) < 7
-    monkeypatch.setattr(decisions_module, "FLOWS_PER_BATCH", 2)
+    monkeypatch.setattr(states_module, "FLOWS_PER_BATCH", 2)
     assert_same(together, followed())
 
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.arrays import FloatArray
-from burstcast.control import flows as flows_module
+from burstcast.control import states as states_module
 from burstcast.control.actuation import Actuation, actuated_system
 from burstcast.control.flows import ControlledFlows, run_controlled_flows
 from burstcast.control.monitors.forecast import ForecastMonitor
@@ -194,7 +194,7 @@ def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> 
     together = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
     assert together.forecasts.alarm.any()
     assert 0 < len(together) < 7
-    monkeypatch.setattr(flows_module, "FLOWS_PER_BATCH", 2)
+    monkeypatch.setattr(states_module, "FLOWS_PER_BATCH", 2)
     in_pairs = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
     assert_same(together, in_pairs)
 

@@ -493,6 +493,7 @@ GALLERY: dict[str, Callable[[], Figure]] = {
                 THRESHOLD,
                 DENSITY,
                 {1.0: 0.5 * DENSITY, 2.0: 0.7 * DENSITY},
+                {1.0: np.stack([0.4 * DENSITY, 0.6 * DENSITY])},
             )
             for re in (400, 600, 800, 1000)
         ],

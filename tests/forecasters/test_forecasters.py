@@ -67,7 +67,7 @@ def make_network(generator):
 
 NOISE = np.linspace(0.001, 0.002, 9)
 COEFFICIENTS = 0.05 * np.random.default_rng(7).standard_normal((55, 9))
-QUADRATIC = QuadraticModel(COEFFICIENTS, PolynomialSystem(COEFFICIENTS, 2, SYSTEM), 0.25, 4)
+QUADRATIC = QuadraticModel(PolynomialSystem(COEFFICIENTS, 2, SYSTEM), 0.25, 4, COEFFICIENTS)
 
 FORECASTERS = {
     "analogues": Analogues(np.random.default_rng(8).standard_normal((3, 40, 9)), 5),

@@ -110,7 +110,7 @@ def test_a_forecast_that_leaves_the_finite_numbers_disturbs_no_other():
     coefficients[3] = [1.0, 0.0]  # dx/dt = x^2, which is infinite at the time 1 / x
     coefficients[2] = [0.0, -1.0]
     system = PolynomialSystem(coefficients, 2, Lorenz63())
-    model = QuadraticModel(coefficients, system, 0.1, 1)
+    model = QuadraticModel(system, 0.1, 1, coefficients)
     memory = np.array([[10.0, -1.0], [1.0, 1.0]])
     outputs, memory = model.advance(memory, 30)
     assert model.diverged(outputs).tolist() == [True, False]

@@ -34,6 +34,7 @@ from snakemake.utils import update_config
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.cost_report import predicted_jobs
+from burstcast_workflow.table_registry import table_names
 
 pytestmark = pytest.mark.slurm
 
@@ -82,7 +83,7 @@ def tables(tree: Path) -> list[str]:
     config: dict[str, Any] = {}
     for file in ("config.yaml", PRESET):
         update_config(config, yaml.safe_load((tree / file).read_text()))
-    names = Campaign(load(config)).table_names
+    names = table_names(Campaign(load(config)))
     return [f"results/tiny/tables/{name}.csv" for name in names]
 
 

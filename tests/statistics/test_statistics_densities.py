@@ -12,6 +12,7 @@ from scipy.stats import wasserstein_distance
 from burstcast.statistics.densities import (
     Histogram,
     bin_edges,
+    density_quartiles,
     histogram,
     kantorovich_metric,
     mean_density,
@@ -166,6 +167,17 @@ def test_mean_density_weighs_each_histogram_alike():
     # nothing is known from a histogram without values
     assert mean_density([empty, first, second]) == pytest.approx(expected)
     assert np.isnan(mean_density([empty])).all()
+
+
+def test_quartiles_are_those_of_each_bin():
+    counts = np.random.default_rng(4).integers(1, 9, size=(5, 4))
+    histograms = [filled(list(row)) for row in counts]
+    densities = np.sort([histogram.density for histogram in histograms], axis=0)
+    # of five values, the second and the fourth
+    assert density_quartiles(histograms) == pytest.approx(densities[[1, 3]])
+    empty = filled([0, 0, 0, 0])
+    assert density_quartiles([empty, *histograms]) == pytest.approx(densities[[1, 3]])
+    assert np.isnan(density_quartiles([empty])).all()
 
 
 def test_mean_density_needs_histograms_on_common_bins():

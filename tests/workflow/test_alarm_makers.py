@@ -22,7 +22,7 @@ def campaign(**forecasters) -> Campaign:
 
 def test_committees_are_of_seeds_and_of_members_of_an_ensemble():
     found = campaign(quadratic={}, quadratic_filtered={}, analogues={})
-    records = {one["alarm"]: one for one in alarm_records(found, ["Re400"])}
+    records = {one["alarm"]: one for one in alarm_records(found, "Re400")}
     networks = ["esn-N2000-RV-seed0", "esn-N2000-RV-seed1"]
     singles = [*networks, "analogues", "quadratic", "quadratic_filtered"]
     committees = {

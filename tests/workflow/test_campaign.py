@@ -15,6 +15,7 @@ from burstcast_workflow.canonical import canonical, canonical_json, natural_orde
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.figure_registry import FIGURES, figure_names
 from burstcast_workflow.identifiers import ForecasterName, parsed
+from burstcast_workflow.table_registry import cases_of_tables, table_names
 
 ROOT = Path(__file__).parents[2]
 
@@ -335,12 +336,14 @@ def test_keys_of_the_tables():
 def test_keys_of_control_tell_random_alarms_apart():
     found = {
         (record["identity"]["rule"], record["keys"]["forecaster"])
-        for record in PAPER.control_keys()
+        for record in PAPER.control_keys(PAPER.control_runs)
     }
     assert found == {("control", "esn"), ("control", "equations"), ("control_random", "random")}
-    identities = [canonical_json(record["identity"]) for record in PAPER.control_keys()]
+    identities = [
+        canonical_json(record["identity"]) for record in PAPER.control_keys(PAPER.control_runs)
+    ]
     assert len(set(identities)) == len(PAPER.control_runs)
-    for record in PAPER.control_keys():
+    for record in PAPER.control_keys(PAPER.control_runs):
         time = record["keys"]["prediction_time_lt"]
         assert f"-prediction_time{time:g}-" in record["identity"]["strategy"]
 
@@ -384,7 +387,8 @@ def test_settings_do_not_depend_on_the_order_of_the_config(generator):
     plain = campaign({"cases": cases}, sorted_times, blocks=blocks)
     assert other.forecasters == plain.forecasters
     assert other.control_runs == plain.control_runs
-    assert other.table_names == plain.table_names
+    assert table_names(other) == table_names(plain)
+    assert cases_of_tables(other) == cases_of_tables(plain)
     assert figure_names(other) == figure_names(plain)
     for name, figure in FIGURES.items():
         for case in figure.cases(plain):
@@ -393,7 +397,7 @@ def test_settings_do_not_depend_on_the_order_of_the_config(generator):
     sections = ("classification", "control", "search", "bootstrap")
     assert other.settings(sections, {}, {}) == plain.settings(sections, {}, {})
     assert other.of_each_case("case.parameters") == plain.of_each_case("case.parameters")
-    assert other.control_keys() == plain.control_keys()
+    assert other.control_keys(other.control_runs) == plain.control_keys(plain.control_runs)
 
 
 def test_natural_order():

@@ -22,6 +22,7 @@ from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.figure_registry import FIGURES, figure_case, figure_names
+from burstcast_workflow.table_registry import latex_names, table_names
 
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))
 SEED = int(os.environ.get("BURSTCAST_SEED", "2026"))
@@ -125,10 +126,12 @@ def planned(config: dict) -> int:
     costs = CostModel(campaign)
     records = [
         *campaign.keys(campaign.forecasters),
-        *campaign.control_keys(),
-        *campaign.strategy_keys(),
+        *campaign.control_keys(campaign.control_runs),
+        *campaign.strategy_keys(campaign.strategy_runs),
         *campaign.of_each_case("case.ensemble", "case.event_threshold"),
-        *alarm_records(campaign, campaign.case_names),
+        *(alarm_records(campaign, case) for case in campaign.case_names),
+        table_names(campaign),
+        latex_names(campaign),
     ]
     canonical_json(records)
     for one in {(one.case, one.name.kind): one for one in campaign.forecasters}.values():

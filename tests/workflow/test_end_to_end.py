@@ -290,9 +290,7 @@ def test_a_second_run_does_nothing(finished):
 
 def test_everything_is_all_of_that_and_the_figures(finished):
     jobs = finished.project.dry_run()
-    assert {*jobs} == {
-        *("examples", "flow_event", "suppressed_event", "control_density_table", "figure")
-    }
+    assert {*jobs} == {*("examples", "flow_event", "suppressed_event", "committee_event", "figure")}
     assert jobs["figure"] > 15
 
 
@@ -325,8 +323,7 @@ def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
         "threshold_sweep",
         "classification_table",
         "horizon_table",
-        "percentiles",
-        "latex",
+        *("percentiles", "warnings_table", "all_cases", "latex"),
     }
     assert results(project) == before
 

@@ -1,7 +1,6 @@
 """Files of many jobs, paired with what is asked for by what they say they are."""
 
 import json
-import random
 
 import pytest
 from hypothesis import given, settings
@@ -9,7 +8,7 @@ from hypothesis import strategies as st
 
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.storage import write_json, write_netcdf
-from burstcast_workflow.jobs.gather import files_of_cases, gathered
+from burstcast_workflow.jobs.gather import gathered
 
 NAMES = ["Re400", "Re1000", "alpha", "Zeta", "zeta", "nan", "inf", "1e5x"]
 
@@ -49,13 +48,6 @@ def test_files_in_any_order_find_their_records(tmp_path_factory, cases, generato
     shuffled = generator.sample(paths, len(paths))
     expected = [(record, str(path)) for record, path in zip(records, paths, strict=True)]
     assert gathered(records, shuffled) == expected
-
-
-def test_files_by_their_case(tmp_path):
-    records = asked(*({"case": name} for name in NAMES))
-    paths = {name: written(tmp_path, {"case": name}, ".nc") for name in NAMES}
-    found = files_of_cases(records, random.Random(1).sample([*paths.values()], len(paths)))
-    assert found == {name: str(path) for name, path in paths.items()}
 
 
 def test_a_file_too_few_and_one_too_many_are_both_named(tmp_path):

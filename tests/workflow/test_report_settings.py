@@ -12,8 +12,15 @@ from burstcast.tables import described_parameters
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.figure_registry import FIGURES, caption, figure_case, figure_names
+from burstcast_workflow.table_columns import table_text
 from burstcast_workflow.table_metrics import NETWORK_KEYS, SUMMARIES
-from burstcast_workflow.table_texts import CAPTIONS, head
+from burstcast_workflow.table_registry import (
+    PARAMETER_TABLES,
+    cases_of_tables,
+    latex_names,
+    table_names,
+)
+from burstcast_workflow.table_texts import LAYOUTS, head, latex_caption, source_of
 
 ROOT = Path(__file__).parents[2]
 WORKFLOW = ROOT / "workflow"
@@ -94,8 +101,10 @@ def test_figure_over_reynolds_numbers_takes_each_once():
         }
     )
     assert "Twin" in twins.case_names
-    shown = settings(twins, "by_reynolds")["shown_cases"]
-    assert shown == ["Re400", "Re600", "Re800", "Re1000"]
+    shown = FIGURES["by_reynolds"].files(twins, "Re400")["horizons"]
+    assert shown == [
+        f"Re{reynolds}/tables/horizon_percentiles.csv" for reynolds in (400, 600, 800, 1000)
+    ]
 
 
 def test_every_figure_has_a_script_and_every_script_a_figure():
@@ -174,7 +183,9 @@ def test_published_values_are_drawn_where_the_paper_has_some():
 def test_figures_show_the_case_in_their_name():
     assert figure_case(PAPER, "classification_scores", "_Re800") == "Re800"
     assert figure_case(PAPER, "classification_scores", "") == "Re400"
-    assert settings(PAPER, "classification_scores", "Re800")["shown_case"] == "Re800"
+    assert FIGURES["classification_scores"].files(PAPER, "Re800") == {
+        "percentiles": "Re800/tables/classification_percentiles.csv"
+    }
     other = campaign(
         {"figures": {"example_case": "Re600"}, "control": {"sweep": {"cases": ["Re400"]}}}
     )
@@ -203,24 +214,42 @@ def test_files_of_figures_are_those_of_the_example():
     assert found["horizon_schematic"] == {}
 
 
-def test_every_table_has_a_caption_and_every_summary_its_percentiles():
-    tables = PAPER.table_names
-    assert {name.removesuffix("_percentiles") for name in tables} == set(CAPTIONS)
+def test_every_summary_has_its_percentiles_over_seeds():
     for name in SUMMARIES:
-        assert f"{name}_percentiles" in tables
+        assert f"{name}_percentiles" in table_names(PAPER)
         assert "seed" not in (*NETWORK_KEYS, *SUMMARIES[name].keys)
+
+
+def test_every_table_for_papers_is_made_of_one_that_there_is():
+    names = latex_names(PAPER)
+    assert {source_of(name) for name in names} <= set(table_names(PAPER))
+    assert set(names) == {*LAYOUTS, *PARAMETER_TABLES}
+    for name in names:
+        assert latex_caption(name).endswith(".")
+        text = table_text(source_of(name))
+        if name in LAYOUTS and text.metrics:
+            assert set(LAYOUTS[name].metrics) <= set(text.metrics.split())
 
 
 def test_stages_that_are_switched_off_have_no_tables():
     off = {"forecasters": {"esn": None, "equations": None}}
     without = campaign({"control": off, "statistics": off})
-    assert set(PAPER.table_names) - set(without.table_names) == {
-        *("control", "control_percentiles", "control_strategies"),
+    gone = {
+        *("control", "control_percentiles", "control_strategies", "control_density"),
         *("statistics", "statistics_percentiles"),
         *("survival", "survival_percentiles", "survival_curve", "survival_curve_percentiles"),
         *("lyapunov_spectrum", "lyapunov_spectrum_percentiles"),
         *("kaplan_yorke", "kaplan_yorke_percentiles"),
     }
+    assert set(table_names(PAPER)) - set(table_names(without)) == gone
+    assert not {source_of(name) for name in latex_names(without)} & gone
+
+
+def test_tables_are_of_the_cases_that_have_them():
+    one = campaign({"statistics": {"forecasters": {"esn": {"neurons": [500]}}}})
+    cases = cases_of_tables(one)
+    assert cases["statistics"] == cases["statistics_percentiles"] == ["Re400"]
+    assert cases["horizon"] == ["Re400", "Re600", "Re800", "Re1000"]
 
 
 def test_heads_are_latex():

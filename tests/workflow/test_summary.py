@@ -2,7 +2,12 @@
 
 import pandas as pd
 
-from burstcast_workflow.summary import MOST_ROWS, campaign_summary
+from burstcast_workflow.summary import (
+    MOST_ROWS,
+    MOST_WARNINGS,
+    campaign_summary,
+    warnings_summary,
+)
 
 
 def percentiles(metric, medians, **more):
@@ -50,3 +55,37 @@ def test_a_large_campaign_is_cut_and_says_so(tmp_path):
 
 def test_no_tables_no_summary(tmp_path):
     assert campaign_summary(tmp_path) == ""
+
+
+def warnings(*rows):
+    names = ["case", "reynolds", "forecaster", "neurons", "validation"]
+    names += ["warning", "finding", "advice"]
+    return pd.DataFrame(rows, columns=names)
+
+
+def test_warnings_that_say_the_same_share_a_line(tmp_path):
+    edge = ("optimum_on_edge", "beta at its lower bound", "widen the search")
+    warnings(
+        ("Re400", 400, "esn", 500, "RV", *edge),
+        ("Re400", 400, "esn", 500, "SSV", *edge),
+        ("Re400", 400, None, None, None, "few_events", "3 events", "lower the threshold"),
+    ).to_csv(tmp_path / "warnings.csv", index=False)
+    assert warnings_summary(tmp_path).splitlines()[1:] == [
+        "  Re400, esn, 500 neurons, RV; esn, 500 neurons, SSV: beta at its lower bound. "
+        "Try: widen the search.",
+        "  Re400: 3 events. Try: lower the threshold.",
+    ]
+
+
+def test_many_warnings_are_cut_and_none_are_nothing(tmp_path):
+    assert warnings_summary(tmp_path) == ""
+    warnings().to_csv(tmp_path / "warnings.csv", index=False)
+    assert warnings_summary(tmp_path) == ""
+    rows = [
+        (f"c{n}", None, None, None, None, "few_events", f"{n} events", "x")
+        for n in range(MOST_WARNINGS + 3)
+    ]
+    warnings(*rows).to_csv(tmp_path / "warnings.csv", index=False)
+    lines = warnings_summary(tmp_path).splitlines()
+    assert len(lines) == MOST_WARNINGS + 2
+    assert lines[-1].strip() == "... and 3 more"

@@ -29,9 +29,10 @@ from burstcast_workflow.harness.code_check import (
 )
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.run import OvertakenError, Run
+from burstcast_workflow.harness.search_path import make_importable, search_directories
 from burstcast_workflow.harness.thresholds import INPUT as THRESHOLDS
 from burstcast_workflow.harness.thresholds import cases_of_thresholds
-from burstcast_workflow.harness.search_path import make_importable, search_directories
+from burstcast_workflow.interruption import interrupt_quietly
 from burstcast_workflow.planning import (
     claim_before_jobs,
     plan_by_records,
@@ -40,7 +41,10 @@ from burstcast_workflow.planning import (
 from burstcast_workflow.project import packages_of
 from burstcast_workflow.prune import stale_note
 from burstcast_workflow.setting_groups import listed
-from burstcast_workflow.summary import campaign_summary
+from burstcast_workflow.summary import campaign_summary, warnings_summary
+from burstcast_workflow.table_columns import table_text
+from burstcast_workflow.table_registry import cases_of_tables, latex_names, table_names
+from burstcast_workflow.table_texts import source_of
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
 # Planning makes millions of objects and keeps them: looking through them for garbage all the time
@@ -68,6 +72,7 @@ except (CodeChangedError, ConfigError, OvertakenError) as error:
     raise WorkflowError(str(error)) from None
 plan_by_records(run.results)
 if workflow.is_main_process:
+    interrupt_quietly()
     refuse_what_nothing_makes(run.results)
     claim_before_jobs(run, dict(config), sources, directories)
 campaign = Campaign(config)
@@ -79,6 +84,7 @@ RESULTS = config["results"]
 CASE = f"{RESULTS}/{{case}}"
 FORECASTER = f"{CASE}/{{forecaster}}"
 TABLES = f"{RESULTS}/tables"
+TABLES_OF_CASE = f"{CASE}/tables"
 LOGS = f"{RESULTS}/logs"
 TIMES = f"{RESULTS}/benchmarks"
 ENVIRONMENT = "../envs/burstcast.yaml"
@@ -115,11 +121,13 @@ onstart:
 onsuccess:
     if workflow.is_main_process:
         write_forecaster_costs(campaign, Path(TIMES))
-    print(
-        f"\n{campaign_summary(Path(TABLES))}\n\nTables: {TABLES}/*.csv and *.tex. "
-        f"Figures: {RESULTS}/figures/*.pdf and *.png.\n{stale_note(RESULTS, workflow)}",
-        file=sys.stderr,
-    )
+    found = [
+        campaign_summary(Path(TABLES)),
+        warnings_summary(Path(TABLES)),
+        f"Tables: {TABLES}/*.csv and *.tex. Figures: {RESULTS}/figures/*.pdf and *.png; look first "
+        f"at classification_scores and forecast_skill.\n{stale_note(RESULTS, workflow)}",
+    ]
+    print("\n" + "\n\n".join(filter(None, found)), file=sys.stderr)
 
 
 onerror:
@@ -143,13 +151,11 @@ def of_cases(name, cases=campaign.case_names):
 
 
 def of_forecasters(name, forecasters=campaign.forecasters):
-    """The file called ``name`` of every forecaster, of the whole campaign unless told otherwise."""
-    return [f"{RESULTS}/{forecaster.directory}/{name}" for forecaster in forecasters]
+    """The file called ``name`` of every forecaster, or of every run of control.
 
-
-def of_control(name, runs=campaign.control_runs):
-    """The file called ``name`` of every run of control, of the paper's unless told otherwise."""
-    return [f"{RESULTS}/{run.directory}/{name}" for run in runs]
+    They are the forecasters of the whole campaign unless told otherwise.
+    """
+    return [f"{RESULTS}/{one.directory}/{name}" for one in forecasters]
 
 
 # -- what a stage depends on and needs ---------------------------------------------------------------
@@ -176,6 +182,50 @@ def of_job(function):
 def time_unit_of_job(wildcards):
     """The computed Lyapunov exponents of a job's case, where they set the unit of time."""
     return time_unit_of(wildcards.case)
+
+
+def in_case(chosen, function, *arguments):
+    """``function`` of those forecasters or runs of control that belong to a job's case."""
+
+    @of_job
+    def found(wildcards):
+        ours = [one for one in chosen if one.case == wildcards.case]
+        return function(*arguments, ours)
+
+    return found
+
+
+def files_in_case(name, chosen=campaign.forecasters):
+    """The file called ``name`` of all forecasters, or runs of control, of a job's case."""
+    return in_case(chosen, of_forecasters, name)
+
+
+def tables_in_case(names):
+    """Tables of a job's case, by their names; nothing for those that it does not have."""
+
+    def of_name(name):
+        cases = cases_of_tables(campaign).get(name, [])
+
+        @of_job
+        def path(wildcards):
+            found = f"{RESULTS}/{wildcards.case}/tables/{name}.csv"
+            return found if wildcards.case in cases else []
+
+        return path
+
+    return {name: of_name(name) for name in names.split()}
+
+
+@of_job
+def keys_of_case(wildcards):
+    """Key columns of a job's case."""
+    return campaign.case_keys(wildcards.case)
+
+
+@of_job
+def alarms_of_case(wildcards):
+    """All who raise alarms in a job's case."""
+    return alarm_records(campaign, wildcards.case)
 
 
 # A function is asked for each job, which takes time: not where all exponents are published.
@@ -371,15 +421,13 @@ def scan_of_network(suffix):
     return path
 
 
-def in_report(table, caption=None):
+def in_report(table):
     """A table that the report has."""
     return report(
         f"{TABLES}/{table}.csv",
-        caption=f"../report/{caption or table}.rst",
+        caption="../report/table.rst",
         category="Tables",
-        labels={
-            "table": table.replace("_percentiles", ", percentiles").replace("_", " ")
-        },
+        labels={"table": table},
     )
 
 
@@ -389,6 +437,9 @@ def in_report(table, caption=None):
 config["captions"] = {
     name: caption(PROJECT / "workflow" / "scripts" / "figures" / f"{name}.py")
     for name in FIGURES
+}
+config["captions_of_tables"] = {
+    name: table_text(name).says for name in table_names(campaign)
 }
 PUBLISHED = os.path.relpath(PROJECT / "resources" / "published_percentiles.csv")
 

@@ -1,11 +1,6 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
 
-def ensembles_of(case):
-    """Forecasters of a case that tell an ensemble."""
-    return [one for one in campaign.ensemble_forecasters if one.case == case]
-
-
 def who_votes(case, by_members=None):
     """Forecasters that vote in the committees of a case that are shown: all, or of one sort."""
     return [
@@ -50,15 +45,9 @@ stage(
     "probabilities/calibrate",
     "calibrate the probabilities, choose the thresholds of alarms",
     inputs={
-        "calibration_forecasts": of_job(
-            lambda wildcards: of_forecasters(
-                "calibration_forecast.nc", campaign.select(case=wildcards["case"])
-            )
-        ),
-        "calibration_member_forecasts": of_job(
-            lambda wildcards: of_forecasters(
-                "calibration_member_forecast.nc", ensembles_of(wildcards.case)
-            )
+        "calibration_forecasts": files_in_case("calibration_forecast.nc"),
+        "calibration_member_forecasts": files_in_case(
+            "calibration_member_forecast.nc", campaign.ensemble_forecasters
         ),
         **files("calibration_set time_unit"),
     },
@@ -66,13 +55,9 @@ stage(
     settings="TIME case.event_threshold classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt "
     "probability.prior_forecasts probability.threshold_factors",
-    rows=of_job(
-        lambda wildcards: campaign.keys(campaign.select(case=wildcards["case"]))
-    ),
-    ensemble_rows=of_job(
-        lambda wildcards: campaign.keys(ensembles_of(wildcards["case"]))
-    ),
-    alarms=of_job(lambda wildcards: alarm_records(campaign, [wildcards["case"]])),
+    rows=in_case(campaign.forecasters, campaign.keys),
+    ensemble_rows=in_case(campaign.ensemble_forecasters, campaign.keys),
+    alarms=alarms_of_case,
 )
 
 stage(
@@ -124,17 +109,16 @@ stage(
 
 # What tables of probabilities are made from.
 PROBABILITIES = {
-    "forecasts": of_forecasters("forecast.nc"),
-    "member_forecasts": of_forecasters(
+    "forecasts": files_in_case("forecast.nc"),
+    "member_forecasts": files_in_case(
         "member_forecast.nc", campaign.ensemble_forecasters
     ),
-    "evaluation_sets": of_cases("evaluation_set.nc"),
-    "calibrations": of_cases("calibration.json"),
+    **files("evaluation_set calibration"),
 }
 ALARMS = {
-    "rows": campaign.keys(campaign.forecasters),
-    "ensemble_rows": campaign.keys(campaign.ensemble_forecasters),
-    "alarms": alarm_records(campaign, campaign.case_names),
+    "rows": in_case(campaign.forecasters, campaign.keys),
+    "ensemble_rows": in_case(campaign.ensemble_forecasters, campaign.keys),
+    "alarms": alarms_of_case,
 }
 
 stage(
@@ -142,12 +126,11 @@ stage(
     "score the probabilities",
     inputs=PROBABILITIES,
     outputs={
-        "table": f"{TABLES}/probability_scores.csv",
-        "differences": f"{TABLES}/probability_differences.csv",
+        "table": f"{TABLES_OF_CASE}/probability_scores.csv",
+        "differences": f"{TABLES_OF_CASE}/probability_differences.csv",
     },
-    settings="SCORED probability.bins",
+    settings="SCORED case.event_threshold probability.bins",
     cost="bootstrap",
-    cases=campaign.of_each_case("case.event_threshold"),
     **ALARMS,
 )
 stage(
@@ -155,50 +138,30 @@ stage(
     "reliability, economic value, curves over all thresholds",
     inputs=PROBABILITIES,
     outputs={
-        "reliability": f"{TABLES}/reliability.csv",
-        "value": f"{TABLES}/economic_value.csv",
-        "curves": f"{TABLES}/alarm_curves.csv",
+        "reliability": f"{TABLES_OF_CASE}/reliability.csv",
+        "value": f"{TABLES_OF_CASE}/economic_value.csv",
+        "curves": f"{TABLES_OF_CASE}/alarm_curves.csv",
     },
-    settings="SCORED probability.bins probability.cost_loss_ratios",
+    settings="SCORED case.event_threshold probability.bins probability.cost_loss_ratios",
     cost="bootstrap",
-    cases=campaign.of_each_case("case.event_threshold"),
     **ALARMS,
 )
 stage(
     "probabilities/lead_times",
     "how early events were warned of",
-    inputs={"ensembles": of_cases("ensemble.nc"), **PROBABILITIES},
-    outputs={"table": f"{TABLES}/lead_times.csv"},
-    settings="SCORED classification.start_spacing_lt",
+    inputs={**files("ensemble"), **PROBABILITIES},
+    outputs={"table": f"{TABLES_OF_CASE}/lead_times.csv"},
+    settings="SCORED case.event_threshold case.training.series "
+    "classification.start_spacing_lt",
     cost="bootstrap",
-    cases=campaign.of_each_case("case.event_threshold", "case.training.series"),
     **ALARMS,
 )
 stage(
     "probabilities/threshold_sweep",
     "score alarms for other event thresholds",
     inputs=PROBABILITIES,
-    outputs={"table": f"{TABLES}/threshold_sweep.csv"},
-    settings="SCORED probability.bins probability.threshold_factors",
+    outputs={"table": f"{TABLES_OF_CASE}/threshold_sweep.csv"},
+    settings="SCORED case.event_threshold probability.bins probability.threshold_factors",
     cost="bootstrap",
-    cases=campaign.of_each_case("case.event_threshold"),
     **ALARMS,
 )
-
-
-rule probabilities:
-    input:
-        of_cases("calibration.json"),
-        expand(
-            f"{TABLES}/{{table}}.csv",
-            table=[
-                "probability_scores",
-                "probability_differences",
-                "reliability",
-                "economic_value",
-                "alarm_curves",
-                "lead_times",
-                "threshold_sweep",
-            ],
-        ),
-    localrule: True

@@ -1,132 +1,159 @@
-"""Tables: gathered from the files of many jobs, then percentiles and LaTeX."""
-
-# The case whose Lyapunov exponents each case has.
-EXPONENTS_OF = {case: campaign.source_case(case) for case in campaign.case_names}
+"""Tables: each case's, gathered from the files of many jobs; then those of all cases, and LaTeX."""
 
 stage(
     "tables/dataset_table",
     "table of the dataset",
     inputs={
-        "summaries": of_cases("dataset.json"),
-        "events": of_cases("events.json"),
-        "exponents": of_cases("lyapunov.json", dict.fromkeys(EXPONENTS_OF.values())),
+        **files("summary events_summary"),
+        # a case that is a part of another one has that one's
+        "exponents": of_job(
+            lambda wildcards: f"{RESULTS}/{campaign.source_case(wildcards.case)}/lyapunov.json"
+        ),
     },
-    outputs={"table": in_report("dataset")},
-    cases=campaign.of_each_case(*listed("TIME")),
-    exponents_of=EXPONENTS_OF,
+    outputs={"table": f"{TABLES_OF_CASE}/dataset.csv"},
+    settings="TIME",
+    keys=keys_of_case,
 )
 stage(
     "tables/hyperparameters_table",
     "table of the hyperparameters",
     inputs={
-        "hyperparameters": of_forecasters("hyperparameters.json", campaign.networks)
+        "hyperparameters": files_in_case("hyperparameters.json", campaign.networks)
     },
-    outputs={"table": f"{TABLES}/hyperparameters.csv"},
-    rows=campaign.keys(campaign.networks),
+    outputs={"table": f"{TABLES_OF_CASE}/hyperparameters.csv"},
+    rows=in_case(campaign.networks, campaign.keys),
 )
 stage(
     "tables/classification_table",
     "score the forecasts",
-    inputs={
-        "forecasts": of_forecasters("forecast.nc"),
-        "evaluation_sets": of_cases("evaluation_set.nc"),
-    },
+    inputs={"forecasts": files_in_case("forecast.nc"), **files("evaluation_set")},
     outputs={
-        "table": f"{TABLES}/classification.csv",
-        "intervals": f"{TABLES}/classification_intervals.csv",
+        "table": f"{TABLES_OF_CASE}/classification.csv",
+        "intervals": f"{TABLES_OF_CASE}/classification_intervals.csv",
     },
-    settings="random_seed bootstrap classification.prediction_times_lt "
-    "classification.window_lt classification.resolution_lt",
+    settings="case.event_threshold SCORED",
     cost="bootstrap",
-    cases=campaign.of_each_case("case.event_threshold"),
-    rows=campaign.keys(campaign.forecasters),
+    rows=in_case(campaign.forecasters, campaign.keys),
 )
 stage(
     "tables/horizon_table",
     "table of the prediction horizons",
-    inputs={"horizons": of_forecasters("horizon.nc")},
+    inputs={"horizons": files_in_case("horizon.nc")},
     outputs={
-        "table": f"{TABLES}/horizon.csv",
-        "intervals": f"{TABLES}/horizon_intervals.csv",
+        "table": f"{TABLES_OF_CASE}/horizon.csv",
+        "intervals": f"{TABLES_OF_CASE}/horizon_intervals.csv",
     },
     settings="random_seed bootstrap",
-    rows=campaign.keys(campaign.forecasters),
+    rows=in_case(campaign.forecasters, campaign.keys),
 )
 stage(
     "tables/statistics_table",
     "table of the long-term statistics",
     inputs={
-        "data": of_cases("statistics_data.nc"),
-        "training": of_cases("statistics_training.nc"),
-        "floor": of_cases("statistics_floor.nc"),
-        "long_term": of_forecasters("long_term.nc", campaign.long_term_forecasters),
+        **files("data training floor"),
+        "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
     outputs={
-        "table": f"{TABLES}/statistics.csv",
-        "intervals": f"{TABLES}/statistics_intervals.csv",
+        "table": f"{TABLES_OF_CASE}/statistics.csv",
+        "intervals": f"{TABLES_OF_CASE}/statistics_intervals.csv",
     },
-    settings="random_seed bootstrap statistics.profile_points",
+    settings="SYSTEM random_seed bootstrap statistics.profile_points",
     cost="bootstrap_runs",
-    cases=campaign.of_each_case(*listed("SYSTEM")),
-    rows=campaign.keys(campaign.long_term_forecasters),
+    keys=keys_of_case,
+    rows=in_case(campaign.long_term_forecasters, campaign.keys),
 )
 stage(
     "tables/survival_table",
     "table of escapes from the chaotic phase",
     inputs={
-        "data": of_cases("ensemble.nc"),
-        "long_term": of_forecasters("long_term.nc", campaign.long_term_forecasters),
+        **files("ensemble"),
+        "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
     outputs={
-        "table": f"{TABLES}/survival.csv",
-        "curves": f"{TABLES}/survival_curve.csv",
+        "table": f"{TABLES_OF_CASE}/survival.csv",
+        "curves": f"{TABLES_OF_CASE}/survival_curve.csv",
     },
-    settings="bootstrap.confidence",
-    cases=campaign.of_each_case(
-        "case.ensemble.time_step",
-        "case.ensemble.sampling_stride",
-        "statistics.duration",
-    ),
-    rows=campaign.keys(campaign.long_term_forecasters),
+    settings="case.ensemble.time_step case.ensemble.sampling_stride "
+    "statistics.duration bootstrap.confidence",
+    keys=keys_of_case,
+    rows=in_case(campaign.long_term_forecasters, campaign.keys),
 )
 stage(
     "tables/lyapunov_spectrum_table",
     "table of the Lyapunov exponents",
     inputs={
-        "data": of_cases("lyapunov_spectrum.nc", campaign.simulated_cases),
-        "forecasters": of_forecasters(
+        "spectrum": of_job(
+            lambda wildcards: (
+                f"{RESULTS}/{wildcards.case}/lyapunov_spectrum.nc"
+                if campaign.has_equations(wildcards.case)
+                else []
+            )
+        ),
+        "forecasters": files_in_case(
             "lyapunov_spectrum.nc", campaign.spectrum_forecasters
         ),
     },
     outputs={
-        "table": f"{TABLES}/lyapunov_spectrum.csv",
-        "dimensions": f"{TABLES}/kaplan_yorke.csv",
+        "table": f"{TABLES_OF_CASE}/lyapunov_spectrum.csv",
+        "dimensions": f"{TABLES_OF_CASE}/kaplan_yorke.csv",
     },
     settings="random_seed bootstrap",
-    cases=campaign.of_each_case(cases=campaign.simulated_cases),
-    rows=campaign.keys(campaign.spectrum_forecasters),
+    keys=keys_of_case,
+    rows=in_case(campaign.spectrum_forecasters, campaign.keys),
 )
 stage(
     "tables/control_table",
     "table of control",
-    inputs={"counts": of_control("counts.json")},
-    outputs={"table": f"{TABLES}/control.csv"},
-    rows=campaign.control_keys(),
+    inputs={"counts": files_in_case("counts.json", campaign.control_runs)},
+    outputs={"table": f"{TABLES_OF_CASE}/control.csv"},
+    rows=in_case(campaign.control_runs, campaign.control_keys),
 )
 stage(
     "tables/control_density_table",
     "densities with and without control",
-    inputs={"histograms": of_control("histograms.nc")},
-    outputs={"table": f"{TABLES}/control_density.csv"},
-    rows=campaign.control_keys(),
+    inputs={"histograms": files_in_case("histograms.nc", campaign.control_runs)},
+    outputs={"table": f"{TABLES_OF_CASE}/control_density.csv"},
+    rows=in_case(campaign.control_runs, campaign.control_keys),
 )
 stage(
     "tables/control_strategies_table",
     "costs and gains of control",
-    inputs={"flows": of_control("flows.nc", campaign.strategy_runs)},
-    outputs={"table": in_report("control_strategies")},
+    inputs={"flows": files_in_case("flows.nc", campaign.strategy_runs)},
+    outputs={"table": f"{TABLES_OF_CASE}/control_strategies.csv"},
     settings="random_seed bootstrap",
-    rows=campaign.strategy_keys(),
+    rows=in_case(campaign.strategy_runs, campaign.strategy_keys),
+)
+stage(
+    "tables/warnings_table",
+    "look for warning signs",
+    inputs={
+        **files("ensemble data events_summary"),
+        **tables_in_case("dataset classification hyperparameters statistics"),
+    },
+    outputs={"table": f"{TABLES_OF_CASE}/warnings.csv"},
+    settings="case.event_threshold case.training.series case.training.noise horizon.events "
+    "search.spectral_radius search.input_scaling search.tikhonov",
+    keys=keys_of_case,
+)
+stage(
+    "tables/percentiles",
+    "percentiles over networks",
+    inputs={"table": f"{TABLES_OF_CASE}/{{table}}.csv"},
+    outputs={"percentiles": f"{TABLES_OF_CASE}/{{table}}_percentiles.csv"},
+)
+stage(
+    "tables/all_cases",
+    "the rows of all cases",
+    inputs={
+        "tables": of_job(
+            lambda wildcards: [
+                f"{RESULTS}/{case}/tables/{wildcards.table}.csv"
+                for case in cases_of_tables(campaign)[wildcards.table]
+            ]
+        )
+    },
+    outputs={"table": in_report("{table}")},
+    constraints={"table": "|".join(cases_of_tables(campaign))},
 )
 stage(
     "tables/data_generation_parameters",
@@ -149,27 +176,26 @@ stage(
     cases=campaign.of_each_case("case.training.noise"),
 )
 stage(
-    "tables/percentiles",
-    "percentiles over networks",
-    inputs={"table": f"{TABLES}/{{table}}.csv"},
-    outputs={"percentiles": in_report("{table}_percentiles", caption="percentiles")},
-)
-stage(
     "tables/latex",
     "typeset in LaTeX",
-    inputs={"table": f"{TABLES}/{{table}}.csv"},
+    inputs={
+        "table": of_job(lambda wildcards: f"{TABLES}/{source_of(wildcards.table)}.csv")
+    },
     outputs={"latex": f"{TABLES}/{{table}}.tex"},
 )
 
 
 rule tables:
     input:
-        expand(
-            f"{TABLES}/{{table}}.{{suffix}}",
-            table=campaign.table_names,
-            suffix=["csv", "tex"],
-        ),
-        rules.probabilities.input,
+        # what they are made from is asked for, too (see the Snakefile)
+        of_cases("calibration.json"),
+        [
+            f"{RESULTS}/{case}/tables/{table}.csv"
+            for table, cases in cases_of_tables(campaign).items()
+            for case in cases
+        ],
+        expand(f"{TABLES}/{{table}}.csv", table=table_names(campaign)),
+        expand(f"{TABLES}/{{table}}.tex", table=latex_names(campaign)),
     localrule: True
 
 
@@ -184,5 +210,5 @@ rule forecasters:
         of_forecasters("horizon.nc"),
         of_forecasters("long_term.nc", campaign.long_term_forecasters),
         of_forecasters("lyapunov_spectrum.nc", campaign.spectrum_forecasters),
-        of_control("flows.nc", campaign.strategy_runs),
+        of_forecasters("flows.nc", campaign.strategy_runs),
     localrule: True

@@ -36,9 +36,6 @@ from burstcast.control.timing import DecisionTiming
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate, integrate_switched
 
-FLOWS_PER_BATCH = 1024
-"""Flows that advance side by side: bounds the memory, changes no result."""
-
 
 @dataclass(frozen=True)
 class Decisions:
@@ -124,7 +121,7 @@ def run_decided_flows(
     """
     check_given(system, actuated_system, washouts, timing, noise)
     batches = []
-    for rows in flow_batches(len(washouts), FLOWS_PER_BATCH):
+    for rows in flow_batches(len(washouts)):
         uncontrolled_states = uncontrolled_flows(system, washouts[rows], timing)
         uncontrolled = observable_of(system, uncontrolled_states)
         given = len(rows)

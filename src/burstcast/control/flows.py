@@ -31,9 +31,6 @@ from burstcast.forecast.windows import crosses_in_window
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate_switched
 
-FLOWS_PER_BATCH = 1024
-"""Flows that advance side by side: bounds the memory, changes no result."""
-
 
 @dataclass(frozen=True)
 class Forecasts:
@@ -152,7 +149,7 @@ def run_controlled_flows(
             keep_states,
             rows,
         )
-        for rows in flow_batches(len(washouts), FLOWS_PER_BATCH)
+        for rows in flow_batches(len(washouts))
     ]
     return _concatenate(batches)
 

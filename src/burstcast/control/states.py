@@ -49,8 +49,13 @@ def quiet_flows(uncontrolled: FloatArray, timing: Clock, threshold: float) -> Bo
     return np.asarray((uncontrolled[:, : timing.counted_from + 1] < threshold).all(axis=1))
 
 
-def flow_batches(flows: int, most: int) -> list[IntArray]:
+FLOWS_PER_BATCH = 1024
+"""Flows that advance side by side: bounds the memory, changes no result."""
+
+
+def flow_batches(flows: int) -> list[IntArray]:
     """Rows of the batches that flows are followed in; no flows at all are one empty batch."""
+    most = FLOWS_PER_BATCH
     return [np.arange(start, min(start + most, flows)) for start in range(0, max(flows, 1), most)]
 
 

@@ -1,8 +1,9 @@
 """Density of the observable with and without control, at each Reynolds number."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
@@ -37,6 +38,8 @@ class ControlledDensity:
         Density without control, ``(bins,)``.
     controlled
         Density with control by prediction time in Lyapunov times, ``(bins,)`` each.
+    bands
+        Quartiles over networks of those densities, ``(2, bins)`` each.
     """
 
     title: str
@@ -44,6 +47,7 @@ class ControlledDensity:
     threshold: float
     uncontrolled: FloatArray
     controlled: Mapping[float, FloatArray]
+    bands: Mapping[float, FloatArray] = field(default_factory=dict)
 
 
 @styled
@@ -77,6 +81,8 @@ def control_density(
     ]
     if not positive:
         raise ValueError("no density is positive anywhere")
+    # where no axis reaches: a density of zero has no logarithm
+    lowest = 0.5 * min(positive)
     columns = min(2, len(cases))
     rows = (len(cases) + columns - 1) // columns
     figure = new_figure(DOUBLE_COLUMN if columns == 2 else SINGLE_COLUMN, 1.75 * rows + 0.5)
@@ -93,6 +99,16 @@ def control_density(
             linewidth=TRUTH["linewidth"],
             label="without control",
         )
+        for time, (low, high) in sorted(case.bands.items()):
+            panel.stairs(
+                high,
+                case.bin_edges,
+                baseline=np.maximum(low, lowest),
+                fill=True,
+                color=colours[times.index(time) % len(colours)],
+                alpha=0.2,
+                linewidth=0,
+            )
         for time, density in sorted(case.controlled.items()):
             panel.stairs(
                 density,

@@ -6,20 +6,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from burstcast.figures.parts.percentile_curves import (
-    NEURONS_LABEL,
-    draw_percentiles,
-    require_single_case,
-    select,
-)
-from burstcast.figures.parts.reference_forecasters import draw_references
+from burstcast.figures.parts.data_and_networks import draw_by_size, two_panels
+from burstcast.figures.parts.percentile_curves import draw_percentiles, select
 from burstcast.figures.parts.style import (
-    DOUBLE_COLUMN,
     GREY,
     TRUTH,
-    legend_above,
-    letter_panels,
-    new_figure,
     ordered_validations,
     styled,
     validation_style,
@@ -59,15 +50,12 @@ def lyapunov_spectrum(
     ValueError
         If a table of percentiles holds several cases.
     """
-    require_single_case(exponents)
-    require_single_case(dimensions)
-    figure = new_figure(DOUBLE_COLUMN, 2.6)
-    left, right = figure.subplots(1, 2)
-    _draw_exponents(left, data_exponents, exponents, neurons)
-    _draw_dimensions(right, data_dimension.iloc[0], dimensions)
-    legend_above(figure, [left, right])
-    letter_panels([left, right])
-    return figure
+    return two_panels(
+        lambda axes: _draw_exponents(axes, data_exponents, exponents, neurons),
+        lambda axes: _draw_dimensions(axes, data_dimension.iloc[0], dimensions),
+        exponents,
+        dimensions,
+    )
 
 
 def _draw_exponents(axes: Axes, data: pd.DataFrame, exponents: pd.DataFrame, neurons: int) -> None:
@@ -118,21 +106,6 @@ def _draw_exponents(axes: Axes, data: pd.DataFrame, exponents: pd.DataFrame, neu
 
 
 def _draw_dimensions(axes: Axes, data: "pd.Series[float]", dimensions: pd.DataFrame) -> None:
-    axes.axhspan(
-        data["kaplan_yorke_dimension_low"],
-        data["kaplan_yorke_dimension_high"],
-        color=TRUTH["color"],
-        alpha=0.15,
-        linewidth=0,
-    )
-    axes.axhline(data["kaplan_yorke_dimension"], **TRUTH)
-    networks = select(dimensions, forecaster="esn", metric="kaplan_yorke_dimension")
-    for validation in ordered_validations(networks["validation"].dropna()):
-        rows = select(networks, validation=validation)
-        style = validation_style(validation)
-        draw_percentiles(axes, rows, "neurons", style, label=f"ESN, {validation}")
-    draw_references(axes, dimensions, "kaplan_yorke_dimension", None, leave_out=["data"])
-    axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
-    axes.margins(x=0.1, y=0.15)
-    axes.set_xlabel(NEURONS_LABEL)
+    draw_by_size(axes, data, dimensions, "kaplan_yorke_dimension")
+    axes.margins(y=0.15)
     axes.set_ylabel("Kaplan\u2013Yorke dimension")

@@ -42,10 +42,10 @@ def midplane_mean_square(
         panel.set_xlabel("$x$")
     panels[0].set_ylabel("$z$")
     bar = figure.colorbar(mean, ax=panels[0], aspect=22, location="top")
-    bar.set_label(r"$\overline{u^2}_{\mathrm{True}}$", labelpad=5)
+    bar.set_label(r"$\overline{u^2}_{\mathrm{True}}$ [$U_0^2$]", labelpad=5)
     bar = figure.colorbar(mesh, ax=list(panels[1:]), aspect=46, location="top")
     bar.set_label(
-        r"$|\overline{u^2} - \overline{u^2}_{\mathrm{True}}|$: "
+        r"$|\overline{u^2} - \overline{u^2}_{\mathrm{True}}|$ [$U_0^2$]: "
         f"(b) {network_label}, (c) training set",
         labelpad=5,
     )

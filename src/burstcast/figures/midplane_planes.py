@@ -61,9 +61,13 @@ def midplane_planes(
     differences = forecast_planes - true_planes
     velocity = symmetric_norm([true_planes, forecast_planes])
     rows = (
-        (true_planes, velocity, r"$u_{\mathrm{True}}$"),
-        (forecast_planes, velocity, r"$u_{\mathrm{ESN}}$"),
-        (differences, symmetric_norm([differences]), r"$u_{\mathrm{ESN}} - u_{\mathrm{True}}$"),
+        (true_planes, velocity, r"$u_{\mathrm{True}}$ [$U_0$]"),
+        (forecast_planes, velocity, r"$u_{\mathrm{ESN}}$ [$U_0$]"),
+        (
+            differences,
+            symmetric_norm([differences]),
+            r"$u_{\mathrm{ESN}} - u_{\mathrm{True}}$ [$U_0$]",
+        ),
     )
     panels = bottom.subplots(3, len(plane_times_lt), squeeze=False)
     for row, (planes, norm, label) in enumerate(rows):

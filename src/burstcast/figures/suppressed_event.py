@@ -76,5 +76,5 @@ def suppressed_event(
             mesh = draw_plane(panels[row, column], x, z, plane, norm, "RdBu_r")
         panels[row, 0].set_ylabel(f"{label}\n$z$")
     label_planes(panels)
-    add_row_bar(figure, mesh, list(panels.flat), "$u$", ticks=5)
+    add_row_bar(figure, mesh, list(panels.flat), "$u$ [$U_0$]", ticks=5)
     return figure

@@ -7,23 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, StrMethodFormatter
 
-from burstcast.figures.parts.percentile_curves import (
-    NEURONS_LABEL,
-    draw_percentiles,
-    require_single_case,
-    select,
-)
+from burstcast.figures.parts.data_and_networks import draw_by_size, two_panels
+from burstcast.figures.parts.percentile_curves import draw_percentiles, select
 from burstcast.figures.parts.reference_forecasters import draw_references
-from burstcast.figures.parts.style import (
-    DOUBLE_COLUMN,
-    TRUTH,
-    legend_above,
-    letter_panels,
-    new_figure,
-    ordered_validations,
-    styled,
-    validation_style,
-)
+from burstcast.figures.parts.style import TRUTH, ordered_validations, styled, validation_style
 
 
 @styled
@@ -55,15 +42,12 @@ def survival(
     ValueError
         If a table of percentiles holds several cases.
     """
-    require_single_case(curves)
-    require_single_case(rates)
-    figure = new_figure(DOUBLE_COLUMN, 2.6)
-    left, right = figure.subplots(1, 2)
-    _draw_curves(left, data_curve, curves, neurons)
-    _draw_rates(right, data_rate.iloc[0], rates)
-    legend_above(figure, [left, right])
-    letter_panels([left, right])
-    return figure
+    return two_panels(
+        lambda axes: _draw_curves(axes, data_curve, curves, neurons),
+        lambda axes: _draw_rates(axes, data_rate.iloc[0], rates),
+        curves,
+        rates,
+    )
 
 
 def _draw_curves(axes: Axes, data: pd.DataFrame, curves: pd.DataFrame, neurons: int) -> None:
@@ -95,23 +79,8 @@ def _draw_rates(axes: Axes, data: "pd.Series[float]", rates: pd.DataFrame) -> No
     largest = max(float(data["escape_rate_high"]), float(networks["p75"].max()))
     power = math.floor(math.log10(largest))
     scaled = rates.assign(**{name: rates[name] / 10.0**power for name in ("p25", "p50", "p75")})
-    axes.axhspan(
-        data["escape_rate_low"] / 10.0**power,
-        data["escape_rate_high"] / 10.0**power,
-        color=TRUTH["color"],
-        alpha=0.15,
-        linewidth=0,
-    )
-    axes.axhline(data["escape_rate"] / 10.0**power, **TRUTH)
-    for validation in ordered_validations(networks["validation"].dropna()):
-        rows = select(scaled, forecaster="esn", metric="escape_rate", validation=validation)
-        draw_percentiles(
-            axes, rows, "neurons", validation_style(validation), label=f"ESN, {validation}"
-        )
-    draw_references(axes, scaled, "escape_rate", None, leave_out=["data"])
+    names = ["escape_rate", "escape_rate_low", "escape_rate_high"]
+    draw_by_size(axes, data[names] / 10.0**power, scaled, "escape_rate")
     axes.set_ylim(bottom=0)
-    axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
-    axes.margins(x=0.1)
-    axes.set_xlabel(NEURONS_LABEL)
     unit = rf"$10^{{{power}}}$ per time unit" if power else "per time unit"
     axes.set_ylabel(f"Escape rate [{unit}]")

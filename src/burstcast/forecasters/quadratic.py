@@ -5,38 +5,30 @@ from the noisy training series (`burstcast.polynomials.regression`).
 """
 
 from dataclasses import dataclass
-from typing import Self
-
-import numpy as np
+from typing import ClassVar, Self
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.integrated_forecaster import IntegratedForecaster
 from burstcast.observation_noise import observation_noise
 from burstcast.polynomials.regression import polynomial_coefficients
 from burstcast.polynomials.system import PolynomialSystem
-from burstcast.systems.integration import integrate
-from burstcast.systems.lyapunov import with_perturbations
 
 
 @dataclass(frozen=True)
-class QuadraticModel(Forecaster):
+class QuadraticModel(IntegratedForecaster):
     """Integrates learnt equations from the last state of the washout.
 
     Attributes
     ----------
     coefficients
         Of the equations, ``(monomials, dimension)``, in inverse time units.
-    system
-        The equations.
-    time_step, sampling_stride
-        Of the integration: time units, and integration steps in a step of the forecast.
     """
 
+    may_diverge: ClassVar[bool] = True
+
     coefficients: FloatArray
-    system: PolynomialSystem
-    time_step: float
-    sampling_stride: int
 
     @classmethod
     def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
@@ -73,28 +65,4 @@ class QuadraticModel(Forecaster):
         """Make the equations from their coefficients."""
         coefficients = record.arrays["coefficients"]
         system = PolynomialSystem(coefficients, case.options["degree"], case.system)
-        return cls(coefficients, system, case.time_step, case.sampling_stride)
-
-    def start(self, washout: FloatArray) -> FloatArray:
-        """Last state of the washout, ``(dimension, batch)``."""
-        return np.ascontiguousarray(washout[-1])
-
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-        """Integrate the equations (see `Forecaster.advance`)."""
-        samples = integrate(
-            self.system,
-            memory,
-            self.time_step,
-            steps * self.sampling_stride,
-            stride=self.sampling_stride,
-            may_diverge=True,
-        )
-        return samples[1:], samples[-1]
-
-    def advance_tangent(
-        self, memory: FloatArray, tangent: FloatArray, steps: int
-    ) -> tuple[FloatArray, FloatArray]:
-        """Integrate the linearised equations, too (see `Forecaster.advance_tangent`)."""
-        return with_perturbations(
-            self.system, memory, tangent, self.time_step, steps * self.sampling_stride
-        )
+        return cls(system, case.time_step, case.sampling_stride, coefficients)

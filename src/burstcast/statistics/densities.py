@@ -145,6 +145,23 @@ def mean_density(histograms: Sequence[Histogram]) -> FloatArray:
     return mean
 
 
+def density_quartiles(histograms: Sequence[Histogram]) -> FloatArray:
+    """First and third quartile of the densities of several histograms, bin by bin, ``(2, bins)``.
+
+    Histograms are left out as in `mean_density`.
+
+    Raises
+    ------
+    ValueError
+        If there is no histogram or the bins differ.
+    """
+    if not np.isfinite(mean := mean_density(histograms)).all():
+        return np.stack([mean, mean])
+    filled = [histogram.density for histogram in histograms if histogram.inside]
+    quartiles: FloatArray = np.percentile(filled, [25.0, 75.0], axis=0)
+    return quartiles
+
+
 def kantorovich_metric(first: Histogram, second: Histogram) -> float:
     """Integral of the absolute difference of two cumulative distributions (paper, section 6).
 

@@ -40,6 +40,7 @@ from burstcast_workflow.harness.storage import read_json, remove_partial
 from burstcast_workflow.harness.thresholds import INPUT, with_thresholds
 
 logger = logging.getLogger(__name__)
+_told = logger.getChild("told")
 
 Provenance = dict[str, str]
 
@@ -77,6 +78,9 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
             force=True,
         )
         logging.captureWarnings(True)
+        aloud = logging.StreamHandler(stderr)
+        aloud.setFormatter(logging.Formatter(f"{label}: %(message)s"))
+        _told.addHandler(aloud)
         try:
             _run(snakemake, function, label)
             logger.info("%s is done: %s", label, _cost(start))
@@ -86,6 +90,11 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
             traceback.print_exc()
             logger.error("%s failed: %s", label, _cost(start))
             raise SystemExit(1) from None
+
+
+def tell(message: str) -> None:
+    """Say something to the person who runs the workflow, while it runs: it is in the log, too."""
+    _told.warning(message)
 
 
 def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:

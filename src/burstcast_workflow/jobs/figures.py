@@ -1,26 +1,21 @@
 """What figures of percentiles take from their tables."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable
 
 import pandas as pd
 
 from burstcast.published import published_percentiles
 from burstcast_workflow.harness.tables import read_table
 
-Settings = Mapping[str, Any]
+
+def of_cases(tables: Iterable[str]) -> pd.DataFrame:
+    """The rows of the tables of several cases."""
+    return pd.concat(map(read_table, tables), ignore_index=True)
 
 
-def of_case(settings: Settings, percentiles: str) -> pd.DataFrame:
-    """Rows of a table that belong to the case that a figure shows."""
-    table = read_table(percentiles)
-    shown: pd.DataFrame = table.loc[table["case"] == settings["shown_case"]]
-    return shown
-
-
-def of_data(settings: Settings, table: str) -> pd.DataFrame:
-    """Rows of a table that belong to the data of the case that a figure shows."""
-    rows = of_case(settings, table)
+def of_data(table: str) -> pd.DataFrame:
+    """Rows of a case's table that belong to the data."""
+    rows = read_table(table)
     data: pd.DataFrame = rows.loc[rows["forecaster"] == "data"]
     return data
 

@@ -67,11 +67,6 @@ def gathered(records: Sequence[Record], paths: Iterable[str | Path]) -> list[tup
     return [(record, str(found[key])) for key, record in wanted.items()]
 
 
-def files_of_cases(records: Sequence[Record], paths: Iterable[str | Path]) -> dict[str, str]:
-    """Files of `gathered` by the name of their case."""
-    return {record["identity"]["case"]: path for record, path in gathered(records, paths)}
-
-
 def _by_identity(
     items: Iterable[tuple[Record, Any]], names: Sequence[str], verb: str
 ) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
 from burstcast.resampling import bootstrap_weights
 from burstcast_workflow.harness.storage import read_json, read_netcdf
-from burstcast_workflow.jobs.gather import files_of_cases, gathered
+from burstcast_workflow.jobs.gather import gathered
 
 Settings = Mapping[str, Any]
 Record = Mapping[str, Any]
@@ -208,48 +208,36 @@ class CaseProbabilities:
         )
 
 
-def cases_with_probabilities(
+def case_probabilities(
     settings: Settings,
     forecasts: Sequence[str],
     member_forecasts: Sequence[str],
-    evaluation_sets: Sequence[str],
-    calibrations: Sequence[str],
-) -> Iterator[CaseProbabilities]:
-    """Read case by case what tables of probabilities are made from.
+    evaluation_set: str,
+    calibration: str,
+) -> CaseProbabilities:
+    """Read what a case's tables of probabilities are made from.
 
     Parameters
     ----------
     settings
-        With ``rows`` of the forecasters, ``ensemble_rows`` of those that tell an ensemble,
-        ``cases`` and ``alarms``.
-    forecasts, member_forecasts, evaluation_sets, calibrations
-        Inputs of the job, in any order.
+        Of the job, with ``rows`` of the forecasters, ``ensemble_rows`` of those that tell an
+        ensemble, and ``alarms``.
+    forecasts, member_forecasts, evaluation_set, calibration
+        Inputs of the job.
     """
-    paths = gathered(settings["rows"], forecasts)
-    member_paths = gathered(settings["ensemble_rows"], member_forecasts)
-    sets = files_of_cases(settings["cases"], evaluation_sets)
-    chosen = files_of_cases(settings["cases"], calibrations)
-    for record in settings["cases"]:
-        case = record["identity"]["case"]
-        calibration = read_json(chosen[case])
-        yield CaseProbabilities(
-            case=case,
-            event_threshold=record["settings"]["case.event_threshold"],
-            steps_per_lyapunov_time=calibration["steps_per_lyapunov_time"],
-            points=forecast_points(
-                settings, sets[case], _of_case(paths, case), _of_case(member_paths, case)
-            ),
-            rules=calibration["alarms"],
-            alarms=[alarm for alarm in settings["alarms"] if alarm["case"] == case],
-            random_seed=settings["random_seed"],
-            resamples=settings["bootstrap.resamples"],
-        )
-
-
-def _of_case(paths: Sequence[tuple[Record, str]], case: str) -> dict[str, str]:
-    """Files of a case by the identifier of the forecaster."""
-    return {
-        one["identity"]["forecaster"]: path
-        for one, path in paths
-        if one["identity"]["case"] == case
-    }
+    chosen = read_json(calibration)
+    return CaseProbabilities(
+        case=settings["case"],
+        event_threshold=settings["case.event_threshold"],
+        steps_per_lyapunov_time=chosen["steps_per_lyapunov_time"],
+        points=forecast_points(
+            settings,
+            evaluation_set,
+            forecasters_of(settings["rows"], forecasts),
+            forecasters_of(settings["ensemble_rows"], member_forecasts),
+        ),
+        rules=chosen["alarms"],
+        alarms=settings["alarms"],
+        random_seed=settings["random_seed"],
+        resamples=settings["bootstrap.resamples"],
+    )

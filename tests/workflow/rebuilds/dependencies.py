@@ -2,7 +2,8 @@
 
 Nothing here comes from the workflow's own code. ``case.x`` stands for the setting x of a case,
 wherever the config says it. Jobs of one rule that depend on different things are told apart, as
-``rule/what``: those of forecasters by the kind that forecasts, percentiles and LaTeX by the table.
+``rule/what``: those of forecasters by the kind that forecasts, percentiles, rows of all cases
+and LaTeX by the table.
 """
 
 from fnmatch import fnmatchcase
@@ -77,6 +78,9 @@ READS = {
         statistics.duration bootstrap.confidence""",
     "lyapunov_spectrum_table": "random_seed bootstrap.*",
     "control_table": "",
+    "control_density_table": "",
+    "warnings_table": """case.event_threshold case.training.series case.training.noise
+        horizon.events search.spectral_radius search.input_scaling search.tikhonov""",
     # the columns of the strategies' settings are in its rows
     "control_strategies_table": """random_seed bootstrap.* case.training.noise
         control.window_lt control.span_lt""",
@@ -141,6 +145,9 @@ COMES_FROM = {
     "survival_table": "simulate long_term/esn",
     "lyapunov_spectrum_table": "lyapunov lyapunov_spectrum/esn",
     "control_table": "control/esn control/equations control_random/esn",
+    "control_density_table": "control/esn control/equations control_random/esn",
+    "warnings_table": """simulate events reference_statistics dataset_table classification_table
+        hyperparameters_table statistics_table""",
     "control_strategies_table": """control/esn control/equations control_random/esn
         control_without_forecast""",
     "dataset_table": "simulate events lyapunov",
@@ -173,30 +180,48 @@ COMES_FROM = {
     "percentiles/lyapunov_spectrum": "lyapunov_spectrum_table",
     "percentiles/kaplan_yorke": "lyapunov_spectrum_table",
     "percentiles/control": "control_table",
-    "latex/dataset": "dataset_table",
-    "latex/hyperparameters": "hyperparameters_table",
-    "latex/classification": "classification_table",
-    "latex/classification_intervals": "classification_table",
-    "latex/horizon": "horizon_table",
-    "latex/horizon_intervals": "horizon_table",
-    "latex/statistics": "statistics_table",
-    "latex/statistics_intervals": "statistics_table",
-    "latex/survival": "survival_table",
-    "latex/survival_curve": "survival_table",
-    "latex/lyapunov_spectrum": "lyapunov_spectrum_table",
-    "latex/kaplan_yorke": "lyapunov_spectrum_table",
-    "latex/control": "control_table",
-    "latex/control_strategies": "control_strategies_table",
     "latex/data_generation_parameters": "data_generation_parameters",
     "latex/network_hyperparameters": "network_hyperparameters",
+}
+
+# The rows of all cases, by table; of what is typeset, which table it is made of.
+_OF_CASES = {
+    "lyapunov_spectrum": "lyapunov_spectrum_table",
+    "kaplan_yorke": "lyapunov_spectrum_table",
+    "survival_curve": "survival_table",
+    "classification_intervals": "classification_table",
+    "horizon_intervals": "horizon_table",
+    "statistics_intervals": "statistics_table",
+    "probability_scores": "probability_scores",
+    "probability_differences": "probability_scores",
+    "reliability": "probability_diagrams",
+    "economic_value": "probability_diagrams",
+    "alarm_curves": "probability_diagrams",
+    "lead_times": "lead_times",
+    "threshold_sweep": "threshold_sweep",
     **{
-        f"latex/{name}_percentiles": f"percentiles/{name}"
+        name: f"{name}_table"
         for name in (
-            *("hyperparameters", "classification", "horizon", "statistics", "control"),
-            *("survival", "survival_curve", "lyapunov_spectrum", "kaplan_yorke"),
+            *("dataset", "hyperparameters", "classification", "horizon", "statistics"),
+            *("survival", "control", "control_density", "control_strategies", "warnings"),
         )
     },
 }
+_SUMMARISED = (
+    *("hyperparameters", "classification", "horizon", "statistics", "survival"),
+    *("survival_curve", "lyapunov_spectrum", "kaplan_yorke", "control"),
+)
+_TYPESET = {
+    **dict.fromkeys(("precision", "recall", "f_score"), "classification_percentiles"),
+    "brier_skill": "probability_scores",
+    "dataset": "dataset",
+    "control_strategies": "control_strategies",
+    **{name: f"{name}_percentiles" for name in _SUMMARISED if "curve" not in name},
+}
+del _TYPESET["classification"]
+COMES_FROM |= {f"all_cases/{name}": stage for name, stage in _OF_CASES.items()}
+COMES_FROM |= {f"all_cases/{name}_percentiles": f"percentiles/{name}" for name in _SUMMARISED}
+COMES_FROM |= {f"latex/{name}": f"all_cases/{source}" for name, source in _TYPESET.items()}
 
 ALL = {*READS, *COMES_FROM}
 

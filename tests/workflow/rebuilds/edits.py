@@ -18,7 +18,7 @@ OF_NETWORKS = {
     *OF_LONG_RUNS,
     "calibration_forecast/esn",
 }
-TABLES_OF_CONTROL = {"control_table", "control_strategies_table"}
+TABLES_OF_CONTROL = {"control_table", "control_density_table", "control_strategies_table"}
 OF_CONTROLLING_NETWORKS = {"control/esn", "control_random/esn", *TABLES_OF_CONTROL}
 TABLES_OF_FORECASTERS = {
     *("classification_table", "horizon_table", "calibrate", "probability_scores"),
@@ -30,7 +30,7 @@ TABLES = {
     *TABLES_OF_NETWORKS,
     *TABLES_OF_CONTROL,
     *TABLES_OF_LONG_RUNS,
-    *("dataset_table", "data_generation_parameters"),
+    *("dataset_table", "data_generation_parameters", "warnings_table"),
     "network_hyperparameters",
 }
 

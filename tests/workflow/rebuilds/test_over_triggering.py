@@ -276,23 +276,27 @@ def test_edits_that_run_nothing(project):
 # -- some run --------------------------------------------------------------------------------------
 
 # What has rows of every forecaster, and of those that control.
-GATHERED = """classification_table horizon_table
-    calibrate/* probability_scores probability_diagrams lead_times threshold_sweep
-    percentiles/classification percentiles/horizon
-    latex/classification latex/classification_* latex/horizon latex/horizon_*
+GATHERED = """classification_table/* horizon_table/* warnings_table/* all_cases/warnings
+    calibrate/* probability_scores/* probability_diagrams/* lead_times/* threshold_sweep/*
+    percentiles/*/classification percentiles/*/horizon all_cases/classification* all_cases/horizon*
+    all_cases/probability_* all_cases/reliability all_cases/economic_value all_cases/alarm_curves
+    all_cases/lead_times all_cases/threshold_sweep
+    latex/precision latex/recall latex/f_score latex/brier_skill latex/horizon
     figure/classification_scores figure/horizon_by_size
     figure/forecast_skill figure/reliability figure/economic_value figure/alarm_lead_times
     committee_event/* figure/committee_event"""
-GATHERED_CONTROL = """control_table control_density_table percentiles/control
-    control_strategies_table latex/control_strategies
-    latex/control latex/control_percentiles
+GATHERED_CONTROL = """control_table/* control_density_table/* percentiles/*/control
+    control_strategies_table/* all_cases/control* latex/control_strategies latex/control
     figure/control_tradeoff figure/control_density figure/control_frontier"""
-GATHERED_LONG_RUNS = """statistics_table percentiles/statistics latex/statistics*
-    survival_table percentiles/survival* latex/survival* figure/survival
-    lyapunov_spectrum_table percentiles/lyapunov_spectrum latex/lyapunov_spectrum*
-    percentiles/kaplan_yorke latex/kaplan_yorke* figure/lyapunov_spectrum"""
+GATHERED_LONG_RUNS = """statistics_table/* percentiles/*/statistics latex/statistics
+    survival_table/* percentiles/*/survival* latex/survival figure/survival
+    lyapunov_spectrum_table/* percentiles/*/lyapunov_spectrum latex/lyapunov_spectrum
+    percentiles/*/kaplan_yorke latex/kaplan_yorke figure/lyapunov_spectrum
+    all_cases/statistics* all_cases/survival* all_cases/lyapunov_spectrum* all_cases/kaplan_yorke*
+    warnings_table/* all_cases/warnings"""
 GATHERED_NETWORKS = f"""{GATHERED} {GATHERED_CONTROL}
-    hyperparameters_table percentiles/hyperparameters latex/hyperparameters*
+    hyperparameters_table/* percentiles/*/hyperparameters latex/hyperparameters
+    all_cases/hyperparameters*
     {GATHERED_LONG_RUNS}
     figure/long_term_density figure/profile_errors figure/midplane_mean_square"""
 OF_NETWORKS = """scan/* search/* train/* */esn-*
@@ -308,8 +312,8 @@ WITH_EFFECT = [
             "experiment.threshold - self.margin",
             "experiment.threshold - 2.0 * self.margin",
         ),
-        "control/*/receding_horizon-* control_strategies_table latex/control_strategies "
-        "figure/control_frontier",
+        "control/*/receding_horizon-* control_strategies_table/* all_cases/control_strategies "
+        "latex/control_strategies figure/control_frontier",
     ),
     (
         Edit(
@@ -324,7 +328,7 @@ WITH_EFFECT = [
         Edit(
             "caption of a LaTeX table",
             f"{WORKFLOW}/table_texts.py",
-            "Hyperparameters of each network.",
+            "Hyperparameters that the search chose.",
             "The hyperparameters that were found.",
         ),
         "latex/*",
@@ -378,7 +382,8 @@ WITH_EFFECT = [
             "np.linspace(-1.0, 1.0, points)",
             "np.linspace(-1, 1, points)",
         ),
-        """reference_statistics/* statistics_table percentiles/statistics latex/statistics*
+        """reference_statistics/* statistics_table/* percentiles/*/statistics latex/statistics
+        all_cases/statistics* warnings_table/* all_cases/warnings
         figure/long_term_density figure/profile_errors figure/midplane_* figure/suppressed_event
         figure/vorticity_isosurfaces""",
     ),

@@ -65,7 +65,7 @@ def test_results_without_a_record_are_made_again(project, finished):
 
 
 def test_damaged_and_exchanged_files_are_made_again(project, finished):
-    table = project.results / "tables" / "horizon.csv"
+    table = project.results / "Re400" / "tables" / "horizon.csv"
     state = table.stat()
     table.write_text(table.read_text().replace("0", "1", 1))
     os.utime(table, ns=(state.st_atime_ns, state.st_mtime_ns))
@@ -76,7 +76,7 @@ def test_damaged_and_exchanged_files_are_made_again(project, finished):
     jobs = project.dry_run("tables")
     assert (jobs["horizon_table"], jobs["train"]) == (1, 2)
     said = project.why("tables")
-    for name in ("tables/horizon.csv", *NETWORKS):
+    for name in ("Re400/tables/horizon.csv", *NETWORKS):
         assert f"{RESULTS}/{name} is not what its job wrote" in said
     repaired(project, finished)
 

@@ -233,6 +233,7 @@ class Laboratory:
         return trial
 
 
+OF_TABLES = ("percentiles", "all_cases", "latex")
 TABLE_SCRIPTS = {job.partition("/")[0] for job in ALL}
 _TOLD_APART = {job.partition("/")[0] for job in ALL if "/" in job}
 
@@ -242,7 +243,7 @@ def _job(log: str) -> str:
     rule, *parts = log.removesuffix(".log").split("/")
     if rule not in _TOLD_APART:
         return rule
-    return f"{rule}/{parts[0] if rule in ('percentiles', 'latex') else parts[1].partition('-')[0]}"
+    return f"{rule}/{parts[-1] if rule in OF_TABLES else parts[1].partition('-')[0]}"
 
 
 def _jobs_of(script: str) -> list[str]:
@@ -284,12 +285,11 @@ def summary(directory: Path) -> str:
     lines = [
         "# Trials of selective rebuilds",
         "",
-        "Every leaf of the config, module and script of the `tiny` preset was edited in turn, and "
-        "finished results were brought up to date",
-        "([selective_rebuilds.md](selective_rebuilds.md), how it is tested). *Jobs* ran again for "
-        "the tables; *figure jobs* would have. *Equal bits*: all tables",
-        "are those of a run from scratch, no job ran that should not have, none was left out, and "
-        "nothing was left to do.",
+        "Every leaf of the config, module and script of the `tiny` preset was edited in turn, and",
+        "finished results were brought up to date ([selective_rebuilds.md](selective_rebuilds.md),",
+        "how it is tested). *Jobs* ran again for the tables; *figure jobs* would have. *Equal",
+        "bits*: all tables are those of a run from scratch, no job ran that should not have, none",
+        "was left out, and nothing was left to do.",
         "",
         f"{len(trials)} edits, {failed} failed; {with_effect} of them changed tables.",
         "",

@@ -9,7 +9,8 @@ from burstcast.forecast.starting_points import (
     horizon_events,
     segments,
 )
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast.warning_signs import few_events
+from burstcast_workflow.harness.job import Provenance, run_job, tell
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import (
     Variable,
@@ -44,6 +45,8 @@ def events_of_case(
             f"event_threshold is {threshold}, but it must exceed the mean of the "
             f"observable over all data, {observable.mean():.4g}"
         )
+    for finding in few_events(1, 1, threshold, float(observable.max())):
+        tell(finding.text)
     crossings = crossing_points(observable, threshold)
     before = durations.steps(longest_lt, steps) + durations.steps(settings["washout_lt"], steps) - 1
     points = horizon_events(crossings, first, before, settings["horizon.events"])

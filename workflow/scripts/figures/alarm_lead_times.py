@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 from burstcast.figures.alarm_lead_times import alarm_lead_times
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case
+from burstcast_workflow.harness.tables import read_table
 
 
 def draw(*, lead_times: str, settings: Settings) -> Figure:
     """Draw the lead times of one case."""
     return alarm_lead_times(
-        of_case(settings, lead_times),
+        read_table(lead_times),
         settings["figures.fixed_neurons"],
         settings["shown_validation"],
     )

@@ -9,20 +9,17 @@ from burstcast.published import published_percentiles
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.figures import of_cases
 
 
 def draw(
-    *, horizon: str, classification: str, settings: Settings, published: str | None = None
+    *, horizons: list[str], scores: list[str], settings: Settings, published: str | None = None
 ) -> Figure:
     """Draw the networks of one size."""
-    horizons, scores = (
-        table[table["case"].isin(settings["shown_cases"])]
-        for table in map(read_table, (horizon, classification))
-    )
     values = None if published is None else read_table(published)
     return by_reynolds(
-        horizons,
-        scores,
+        of_cases(horizons),
+        of_cases(scores),
         settings["figures.fixed_neurons"],
         settings["figures.reynolds_prediction_times_lt"],
         published_horizon=None if values is None else published_percentiles(values, "horizon"),

@@ -7,12 +7,13 @@ from matplotlib.figure import Figure
 from burstcast.figures.classification_scores import classification_scores
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case, published_beside
+from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.figures import published_beside
 
 
 def draw(*, percentiles: str, settings: Settings, published: str | None = None) -> Figure:
     """Draw the scores of one case."""
-    table = of_case(settings, percentiles)
+    table = read_table(percentiles)
     return classification_scores(
         table,
         settings["figures.fixed_neurons"],

@@ -1,6 +1,7 @@
-"""Density of the observable with and without control, averaged over the networks of an ensemble.
-Both flows start from the same states and are compared over the same times. The table
-control_density.csv has these densities, and those without the time under actuation.
+"""Density of the observable with and without control: means (lines) and quartiles (bands) over the
+networks of an ensemble. Both flows start from the same states and are compared over the same
+times. The table control_density.csv has these densities, and those without the time under
+actuation.
 """
 
 import numpy as np
@@ -10,13 +11,13 @@ from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.figures import of_cases
 from burstcast_workflow.jobs.systems import system_of
 
 
-def draw(*, densities: str, settings: Settings) -> Figure:
+def draw(*, densities: list[str], settings: Settings) -> Figure:
     """Draw one panel for each case."""
-    table, system = read_table(densities), system_of(settings)
+    table, system = of_cases(densities), system_of(settings)
     panels = []
     for panel in settings["panels"]:
         case, kind = panel["identity"]["case"], panel["kind"]
@@ -44,6 +45,10 @@ def draw(*, densities: str, settings: Settings) -> Figure:
                 ),
                 controlled={
                     time: group["density_controlled"].to_numpy() for time, group in by_time.items()
+                },
+                bands={
+                    time: group[["density_controlled_p25", "density_controlled_p75"]].to_numpy().T
+                    for time, group in by_time.items()
                 },
             )
         )

@@ -14,13 +14,13 @@ from matplotlib.figure import Figure
 from burstcast.figures.control_frontier import control_frontier
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case
+from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.systems import system_of
 
 
 def draw(*, scores: str, settings: Settings) -> Figure:
     """Draw all strategies with one network, and the forecasters to compare it with."""
-    table = of_case(settings, scores)
+    table = read_table(scores)
     shown = ~table["forecaster"].isin(["esn", "random"])
     network = settings["frontier_network"]
     if network is not None:

@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 from burstcast.figures.control_tradeoff import control_tradeoff
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case
+from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.systems import system_of
 
 
 def draw(*, percentiles: str, settings: Settings) -> Figure:
     """Draw the networks of one kind, and the forecasters to compare them with."""
-    table = of_case(settings, percentiles)
+    table = read_table(percentiles)
     of_kind = (table["neurons"] == settings["controlling"]["neurons"]) & (
         table["validation"] == settings["controlling"]["validation"]
     )

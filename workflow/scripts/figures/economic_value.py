@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 from burstcast.figures.economic_value import economic_value
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case
+from burstcast_workflow.harness.tables import read_table
 
 
 def draw(*, values: str, settings: Settings) -> Figure:
     """Draw the values of one case."""
     return economic_value(
-        of_case(settings, values),
+        read_table(values),
         settings["figures.reynolds_prediction_times_lt"],
         settings["figures.fixed_neurons"],
         settings["shown_validation"],

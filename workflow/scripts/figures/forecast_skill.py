@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 from burstcast.figures.forecast_skill import forecast_skill
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case
+from burstcast_workflow.harness.tables import read_table
 
 
 def draw(*, scores: str, settings: Settings) -> Figure:
     """Draw the scores of one case."""
     return forecast_skill(
-        of_case(settings, scores),
+        read_table(scores),
         settings["figures.fixed_neurons"],
         settings["shown_validation"],
     )

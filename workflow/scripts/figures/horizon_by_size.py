@@ -8,17 +8,18 @@ from matplotlib.figure import Figure
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case, published_beside
+from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.figures import published_beside
 
 
 def draw(
     *, percentiles: str, intervals: str, settings: Settings, published: str | None = None
 ) -> Figure:
     """Draw the horizons of one case."""
-    table = of_case(settings, percentiles)
+    table = read_table(percentiles)
     return horizon_by_size(
         table,
-        of_case(settings, intervals),
+        read_table(intervals),
         published=published_beside(table, published, "horizon"),
     )
 

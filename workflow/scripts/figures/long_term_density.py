@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from burstcast.figures.long_term_density import long_term_density
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.best_network import best_of
-from burstcast_workflow.jobs.figures import of_case, published_beside
+from burstcast_workflow.jobs.figures import published_beside
 from burstcast_workflow.jobs.statistics_files import read_statistics
 from burstcast_workflow.jobs.systems import system_of
 
@@ -29,7 +30,7 @@ def draw(
 ) -> Figure:
     """Draw the data, the training set and the best network, and the measures of all networks."""
     true, trained, system = read_statistics(data), read_statistics(training), system_of(settings)
-    table = of_case(settings, percentiles)
+    table = read_table(percentiles)
     best = best_of(settings, true, long_term)
     return long_term_density(
         true.histogram.edges,
@@ -37,7 +38,7 @@ def draw(
         trained.histogram.density,
         None if best is None else best.statistics.histogram.density,
         table,
-        of_case(settings, intervals),
+        read_table(intervals),
         settings["case.event_threshold"],
         network_label="" if best is None else best.label,
         symbol=system.observable_symbol,

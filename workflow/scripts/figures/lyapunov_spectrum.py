@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from burstcast.figures.lyapunov_spectrum import lyapunov_spectrum
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case, of_data
+from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.figures import of_data
 
 
 def draw(
@@ -23,10 +24,10 @@ def draw(
 ) -> Figure:
     """Draw the exponents and dimensions of one case."""
     return lyapunov_spectrum(
-        of_data(settings, exponents),
-        of_case(settings, exponent_percentiles),
-        of_data(settings, dimensions),
-        of_case(settings, dimension_percentiles),
+        of_data(exponents),
+        read_table(exponent_percentiles),
+        of_data(dimensions),
+        read_table(dimension_percentiles),
         settings["figures.fixed_neurons"],
     )
 

@@ -15,8 +15,9 @@ from burstcast.statistics.profiles import flow_modes, velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.best_network import best_of
-from burstcast_workflow.jobs.figures import of_case, published_beside
+from burstcast_workflow.jobs.figures import published_beside
 from burstcast_workflow.jobs.statistics_files import read_statistics
 from burstcast_workflow.jobs.systems import system_of
 
@@ -42,7 +43,7 @@ def draw(
         return np.stack([found.u, found.uu, found.uv])
 
     true = read_statistics(data)
-    table = of_case(settings, percentiles)
+    table = read_table(percentiles)
     best = best_of(settings, true, long_term)
     return profile_errors(
         y,
@@ -50,7 +51,7 @@ def draw(
         profiles(read_statistics(training)),
         None if best is None else profiles(best.statistics),
         table,
-        of_case(settings, intervals),
+        read_table(intervals),
         network_label="" if best is None else best.label,
         published=published_beside(table, published, "statistics"),
     )

@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 from burstcast.figures.reliability import reliability
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case
+from burstcast_workflow.harness.tables import read_table
 
 
 def draw(*, bins: str, settings: Settings) -> Figure:
     """Draw the diagrams of one case."""
     return reliability(
-        of_case(settings, bins),
+        read_table(bins),
         settings["figures.reynolds_prediction_times_lt"],
         settings["figures.fixed_neurons"],
         settings["shown_validation"],

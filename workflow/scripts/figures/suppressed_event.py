@@ -2,6 +2,8 @@
 without control. t_1: start of the actuation (shaded), up to which both flows are the same; t_2:
 the event begins without control; t_3: its peak; t_4: its end. Of all events that the network
 predicts and control suppresses, the largest one is shown.
+Velocities are in units of U_0, that of the laminar flow halfway between centre and wall, lengths
+in half the distance of the walls.
 """
 
 from matplotlib.figure import Figure

@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from burstcast.figures.survival import survival
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_case, of_data
+from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.figures import of_data
 
 
 def draw(
@@ -18,10 +19,10 @@ def draw(
 ) -> Figure:
     """Draw the survival curves and escape rates of one case."""
     return survival(
-        of_data(settings, curves),
-        of_case(settings, curve_percentiles),
-        of_data(settings, rates),
-        of_case(settings, rate_percentiles),
+        of_data(curves),
+        read_table(curve_percentiles),
+        of_data(rates),
+        read_table(rate_percentiles),
         settings["figures.fixed_neurons"],
     )
 

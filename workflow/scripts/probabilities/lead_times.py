@@ -13,76 +13,67 @@ from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_rows
 from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.gather import files_of_cases
-from burstcast_workflow.jobs.probabilities import cases_with_probabilities
+from burstcast_workflow.jobs.probabilities import case_probabilities
 
 
 def measure_lead_times(
     *,
-    ensembles: list[str],
+    ensemble: str,
     forecasts: list[str],
     member_forecasts: list[str],
-    evaluation_sets: list[str],
-    calibrations: list[str],
+    evaluation_set: str,
+    calibration: str,
     table: str,
     settings: Settings,
 ) -> None:
     """Write how early events were warned of, and false alarms, with their intervals."""
     times = settings["classification.prediction_times_lt"]
     window_lt = settings["classification.window_lt"]
-    paths = files_of_cases(settings["cases"], ensembles)
-    training = {
-        record["identity"]["case"]: record["settings"]["case.training.series"]
-        for record in settings["cases"]
-    }
     rows: list[dict[str, Any]] = []
-    for case in cases_with_probabilities(
-        settings, forecasts, member_forecasts, evaluation_sets, calibrations
-    ):
-        points, series, steps = case.points, case.points.series, case.steps_per_lyapunov_time
-        first = training[case.case]
-        truth = read_rows(paths[case.case], "observable", first, first + series)
-        events = crossing_points(truth, case.event_threshold)
-        scored, rows_of_points = points.scored(case.event_threshold), points.data["series"]
-        windows = [
-            (durations.steps(time, steps), durations.steps(time + window_lt, steps))
-            for time in times
-        ]
-        weights = case.weights(0.0)  # the same for all prediction times, too
-        # how long each series was watched, in Lyapunov times
-        starts = np.bincount(rows_of_points[scored], minlength=series).astype(np.float64)
-        watched = starts * np.float64(settings["classification.start_spacing_lt"])
-        for alarm in case.alarms:
-            raised, false_alarms = [], []
-            for time in times:
-                rule = case.rule(alarm, time)
-                values = points.values(alarm, time, case.event_threshold)
-                raised.append(rule.calibration(values) >= rule.threshold)
-                happened = points.happened(time, case.event_threshold)
-                counts = count_by_series(raised[-1], happened, scored, rows_of_points)
-                false = counts.false_positive.astype(np.float64)
-                false_alarms.append(SeriesRatio("false_alarms_per_lt", time, false, watched))
-            found = lead_times(
-                np.stack(raised, axis=1),
-                windows,
-                SeriesPoints(rows_of_points, points.data["step"]),
-                scored,
-                events,
+    case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
+    points, series, steps = case.points, case.points.series, case.steps_per_lyapunov_time
+    first = settings["case.training.series"]
+    truth = read_rows(ensemble, "observable", first, first + series)
+    events = crossing_points(truth, case.event_threshold)
+    scored, rows_of_points = points.scored(case.event_threshold), points.data["series"]
+    windows = [
+        (durations.steps(time, steps), durations.steps(time + window_lt, steps)) for time in times
+    ]
+    weights = case.weights(0.0)  # the same for all prediction times, too
+    # how long each series was watched, in Lyapunov times
+    starts = np.bincount(rows_of_points[scored], minlength=series).astype(np.float64)
+    watched = starts * np.float64(settings["classification.start_spacing_lt"])
+    for alarm in case.alarms:
+        raised, false_alarms = [], []
+        for time in times:
+            rule = case.rule(alarm, time)
+            values = points.values(alarm, time, case.event_threshold)
+            raised.append(rule.calibration(values) >= rule.threshold)
+            happened = points.happened(time, case.event_threshold)
+            counts = count_by_series(raised[-1], happened, scored, rows_of_points)
+            false = counts.false_positive.astype(np.float64)
+            false_alarms.append(SeriesRatio("false_alarms_per_lt", time, false, watched))
+        found = lead_times(
+            np.stack(raised, axis=1),
+            windows,
+            SeriesPoints(rows_of_points, points.data["step"]),
+            scored,
+            events,
+        )
+        for score in [*lead_time_scores(found, series, times, steps), *false_alarms]:
+            value, low, high = ratio_with_interval(
+                score.numerator, score.denominator, weights, settings["bootstrap.confidence"]
             )
-            for score in [*lead_time_scores(found, series, times, steps), *false_alarms]:
-                value, low, high = ratio_with_interval(
-                    score.numerator, score.denominator, weights, settings["bootstrap.confidence"]
-                )
-                rows.append(
-                    {
-                        **alarm["keys"],
-                        "lead_time_lt": score.lead_time_lt,
-                        "metric": score.metric,
-                        "value": value,
-                        "low": low,
-                        "high": high,
-                    }
-                )
+            rows.append(
+                {
+                    **alarm["keys"],
+                    "lead_time_lt": score.lead_time_lt,
+                    "metric": score.metric,
+                    "value": value,
+                    "low": low,
+                    "high": high,
+                }
+            )
     write_table(table, keyed_table(rows))
 
 

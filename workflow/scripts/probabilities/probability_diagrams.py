@@ -9,15 +9,15 @@ from burstcast.resampling import percentile_interval
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.probabilities import cases_with_probabilities
+from burstcast_workflow.jobs.probabilities import case_probabilities
 
 
 def draw_up_diagrams(
     *,
     forecasts: list[str],
     member_forecasts: list[str],
-    evaluation_sets: list[str],
-    calibrations: list[str],
+    evaluation_set: str,
+    calibration: str,
     reliability: str,
     value: str,
     curves: str,
@@ -28,60 +28,56 @@ def draw_up_diagrams(
     bins: list[dict[str, Any]] = []
     ratios: list[dict[str, Any]] = []
     points: list[dict[str, Any]] = []
-    for case in cases_with_probabilities(
-        settings, forecasts, member_forecasts, evaluation_sets, calibrations
-    ):
-        for time in settings["classification.prediction_times_lt"]:
-            weights = case.weights(time)
-            for alarm in case.alarms:
-                if not alarm["compared"]:
-                    continue
-                for probability, outcomes, _ in case.probabilities(alarm, time):
-                    keys = {**alarm["keys"], "probability": probability, "prediction_time_lt": time}
-                    diagram = reliability_diagram(
-                        outcomes,
-                        settings["probability.bins"],
-                        weights,
-                        confidence,
-                        case.stream("reliability", time, alarm["alarm"], probability),
+    case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
+    for time in settings["classification.prediction_times_lt"]:
+        weights = case.weights(time)
+        for alarm in case.alarms:
+            if not alarm["compared"]:
+                continue
+            for probability, outcomes, _ in case.probabilities(alarm, time):
+                keys = {**alarm["keys"], "probability": probability, "prediction_time_lt": time}
+                diagram = reliability_diagram(
+                    outcomes,
+                    settings["probability.bins"],
+                    weights,
+                    confidence,
+                    case.stream("reliability", time, alarm["alarm"], probability),
+                )
+                bins += [
+                    {
+                        **keys,
+                        "bin": number,
+                        "forecasts": int(diagram.whole.points[number]),
+                        "mean_probability": diagram.whole.mean_probability[number],
+                        "observed_frequency": diagram.whole.frequency[number],
+                        "consistency_low": diagram.low[number],
+                        "consistency_high": diagram.high[number],
+                    }
+                    for number in range(settings["probability.bins"])
+                ]
+                whole, resampled = outcomes.total(), outcomes.resampled(weights)
+                for ratio in settings["probability.cost_loss_ratios"]:
+                    low, high = percentile_interval(economic_value(resampled, ratio), confidence)
+                    saved = float(economic_value(whole, ratio))
+                    row = {**keys, "cost_loss_ratio": ratio}
+                    ratios.append({**row, "value": saved, "low": low, "high": high})
+                counts = counts_at_all_levels(whole)
+                points += [
+                    {
+                        **keys,
+                        "threshold": float(level),
+                        "false_alarm_rate": float(rate),
+                        "recall": float(recall),
+                        "precision": float(precision),
+                    }
+                    for level, rate, recall, precision in zip(
+                        whole.levels[::-1],
+                        false_alarm_rate(counts),
+                        counts.recall,
+                        counts.precision,
+                        strict=True,
                     )
-                    bins += [
-                        {
-                            **keys,
-                            "bin": number,
-                            "forecasts": int(diagram.whole.points[number]),
-                            "mean_probability": diagram.whole.mean_probability[number],
-                            "observed_frequency": diagram.whole.frequency[number],
-                            "consistency_low": diagram.low[number],
-                            "consistency_high": diagram.high[number],
-                        }
-                        for number in range(settings["probability.bins"])
-                    ]
-                    whole, resampled = outcomes.total(), outcomes.resampled(weights)
-                    for ratio in settings["probability.cost_loss_ratios"]:
-                        low, high = percentile_interval(
-                            economic_value(resampled, ratio), confidence
-                        )
-                        saved = float(economic_value(whole, ratio))
-                        row = {**keys, "cost_loss_ratio": ratio}
-                        ratios.append({**row, "value": saved, "low": low, "high": high})
-                    counts = counts_at_all_levels(whole)
-                    points += [
-                        {
-                            **keys,
-                            "threshold": float(level),
-                            "false_alarm_rate": float(rate),
-                            "recall": float(recall),
-                            "precision": float(precision),
-                        }
-                        for level, rate, recall, precision in zip(
-                            whole.levels[::-1],
-                            false_alarm_rate(counts),
-                            counts.recall,
-                            counts.precision,
-                            strict=True,
-                        )
-                    ]
+                ]
     write_table(reliability, keyed_table(bins))
     write_table(value, keyed_table(ratios))
     write_table(curves, keyed_table(points))

@@ -14,7 +14,7 @@ from burstcast_workflow.harness.tables import keyed_table, write_table
 from burstcast_workflow.jobs.probabilities import (
     CALIBRATED,
     CaseProbabilities,
-    cases_with_probabilities,
+    case_probabilities,
 )
 
 COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
@@ -27,8 +27,8 @@ def score_probabilities(
     *,
     forecasts: list[str],
     member_forecasts: list[str],
-    evaluation_sets: list[str],
-    calibrations: list[str],
+    evaluation_set: str,
+    calibration: str,
     table: str,
     differences: str,
     settings: Settings,
@@ -37,41 +37,39 @@ def score_probabilities(
     bins, confidence = settings["probability.bins"], settings["bootstrap.confidence"]
     rows: list[dict[str, Any]] = []
     pairs: list[dict[str, Any]] = []
-    for case in cases_with_probabilities(
-        settings, forecasts, member_forecasts, evaluation_sets, calibrations
-    ):
-        for time in settings["classification.prediction_times_lt"]:
-            weights = case.weights(time)
-            calibrated: dict[str, Scores] = {}
-            for alarm in case.alarms:
-                for probability, outcomes, threshold in case.probabilities(alarm, time):
-                    values = probability_scores(outcomes.total(), threshold, bins)
-                    samples = probability_scores(outcomes.resampled(weights), threshold, bins)
-                    scores = {metric: (values[metric], samples[metric]) for metric in values}
-                    if probability == CALIBRATED:
-                        calibrated[alarm["alarm"]] = scores
-                    keys = {**alarm["keys"], "probability": probability, "prediction_time_lt": time}
-                    rows.append({**keys, "metric": "alarm_threshold", "value": threshold})
-                    rows += [
-                        {**keys, "metric": metric, **_with_interval(value, sample, confidence)}
-                        for metric, (value, sample) in scores.items()
-                    ]
-            for (one, scores), (other, others) in combinations(_compared(case, calibrated), 2):
-                pairs += [
-                    {
-                        "case": case.case,
-                        "alarm": one,
-                        "other": other,
-                        "prediction_time_lt": time,
-                        "metric": metric,
-                        **_with_interval(
-                            scores[metric][0] - others[metric][0],
-                            scores[metric][1] - others[metric][1],
-                            confidence,
-                        ),
-                    }
-                    for metric in COMPARED_METRICS
+    case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
+    for time in settings["classification.prediction_times_lt"]:
+        weights = case.weights(time)
+        calibrated: dict[str, Scores] = {}
+        for alarm in case.alarms:
+            for probability, outcomes, threshold in case.probabilities(alarm, time):
+                values = probability_scores(outcomes.total(), threshold, bins)
+                samples = probability_scores(outcomes.resampled(weights), threshold, bins)
+                scores = {metric: (values[metric], samples[metric]) for metric in values}
+                if probability == CALIBRATED:
+                    calibrated[alarm["alarm"]] = scores
+                keys = {**alarm["keys"], "probability": probability, "prediction_time_lt": time}
+                rows.append({**keys, "metric": "alarm_threshold", "value": threshold})
+                rows += [
+                    {**keys, "metric": metric, **_with_interval(value, sample, confidence)}
+                    for metric, (value, sample) in scores.items()
                 ]
+        for (one, scores), (other, others) in combinations(_compared(case, calibrated), 2):
+            pairs += [
+                {
+                    "case": case.case,
+                    "alarm": one,
+                    "other": other,
+                    "prediction_time_lt": time,
+                    "metric": metric,
+                    **_with_interval(
+                        scores[metric][0] - others[metric][0],
+                        scores[metric][1] - others[metric][1],
+                        confidence,
+                    ),
+                }
+                for metric in COMPARED_METRICS
+            ]
     write_table(table, keyed_table(rows))
     write_table(differences, keyed_table(pairs))
 

@@ -7,7 +7,7 @@ from burstcast.resampling import percentile_interval
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.probabilities import CALIBRATED, cases_with_probabilities
+from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities
 
 METRICS = ("base_rate", "brier_skill", "average_precision", "f_score")
 
@@ -16,43 +16,41 @@ def sweep_threshold(
     *,
     forecasts: list[str],
     member_forecasts: list[str],
-    evaluation_sets: list[str],
-    calibrations: list[str],
+    evaluation_set: str,
+    calibration: str,
     table: str,
     settings: Settings,
 ) -> None:
     """Write scores by event threshold, of committees and of all others but single networks."""
     bins, confidence = settings["probability.bins"], settings["bootstrap.confidence"]
     rows: list[dict[str, Any]] = []
-    for case in cases_with_probabilities(
-        settings, forecasts, member_forecasts, evaluation_sets, calibrations
-    ):
-        for time in settings["classification.prediction_times_lt"]:
-            weights = case.weights(time)
-            for alarm in case.alarms:
-                if not alarm["compared"]:
-                    continue
-                for factor in settings["probability.threshold_factors"]:
-                    ((_, outcomes, threshold),) = (
-                        found
-                        for found in case.probabilities(alarm, time, factor)
-                        if found[0] == CALIBRATED
+    case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
+    for time in settings["classification.prediction_times_lt"]:
+        weights = case.weights(time)
+        for alarm in case.alarms:
+            if not alarm["compared"]:
+                continue
+            for factor in settings["probability.threshold_factors"]:
+                ((_, outcomes, threshold),) = (
+                    found
+                    for found in case.probabilities(alarm, time, factor)
+                    if found[0] == CALIBRATED
+                )
+                values = probability_scores(outcomes.total(), threshold, bins)
+                samples = probability_scores(outcomes.resampled(weights), threshold, bins)
+                for metric in METRICS:
+                    low, high = percentile_interval(samples[metric], confidence)
+                    rows.append(
+                        {
+                            **alarm["keys"],
+                            "event_threshold": factor * case.event_threshold,
+                            "prediction_time_lt": time,
+                            "metric": metric,
+                            "value": float(values[metric]),
+                            "low": low,
+                            "high": high,
+                        }
                     )
-                    values = probability_scores(outcomes.total(), threshold, bins)
-                    samples = probability_scores(outcomes.resampled(weights), threshold, bins)
-                    for metric in METRICS:
-                        low, high = percentile_interval(samples[metric], confidence)
-                        rows.append(
-                            {
-                                **alarm["keys"],
-                                "event_threshold": factor * case.event_threshold,
-                                "prediction_time_lt": time,
-                                "metric": metric,
-                                "value": float(values[metric]),
-                                "low": low,
-                                "high": high,
-                            }
-                        )
     write_table(table, keyed_table(rows))
 
 

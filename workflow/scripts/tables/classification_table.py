@@ -7,31 +7,18 @@ from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.gather import files_of_cases, gathered
+from burstcast_workflow.jobs.gather import gathered
 
 
 def classification_table(
-    *,
-    forecasts: list[str],
-    evaluation_sets: list[str],
-    table: str,
-    intervals: str,
-    settings: Settings,
+    *, forecasts: list[str], evaluation_set: str, table: str, intervals: str, settings: Settings
 ) -> None:
     """Write counts and scores, and the bootstrap intervals of the scores."""
-    sets = {
-        case: read_netcdf(path, "series", "washout_maximum", "first", "largest")
-        for case, path in files_of_cases(settings["cases"], evaluation_sets).items()
-    }
-    thresholds = {
-        record["identity"]["case"]: record["settings"]["case.event_threshold"]
-        for record in settings["cases"]
-    }
+    truth = read_netcdf(evaluation_set, "series", "washout_maximum", "first", "largest")
     resolution = settings["classification.resolution_lt"]
     rows, ends = [], []
     for record, path in gathered(settings["rows"], forecasts):
-        case = record["identity"]["case"]
-        truth, forecast = sets[case], read_netcdf(path, "first", "largest")
+        case, forecast = record["identity"]["case"], read_netcdf(path, "first", "largest")
         for prediction_time in settings["classification.prediction_times_lt"]:
             counts = score_forecasts(
                 WindowSummaries(forecast["first"], forecast["largest"]),
@@ -40,7 +27,7 @@ def classification_table(
                 truth["series"],
                 first_window=round(prediction_time / resolution) - 1,
                 windows=round(settings["classification.window_lt"] / resolution),
-                threshold=thresholds[case],
+                threshold=settings["case.event_threshold"],
             )
             whole = total(counts)
             row = {**record["keys"], "prediction_time_lt": prediction_time}

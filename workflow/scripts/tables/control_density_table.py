@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import Any
 
-from burstcast.statistics.densities import Histogram, mean_density
+from burstcast.statistics.densities import Histogram, density_quartiles, mean_density
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
@@ -23,16 +23,19 @@ def control_density_table(*, histograms: list[str], table: str, settings: Settin
     rows = []
     for group, found in groups.items():
         edges = found[0]["edge"]
-        densities = {
-            name: mean_density([Histogram(data["edge"], data[name]) for data in found])
-            for name in SAMPLES
+        histograms_of = {
+            name: [Histogram(data["edge"], data[name]) for data in found] for name in SAMPLES
         }
+        densities = {name: mean_density(these) for name, these in histograms_of.items()}
+        ends = density_quartiles(histograms_of["controlled"])
         rows += [
             {
                 **dict(zip(GROUP, group, strict=True)),
                 "low": low,
                 "high": high,
                 **{f"density_{name}": density[index] for name, density in densities.items()},
+                "density_controlled_p25": ends[0][index],
+                "density_controlled_p75": ends[1][index],
             }
             for index, (low, high) in enumerate(pairwise(edges))
         ]

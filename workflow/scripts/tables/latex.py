@@ -1,40 +1,30 @@
-"""Typeset a table in LaTeX."""
+"""Typeset a table for papers in LaTeX: one table for each case."""
 
-from burstcast.tables import to_latex
+from burstcast.typesetting import to_latex
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_text
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.table_texts import CAPTIONS, FORMATS, OWN_FORMATS, PARAMETER_TABLES, head
-
-PERCENTILES = "Percentiles over the networks of an ensemble."
+from burstcast_workflow.jobs.wide_tables import wide_tables
+from burstcast_workflow.table_texts import LAYOUTS, head, latex_caption
 
 
 def typeset(*, table: str, latex: str, settings: Settings) -> None:
-    """Write a table environment with booktabs rules."""
-    name, cells = settings["table"], read_table(table)
-    if "reynolds" in cells and cells["reynolds"].isna().all():
-        del cells["reynolds"]  # no case has one
-    columns = [str(column) for column in cells.columns]
-    results = name.removesuffix("_percentiles")
-    caption = CAPTIONS[results] if name == results else f"{CAPTIONS[results]} {PERCENTILES}"
-    formats = {**FORMATS, **OWN_FORMATS.get(name, {})}
-    verbatim = []
-    if name in PARAMETER_TABLES:
-        verbatim = columns
-        # some parameters have no symbol
-        cells["Parameter"] = cells["Parameter"].fillna("")
-    elif "metric" in columns:
-        cells["metric"] = cells["metric"].map(head)
-        verbatim = ["metric"]
-    text = to_latex(
-        cells,
-        caption,
-        f"tab:{name}",
-        headers={column: head(column) for column in columns},
-        formats={column: formats[column] for column in columns if column in formats},
-        verbatim=verbatim,
-    )
+    """Write table environments with booktabs rules."""
+    name, rows = settings["table"], read_table(table)
+    if name not in LAYOUTS:  # its cells are LaTeX already; some parameters have no symbol
+        text = to_latex(rows.fillna(""), latex_caption(name), f"tab:{name}", keys=2)
+    else:
+        text = "\n".join(
+            to_latex(
+                cells,
+                f"{title}: {latex_caption(name)}" if title else latex_caption(name),
+                f"tab:{name}" + (f":{title}" if title else ""),
+                heads={column: head(column) for column in cells.columns},
+                keys=keys,
+            )
+            for title, cells, keys in wide_tables(rows, LAYOUTS[name])
+        )
     write_text(latex, text)
 
 

@@ -11,7 +11,7 @@ from burstcast_workflow.jobs.spectrum_files import read_exponents
 
 def lyapunov_spectrum_table(
     *,
-    data: list[str],
+    spectrum: str | list[str],
     forecasters: list[str],
     table: str,
     dimensions: str,
@@ -19,15 +19,12 @@ def lyapunov_spectrum_table(
 ) -> None:
     """Write a row for each exponent, and one with the dimension for each forecaster."""
     rows, of_dimensions = [], []
-    files = [
-        *gathered(settings["cases"], data),
-        *gathered(settings["rows"], forecasters),
-    ]
-    for record, path in files:
-        exponents = read_exponents(path)
-        keys = {"forecaster": "data", "neurons": None, "validation": None, "seed": None}
-        keys |= record["keys"]
-        case = record["identity"]["case"]
+    data = {"forecaster": "data", "neurons": None, "validation": None, "seed": None}
+    # measured series have none
+    files = [({**settings["keys"], **data}, spectrum)] if isinstance(spectrum, str) else []
+    files += [(record["keys"], path) for record, path in gathered(settings["rows"], forecasters)]
+    for keys, path in files:
+        exponents, case = read_exponents(path), keys["case"]
         found = summarise(
             exponents,
             settings["bootstrap.confidence"],

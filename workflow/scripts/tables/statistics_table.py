@@ -11,7 +11,7 @@ from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import keyed_table, write_table
 from burstcast_workflow.identifiers import KEYS
-from burstcast_workflow.jobs.gather import files_of_cases, gathered
+from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.statistics_files import read_reductions, read_statistics
 from burstcast_workflow.jobs.systems import system_of
 
@@ -25,56 +25,43 @@ SHARES = {
 
 def statistics_table(
     *,
-    data: list[str],
-    training: list[str],
-    floor: list[str],
+    data: str,
+    training: str,
+    floor: str,
     long_term: list[str],
     table: str,
     intervals: str,
     settings: Settings,
 ) -> None:
-    """Write one row for each forecaster, and for each case its training set and sampling floor.
+    """Write one row for each forecaster, for the training set and for each sampling floor.
 
     With the intervals of the forecasters' statistics over their long runs.
     """
-    training_of, floor_of = (
-        files_of_cases(settings["cases"], paths) for paths in (training, floor)
-    )
-    rows = []
-    references, matrices = {}, {}
-    for record, path in gathered(settings["cases"], data):
-        case = record["identity"]["case"]
-        references[case] = read_statistics(path)
-        matrices[case] = equally_spaced_profiles(
-            system_of(record["settings"]), settings["statistics.profile_points"]
-        )
-        keys = {**record["keys"], "neurons": None, "validation": None}
-        measures = compare(references[case], read_statistics(training_of[case]), matrices[case])
-        rows.append({**keys, "forecaster": "training", "seed": None, **vars(measures)})
-        # one row for each split of the data
-        splits = read_netcdf(floor_of[case])
-        for split in range(splits["split"].size):
-            row = {measure: float(splits[measure][split]) for measure in vars(measures)}
-            rows.append({**keys, "forecaster": "floor", "seed": split, **row})
+    reference = read_statistics(data)
+    matrices = equally_spaced_profiles(system_of(settings), settings["statistics.profile_points"])
+    keys = {**settings["keys"], "neurons": None, "validation": None}
+    measures = vars(compare(reference, read_statistics(training), matrices))
+    rows = [{**keys, "forecaster": "training", "seed": None, **measures}]
+    # one row for each split of the data
+    splits = read_netcdf(floor)
+    for split in range(splits["split"].size):
+        row = {measure: float(splits[measure][split]) for measure in measures}
+        rows.append({**keys, "forecaster": "floor", "seed": split, **row})
     ends = []
     for record, path in gathered(settings["rows"], long_term):
-        case = record["identity"]["case"]
-        measures = compare(references[case], read_statistics(path), matrices[case])
+        measures = vars(compare(reference, read_statistics(path), matrices))
         fates = read_netcdf(path, "fate")["fate"]
         shares = {name: float((fates == fate).mean()) for name, fate in SHARES.items()}
         discarded = {"discarded_fraction": float((fates != Fate.KEPT).mean()), **shares}
-        rows.append({**record["keys"], **discarded, **vars(measures)})
+        rows.append({**record["keys"], **discarded, **measures})
+        case = record["identity"]["case"]
         generator = random_streams.stream(settings["random_seed"], "bootstrap", case, "long runs")
         weights = bootstrap_weights(len(fates), settings["bootstrap.resamples"], generator)
         samples = {
             "discarded_fraction": weights @ (fates != Fate.KEPT) / len(fates),
             **{name: weights @ (fates == fate) / len(fates) for name, fate in SHARES.items()},
             **resampled_measures(
-                references[case],
-                read_reductions(path),
-                fates == Fate.KEPT,
-                matrices[case],
-                weights,
+                reference, read_reductions(path), fates == Fate.KEPT, matrices, weights
             ),
         }
         for metric, values in samples.items():

@@ -23,23 +23,18 @@ POINTS = 101
 
 
 def survival_table(
-    *, data: list[str], long_term: list[str], table: str, curves: str, settings: Settings
+    *, ensemble: str, long_term: list[str], table: str, curves: str, settings: Settings
 ) -> None:
     """Write the escape rate of the data and of each forecaster, and their survival curves."""
-    found = []
-    settings_of = {}
-    for record, path in gathered(settings["cases"], data):
-        settings_of[record["identity"]["case"]] = record["settings"]
-        keys = {**record["keys"], "forecaster": "data", "neurons": None}
-        found.append(({**keys, "validation": None, "seed": None}, record, lifetimes_of_data(path)))
+    keys = {**settings["keys"], "forecaster": "data", "neurons": None}
+    found = [({**keys, "validation": None, "seed": None}, lifetimes_of_data(ensemble))]
+    steps = long_run_steps(settings)
     for record, path in gathered(settings["rows"], long_term):
-        steps = long_run_steps(settings_of[record["identity"]["case"]])
         runs = read_netcdf(path, "fate", "lifetime")
-        lifetimes = lifetimes_of_runs(runs["fate"], runs["lifetime"], steps)
-        found.append((record["keys"], record, lifetimes))
+        found.append((record["keys"], lifetimes_of_runs(runs["fate"], runs["lifetime"], steps)))
     rows, points = [], []
-    for keys, record, lifetimes in found:
-        interval = sampling_interval(settings_of[record["identity"]["case"]])
+    interval = sampling_interval(settings)
+    for keys, lifetimes in found:
         rows.append({**keys, **_rate(lifetimes, interval, settings["bootstrap.confidence"])})
         times = np.unique(np.linspace(0, lifetimes.length, POINTS).astype(np.int64))
         curve = survival_curve(lifetimes, times, settings["bootstrap.confidence"])

@@ -1,0 +1,211 @@
+"""Signs that a result is less than it seems: each function judges one, and says what it found.
+
+What counts as a sign stands here, once, with its reason. None of them is an error: a finding is for
+a person to look at.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+
+EDGE_SHARE = 0.5
+"""Of the networks of an ensemble with an optimum on the edge of what was searched: single optima
+lie there by chance, the grid has points in its corners; most of them tell of a box too small."""
+
+EDGE_TOLERANCE = 0.01
+"""Of the width of the box, in logarithms: the optimiser's steps near the edge are not finer."""
+
+FEW_EVENTS = 30
+"""An average over so many events has a standard error of a fifth of their spread."""
+
+FEW_POSITIVES = 30
+"""A recall of one half has a standard error of 0.09 with so many positives, and F no better one."""
+
+LOST_RUNS = 0.5
+"""Of long runs that leave the chaotic phase: statistics of the rest are those of a selection."""
+
+DIVERGED_RUNS = 0.01
+"""Of long runs: a flow of bounded energy has none that diverge."""
+
+EXPONENT_DIFFERENCE = 0.1
+"""Relative, from the published exponent: all times in Lyapunov times change by as much."""
+
+OUTSIDE_BINS = 0.001
+"""Of the samples of the observable: as much as tails hold that extreme events are about."""
+
+NOISE_OVER_INCREMENT = 1.0
+"""Standard deviation of the noise over the root mean square of what a component changes by from one
+sample to the next: beyond it, a step shows more noise than dynamics."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one of the functions found.
+
+    Attributes
+    ----------
+    warning
+        Which sign it is: the name of the function.
+    text
+        What was found, with the numbers.
+    """
+
+    warning: str
+    text: str
+
+
+def optimum_on_edge(name: str, values: Sequence[float], low: float, high: float) -> list[Finding]:
+    """Optima of an ensemble's networks on the edges of what was searched, on a logarithmic scale.
+
+    Parameters
+    ----------
+    name
+        Of the hyperparameter.
+    values
+        Its optima, one for each network.
+    low, high
+        Bounds of the search, positive; if they are equal, there is no edge.
+    """
+    if not (len(values) and high > low):
+        return []
+    place = np.log(np.asarray(values) / low) / np.log(high / low)
+    found = []
+    for side, bound, there in (
+        ("lower", low, place <= EDGE_TOLERANCE),
+        ("upper", high, place >= 1.0 - EDGE_TOLERANCE),
+    ):
+        if there.mean() >= EDGE_SHARE:
+            text = f"{name} at its {side} bound {bound:g} in {there.sum()} of {there.size} networks"
+            found.append(Finding("optimum_on_edge", text))
+    return found
+
+
+def few_events(events: int, asked: int, threshold: float, largest: float) -> list[Finding]:
+    """No events, or too few for averages over them.
+
+    Parameters
+    ----------
+    events, asked
+        Events that there are to forecast, and how many were asked for.
+    threshold, largest
+        Of an event, and largest value of the observable.
+    """
+    if largest < threshold:
+        text = (
+            f"no event: the threshold {threshold:g} is above all of the observable, {largest:.4g}"
+        )
+    elif events < min(FEW_EVENTS, asked):
+        text = f"{events} events to forecast, {asked} were asked for"
+    else:
+        return []
+    return [Finding("few_events", text)]
+
+
+def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]) -> list[Finding]:
+    """Scores from few starting points that an event follows, by the prediction time."""
+    few = [
+        (time, count)
+        for time, count in zip(prediction_times_lt, positives, strict=True)
+        if count < FEW_POSITIVES
+    ]
+    if not few:
+        return []
+    times = ", ".join(f"{time:g}" for time, _ in few)
+    least, most = min(count for _, count in few), max(count for _, count in few)
+    counted = f"{least}" if least == most else f"{least} to {most}"
+    return [Finding("few_positives", f"{counted} positives at {times} LT")]
+
+
+def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> list[Finding]:
+    """Long runs that leave the chaotic phase, or diverge.
+
+    Parameters
+    ----------
+    lost, diverged
+        Shares of each network's runs: those that laminarise, settle or diverge, and the last alone.
+    """
+    found = []
+    for shares, limit, what in (
+        (np.asarray(diverged), DIVERGED_RUNS, "diverge"),
+        (np.asarray(lost), LOST_RUNS, "leave the chaotic phase"),
+    ):
+        there = shares > limit
+        if there.any():
+            text = (
+                f"in {there.sum()} of {there.size} forecasters, up to {shares.max():.0%} of the "
+                f"long runs {what}"
+            )
+            found.append(Finding("lost_long_runs", text))
+    return found
+
+
+def ill_conditioned_readout(solvers: Sequence[str]) -> list[Finding]:
+    """Ridge regressions whose matrix rounding has made indefinite (`burstcast.esn.readout`)."""
+    indefinite = sum(solver != "cholesky" for solver in solvers)
+    if not indefinite:
+        return []
+    text = f"the ridge regression of {indefinite} of {len(solvers)} networks is indefinite"
+    return [Finding("ill_conditioned_readout", text)]
+
+
+def exponents_differ(
+    leading: tuple[float, float, float],
+    growth: tuple[float, float, float],
+    published: float | None,
+) -> list[Finding]:
+    """Leading Lyapunov exponents that contradict one another.
+
+    Parameters
+    ----------
+    leading, growth
+        By QR factorisation and by the growth of perturbations: mean, ends of the interval; NaN
+        where it was not computed.
+    published
+        None if there is none.
+    """
+    found = []
+    # of measured series there is none by growth
+    if np.isfinite(growth[0]) and max(leading[1], growth[1]) > min(leading[2], growth[2]):
+        text = (
+            f"by QR factorisation {leading[0]:.4g} ({leading[1]:.4g} to {leading[2]:.4g}), by the "
+            f"growth of perturbations {growth[0]:.4g} ({growth[1]:.4g} to {growth[2]:.4g})"
+        )
+        found.append(Finding("exponents_differ", text))
+    if published is not None and abs(leading[0] - published) > EXPONENT_DIFFERENCE * published:
+        text = f"computed {leading[0]:.4g}, published {published:.4g}"
+        found.append(Finding("exponents_differ", text))
+    return found
+
+
+def outside_bins(below: int, above: int, inside: int) -> list[Finding]:
+    """Samples of the observable that no bin of its density holds."""
+    samples = below + above + inside
+    if not samples or (below + above) / samples <= OUTSIDE_BINS:
+        return []
+    text = f"{below / samples:.2%} of the observable below the bins, {above / samples:.2%} above"
+    return [Finding("outside_bins", text)]
+
+
+def noise_drowns_components(states: FloatArray, noise: float) -> list[Finding]:
+    """Components that change less from sample to sample than the noise does.
+
+    Parameters
+    ----------
+    states
+        Training series without noise, ``(series, time, component)``.
+    noise
+        Its standard deviation, in standard deviations of each component.
+    """
+    increments = np.sqrt(np.mean(np.diff(states, axis=1) ** 2, axis=(0, 1)))
+    levels = noise * states.std(axis=(0, 1))
+    # a component that does not vary has no noise either
+    drowned = np.flatnonzero(levels > NOISE_OVER_INCREMENT * increments)
+    if not drowned.size:
+        return []
+    ratio = (levels[drowned] / np.maximum(increments[drowned], np.finfo(float).tiny)).max()
+    names = ", ".join(str(number + 1) for number in drowned)
+    text = f"component {names}: the noise is up to {ratio:.3g} times what it changes by in a sample"
+    return [Finding("noise_drowns_components", text)]

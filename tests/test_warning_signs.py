@@ -1,0 +1,100 @@
+"""What is a sign that a result is less than it seems, and what is none."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from burstcast import warning_signs as signs
+
+
+def texts(findings):
+    return [finding.text for finding in findings]
+
+
+def test_optima_on_the_edges():
+    inside, low, high = 0.3, 0.1, 1.0
+    assert signs.optimum_on_edge("rho", [inside, inside, low], low, high) == []
+    assert texts(signs.optimum_on_edge("rho", [inside, low, low], low, high)) == [
+        "rho at its lower bound 0.1 in 2 of 3 networks"
+    ]
+    assert texts(signs.optimum_on_edge("rho", [high, low], low, high)) == [
+        "rho at its lower bound 0.1 in 1 of 2 networks",
+        "rho at its upper bound 1 in 1 of 2 networks",
+    ]
+    assert signs.optimum_on_edge("beta", [1e-6], 1e-6, 1e-6) == []
+    assert signs.optimum_on_edge("beta", [], 1e-9, 1e-6) == []
+
+
+@given(st.floats(1e-9, 1e9), st.floats(1.5, 1e6), st.floats(0, 1))
+def test_what_is_near_an_edge_does_not_depend_on_the_unit(low, factor, place):
+    found = signs.optimum_on_edge("sigma", [low * factor**place], low, low * factor)
+    tolerance = signs.EDGE_TOLERANCE
+    if tolerance * 1.01 < place < 1 - tolerance * 1.01:
+        assert found == []
+    elif place < 0.99 * tolerance or place > 1 - 0.99 * tolerance:
+        assert len(found) == 1
+
+
+def test_few_events():
+    assert signs.few_events(500, 500, 0.1, 0.4) == []
+    assert signs.few_events(8, 8, 0.1, 0.4) == []  # as many as were asked for
+    assert texts(signs.few_events(12, 500, 0.1, 0.4)) == [
+        "12 events to forecast, 500 were asked for"
+    ]
+    assert texts(signs.few_events(0, 500, 0.5, 0.4)) == [
+        "no event: the threshold 0.5 is above all of the observable, 0.4"
+    ]
+
+
+def test_few_positives():
+    enough = signs.FEW_POSITIVES
+    assert signs.few_positives([1.0, 2.0], [enough, enough]) == []
+    assert texts(signs.few_positives([1.0, 2.0, 2.5], [enough, 3, 7])) == [
+        "3 to 7 positives at 2, 2.5 LT"
+    ]
+    assert texts(signs.few_positives([1.0], [0])) == ["0 positives at 1 LT"]
+
+
+def test_lost_long_runs():
+    assert signs.lost_long_runs([0.1, 0.5], [0.0, 0.01]) == []
+    assert texts(signs.lost_long_runs([0.1, 0.6], [0.0, 0.2])) == [
+        "in 1 of 2 forecasters, up to 20% of the long runs diverge",
+        "in 1 of 2 forecasters, up to 60% of the long runs leave the chaotic phase",
+    ]
+
+
+def test_indefinite_readouts():
+    assert signs.ill_conditioned_readout(["cholesky", "cholesky"]) == []
+    assert texts(signs.ill_conditioned_readout(["cholesky", "ldl"])) == [
+        "the ridge regression of 1 of 2 networks is indefinite"
+    ]
+
+
+def test_exponents_that_contradict_one_another():
+    assert signs.exponents_differ((1.0, 0.9, 1.1), (1.05, 0.95, 1.15), 1.05) == []
+    assert signs.exponents_differ((1.0, 0.9, 1.1), (1.05, 0.95, 1.15), None) == []
+    (apart,) = signs.exponents_differ((1.0, 0.9, 1.1), (1.3, 1.2, 1.4), 1.0)
+    assert apart.text.startswith("by QR factorisation 1 (0.9 to 1.1), by the growth")
+    (other,) = signs.exponents_differ((1.0, 0.9, 1.1), (1.0, 0.9, 1.1), 2.0)
+    assert other.text == "computed 1, published 2"
+
+
+def test_samples_outside_the_bins():
+    assert signs.outside_bins(0, 1, 999) == []
+    assert signs.outside_bins(0, 0, 0) == []
+    assert texts(signs.outside_bins(10, 20, 970)) == [
+        "1.00% of the observable below the bins, 2.00% above"
+    ]
+
+
+def test_noise_that_drowns_a_component():
+    time = np.arange(1000.0)
+    slow, fast = np.sin(2 * np.pi * time / 500), np.sin(2 * np.pi * time / 10)
+    states = np.stack([slow, fast, np.ones(1000)], axis=-1)[np.newaxis]
+    assert signs.noise_drowns_components(states, 0.001) == []
+    (found,) = signs.noise_drowns_components(states, 0.1)
+    # of a slow sine the increments are 2 pi / period of its standard deviation
+    ratio = 0.1 / (2 * np.pi / 500)
+    assert found.text.startswith("component 1: the noise is up to ")
+    assert float(found.text.split()[7]) == pytest.approx(ratio, rel=0.01)

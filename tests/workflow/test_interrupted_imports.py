@@ -1,0 +1,59 @@
+"""An interruption that meets a job while it imports leaves no traceback."""
+
+import io
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from snakemake.script import PythonScript
+
+from burstcast_workflow import interruption
+from burstcast_workflow.interruption import FIRST_LINE, interrupt_quietly
+
+WAITS = "import sys, time; print('ready', flush=True); time.sleep(60)"
+
+
+def interrupted(first_line, **options):
+    """Status of a Python process that SIGINT meets, and what it says."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", first_line + WAITS],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **options,
+    )
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGINT)
+    time.sleep(0.2)
+    status = process.poll()
+    process.kill()
+    return status, process.communicate()[1]
+
+
+def test_a_process_ends_at_once_and_says_nothing():
+    assert interrupted(FIRST_LINE.decode()) == (-signal.SIGINT, "")
+    assert "KeyboardInterrupt" in interrupted("")[1]
+
+
+def test_an_interruption_that_is_ignored_stays_so():
+    def ignore():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    assert interrupted(FIRST_LINE.decode(), preexec_fn=ignore) == (None, "")
+
+
+@pytest.fixture
+def snakemakes_own(monkeypatch):
+    monkeypatch.setattr(PythonScript, "write_script", interruption._write_script)
+
+
+@pytest.mark.usefixtures("snakemakes_own")
+def test_scripts_of_snakemake_begin_with_it():
+    interrupt_quietly()
+    script = PythonScript.__new__(PythonScript)
+    script.source = "print(1)"
+    file = io.BytesIO()
+    script.write_script("preamble\n", file)
+    assert file.getvalue() == FIRST_LINE + b"preamble\nprint(1)"

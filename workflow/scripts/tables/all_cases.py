@@ -1,0 +1,28 @@
+"""Put the tables of all cases below one another."""
+
+import csv
+import io
+from pathlib import Path
+
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_text
+
+
+def join(*, tables: list[str], table: str, settings: Settings) -> None:
+    """Write the rows of all cases; a column that a case does not have is empty there."""
+    rows: list[dict[str, str]] = []
+    columns: dict[str, None] = {}
+    for path in tables:
+        reader = csv.DictReader(io.StringIO(Path(path).read_text(encoding="utf-8")))
+        columns |= dict.fromkeys(reader.fieldnames or ())
+        rows += reader
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(columns), restval="", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_text(table, text.getvalue())
+
+
+if __name__ == "__main__":
+    run_job(snakemake, join)  # noqa: F821 - Snakemake puts it there

@@ -1,0 +1,113 @@
+"""Look for signs that the results of a case are less than they seem."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import pandas as pd
+
+from burstcast import warning_signs
+from burstcast.warning_signs import Finding
+from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_json, read_rows
+from burstcast_workflow.harness.tables import keyed_table, read_table, write_table
+from burstcast_workflow.jobs.advice import ADVICE
+from burstcast_workflow.jobs.statistics_files import read_statistics
+
+ENSEMBLE = ["forecaster", "neurons", "validation"]
+COLUMNS = ["case", "reynolds", *ENSEMBLE, "warning", "finding", "advice"]
+
+
+def warnings_table(
+    *,
+    ensemble: str,
+    data: str,
+    events_summary: str,
+    dataset: str,
+    classification: str,
+    hyperparameters: str | list[str],
+    statistics: str | list[str],
+    table: str,
+    settings: Settings,
+) -> None:
+    """Write a row for each sign; of networks, one for those of a size and strategy."""
+    of_case = [*_of_data(ensemble, data, events_summary, settings)]
+    of_case += _of_numbers(dataset, classification)
+    found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
+    for names, judge in ((hyperparameters, _of_search), (statistics, _of_long_runs)):
+        if isinstance(names, str):
+            for keys, members in _ensembles(read_table(names)):
+                found += [(keys, finding) for finding in judge(members, settings)]
+    rows = [
+        {
+            **settings["keys"],
+            **dict.fromkeys(ENSEMBLE),
+            **keys,
+            "warning": finding.warning,
+            "finding": finding.text,
+            "advice": ADVICE[finding.warning],
+        }
+        for keys, finding in found
+    ]
+    write_table(table, keyed_table(rows) if rows else pd.DataFrame(columns=COLUMNS))
+
+
+def _of_data(
+    ensemble: str, data: str, events_summary: str, settings: Settings
+) -> Iterator[Finding]:
+    events, histogram = read_json(events_summary), read_statistics(data).histogram
+    yield from warning_signs.few_events(
+        events["usable_events"],
+        settings["horizon.events"],
+        settings["case.event_threshold"],
+        events["largest_observable"],
+    )
+    yield from warning_signs.outside_bins(
+        histogram.below, histogram.above, int(histogram.counts.sum())
+    )
+    states = read_rows(ensemble, "state", 0, settings["case.training.series"])
+    yield from warning_signs.noise_drowns_components(states, settings["case.training.noise"])
+
+
+def _of_numbers(dataset: str, classification: str) -> Iterator[Finding]:
+    (row,) = read_table(dataset).to_dict("records")
+    leading, growth = (
+        (row[name], row[f"{name}_low"], row[f"{name}_high"])
+        for name in ("lyapunov_exponent", "lyapunov_exponent_by_growth")
+    )
+    published = row["lyapunov_exponent_paper"]
+    yield from warning_signs.exponents_differ(
+        leading, growth, None if pd.isna(published) else published
+    )
+    # what follows the starting points is the same for all forecasters
+    scores = read_table(classification).drop_duplicates("prediction_time_lt")
+    yield from warning_signs.few_positives(
+        scores["prediction_time_lt"].tolist(),
+        (scores["true_positive"] + scores["false_negative"]).tolist(),
+    )
+
+
+def _ensembles(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], pd.DataFrame]]:
+    for keys, rows in table.groupby(ENSEMBLE, dropna=False, sort=False):
+        yield dict(zip(ENSEMBLE, keys, strict=True)), rows
+
+
+def _of_search(rows: pd.DataFrame, settings: Settings) -> Iterator[Finding]:
+    for name in ("spectral_radius", "input_scaling", "tikhonov"):
+        searched = settings[f"search.{name}"]
+        yield from warning_signs.optimum_on_edge(
+            name, rows[name].tolist(), min(searched), max(searched)
+        )
+    yield from warning_signs.ill_conditioned_readout(rows["solver"].tolist())
+
+
+def _of_long_runs(rows: pd.DataFrame, settings: Settings) -> Iterator[Finding]:
+    shares = rows.dropna(subset=["discarded_fraction"])
+    if len(shares):  # the training set and the sampling floor have no runs
+        yield from warning_signs.lost_long_runs(
+            shares["discarded_fraction"].tolist(), shares["diverged_fraction"].tolist()
+        )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, warnings_table)  # noqa: F821 - Snakemake puts it there
