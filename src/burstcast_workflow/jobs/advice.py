@@ -1,8 +1,7 @@
 """What to try where a sign of `burstcast.warning_signs` was found, in terms of the settings."""
 
 ADVICE = {
-    "optimum_on_edge": "widen search.spectral_radius, search.input_scaling or "
-    "search.tikhonov there",
+    "optimum_on_edge": "search beyond it: its entry in the section search",
     "few_events": "lower event_threshold, or raise ensemble.series or ensemble.duration",
     "few_positives": "raise test_series (and ensemble.series); read F with its interval "
     "in classification_intervals.csv",
