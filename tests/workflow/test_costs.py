@@ -362,7 +362,7 @@ def test_every_preset_and_every_job_has_a_prediction_and_small_campaigns_cost_le
             assert 0 < job.cost.memory_mib < math.inf
         totals[preset] = sum(job.cost.seconds for job in jobs)
         assert f"{totals[preset] / 60:.1f}" == report(jobs).split()[-1]
-    assert totals["tiny"] < totals["quick"] / 3 < totals["paper"] / 9
+    assert totals["tiny"] < totals["quick"] / 2 < totals["paper"] / 9
 
 
 def test_rules_ask_for_what_is_predicted(directory):

@@ -236,7 +236,7 @@ def test_stages_that_are_switched_off_have_no_tables():
     without = campaign({"control": off, "statistics": off})
     gone = {
         *("control", "control_percentiles", "control_strategies", "control_density"),
-        *("statistics", "statistics_percentiles"),
+        *("statistics", "statistics_intervals", "statistics_percentiles"),
         *("survival", "survival_percentiles", "survival_curve", "survival_curve_percentiles"),
         *("lyapunov_spectrum", "lyapunov_spectrum_percentiles"),
         *("kaplan_yorke", "kaplan_yorke_percentiles"),

@@ -346,8 +346,8 @@ WITH_EFFECT = [
         Edit(
             "the equations as a forecaster",
             f"{LIBRARY}/forecasters/equations_noisy.py",
-            "return samples[1:], samples[-1]",
-            "return samples[1:], samples[-1].copy()",
+            "return cls(case.system, case.time_step, case.sampling_stride)",
+            "return cls(case.system, 1.0 * case.time_step, case.sampling_stride)",
         ),
         f"*/equations */equations/* */equations_noisy {GATHERED} {GATHERED_CONTROL}",
     ),
