@@ -20,7 +20,7 @@ from scipy.special import stdtrit
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.systems.base import DynamicalSystem, has_own
-from burstcast.systems.differentiation import Method, derivative, derivative_method
+from burstcast.systems.differentiation import Method, derivative, derivative_method, jacobian
 from burstcast.systems.integration import check_batch, integrate
 from burstcast.systems.runge_kutta import step
 
@@ -29,6 +29,7 @@ logger = logging.getLogger(__name__)
 # Ratio of the weakest to the strongest growth between two orthonormalisations below which the
 # weakest direction drowns in the rounding errors of the strongest.
 _SMALLEST_GROWTH_RATIO = 1e-10
+_JACOBIAN_TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -201,6 +202,37 @@ def lyapunov_spectrum(
         )
     duration = intervals * orthonormalisation_steps * time_step
     return LyapunovSpectrum(exponents=log_growth / duration, duration=duration)
+
+
+def checked_jacobian(system: DynamicalSystem, states: FloatArray) -> float:
+    """Compare the Jacobian that a system gives with differences of its right-hand side.
+
+    Parameters
+    ----------
+    system
+        The equations.
+    states
+        ``(dimension, batch)``.
+
+    Returns
+    -------
+    The largest difference, in units of the largest entry.
+
+    Raises
+    ------
+    ValueError
+        If it is more than differences err by; the message names the entry.
+    """
+    found = jacobian(system.right_hand_side, states, "finite differences")
+    difference = np.abs(system.jacobian(states) - found).max(axis=2)
+    i, j = np.unravel_index(int(np.argmax(difference)), difference.shape)
+    error = float(difference[i, j]) / max(float(np.abs(found).max()), 1e-300)
+    if not error < _JACOBIAN_TOLERANCE:
+        raise ValueError(
+            f"jacobian: the entry [{i}, {j}] differs from differences of right_hand_side by "
+            f"{error:.2g} of the largest entry"
+        )
+    return error
 
 
 def tangent_growth(

@@ -3,9 +3,11 @@
 import numpy as np
 
 from burstcast import random_streams
+from burstcast.systems.base import has_own
 from burstcast.systems.lyapunov import (
     alignment_of,
     attractor_size,
+    checked_jacobian,
     lyapunov_spectrum,
     mean_with_interval,
     perturbation_growth,
@@ -33,6 +35,8 @@ def lyapunov(
     check_kept_series(kept_series(ensemble), {"lyapunov.series": series})
     states = read_rows(ensemble, "state", 0, series)
     start = np.ascontiguousarray(states[:, 0].T)
+    if has_own(system, "jacobian") and not has_own(system, "flow_map"):
+        checked_jacobian(system, start)
     # along the kept series, which are known not to laminarise
     steps = (states.shape[1] - 1) * settings["case.ensemble.sampling_stride"]
     interval = round(settings["case.lyapunov.orthonormalisation_interval"] / time_step)

@@ -9,7 +9,7 @@ from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import OF_SOME_CASES, keyed_table, write_table
 from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.statistics_files import read_reductions, read_statistics
@@ -65,6 +65,8 @@ def statistics_table(
             ),
         }
         for metric, values in samples.items():
+            if metric in OF_SOME_CASES and matrices[case] is None:
+                continue
             low, high = percentile_interval(values, settings["bootstrap.confidence"])
             ends.append({**record["keys"], "metric": metric, "low": low, "high": high})
     found = keyed_table(rows)
