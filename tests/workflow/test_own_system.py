@@ -1,5 +1,6 @@
 """A campaign of a system of one's own, in a directory of its own: from the module to the tables."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 import yaml
 from helpers_rebuilds import TINY, Project
 
+from burstcast_workflow.harness.run import VARIABLE
 from burstcast_workflow.harness.storage import read_json, read_netcdf
 from burstcast_workflow.harness.tables import read_table
 
@@ -184,3 +186,34 @@ def test_a_quantile_that_changes_runs_what_reads_the_threshold(mine):
     outcome = mine("--quiet", "rules", "-n", *TABLES, overlay=overlay)
     assert {"event_threshold", "events", "horizon", "classification_table"} <= set(outcome.jobs)
     assert not {"simulate", "scan", "train", "forecast", "evaluation_set"} & set(outcome.jobs)
+
+
+def test_jobs_of_a_cluster_find_ones_own_modules(mine):
+    """As Snakemake's executors call it on a node: the config and the directories of the claim."""
+    claim = json.loads((mine.own.directory / RESULTS / ".run.json").read_text())
+    assert str(mine.own.directory) in claim["directories"]
+    outcome = mine.own.snakemake(
+        *("-s", str(mine.project.directory / "Snakefile")),
+        *("--mode", "remote", "--nolock", "--ignore-incomplete", "--force", "--no-hooks"),
+        *("--target-jobs", "simulate:case=roessler", "--allowed-rules", "simulate"),
+        overlay=OVERLAY,
+        PYTHONPATH=mine.project.environment()["PYTHONPATH"],
+        **{VARIABLE: f"{claim['token']} {RESULTS}"},
+    )
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert "1 of 1 steps (100%) done" in outcome.text
+
+
+def test_modules_beside_the_config_are_found_from_elsewhere(mine, tmp_path):
+    elsewhere = replace(mine.own, directory=tmp_path)
+    outcome = elsewhere._request(
+        {
+            "arguments": [
+                *("-s", str(mine.project.directory / "Snakefile"), "-n", "--quiet", "rules"),
+                *("--configfile", mine.own.preset, str(mine.own.directory / "overlay.yaml")),
+            ]
+        },
+        {**elsewhere.environment(), "PYTHONPATH": mine.project.environment()["PYTHONPATH"]},
+    )
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert outcome.jobs["simulate"] == 1
