@@ -15,7 +15,9 @@ _HEAD = """\
 # Settings
 
 Every setting of a configuration, with its default from [config.yaml](../config.yaml). `campaign` is
-a list of blocks. An entry of `cases` may have any settings of `case_defaults`, which it overrides.
+a list of blocks. An entry of `cases` may have any settings of `case_defaults`, which it overrides. A
+case of another system than the shear flow starts from what its class says, and has of
+`case_defaults` only what has no units ([tutorial.md](tutorial.md)).
 Kinds of forecasters are modules of `burstcast.forecasters`; where they are chosen (`campaign`,
 `statistics`, `control`), a kind that is left out or null has none. An overlay lays mappings over
 those of config.yaml and replaces all else, lists too: null takes away a kind that config.yaml has.
