@@ -327,6 +327,49 @@ def test_an_actuation_of_another_system_has_the_lyapunov_times_of_config_yaml(co
     }
 
 
+def a_lorenz_case(config, **entry):
+    config["cases"]["lorenz"] = {"system": "lorenz63", **entry}
+    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks(100)})
+
+
+def test_a_system_that_draws_initial_states_needs_none(config, monkeypatch):
+    said = {**Lorenz63.case_defaults}
+    said["ensemble"] = {
+        key: value
+        for key, value in said["ensemble"].items()
+        if key not in ("initial_state", "perturbed_component", "perturbation")
+    }
+    silent_lorenz(monkeypatch, **said)
+    draw = lambda self, series, generator: generator.random((3, series))  # noqa: E731
+    monkeypatch.setattr(Lorenz63, "sample_initial_states", draw)
+    a_lorenz_case(config)
+    ensemble = case_records(load(config))["lorenz"]["ensemble"]
+    names = ("initial_state", "perturbed_component", "perturbation")
+    assert [ensemble[name] for name in names] == [None, None, None]
+
+
+@pytest.mark.parametrize(
+    ("ensemble", "part"),
+    [
+        ({"initial_state": None}, "the system lorenz63 draws no initial states: give one"),
+        ({"perturbation": None}, "are needed beside ensemble.initial_state"),
+        ({"initial_state": []}, "ensemble.initial_state has 0 numbers"),
+    ],
+)
+def test_initial_states_that_are_incomplete(config, ensemble, part):
+    a_lorenz_case(config, ensemble=ensemble)
+    assert part in only_problem(config)
+
+
+def test_a_force_needs_a_right_hand_side(config, monkeypatch):
+    monkeypatch.setattr(Lorenz63, "flow_map", lambda self, state, time_step: state)
+    a_lorenz_case(config, actuation={"force": [1, 0, 0]})
+    assert only_problem(config) == (
+        "case lorenz: actuation.force: the system lorenz63 has an integrator of its own, to which "
+        "no force can be added; let the actuation change a parameter"
+    )
+
+
 def test_mistakes_in_what_a_class_says(config, monkeypatch):
     silent_lorenz(monkeypatch, event_treshold=40, density={"range": [5, 1]})
     config["cases"]["lorenz"] = {"system": "lorenz63"}
