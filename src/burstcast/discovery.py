@@ -11,6 +11,7 @@ import importlib.util
 import inspect
 import math
 import numbers
+import os
 import pkgutil
 import traceback
 from collections.abc import Iterable, Mapping
@@ -81,7 +82,13 @@ def _place(error: Exception) -> str:
     if isinstance(error, SyntaxError):
         return f"{error.filename}, line {error.lineno}: "
     frames = traceback.extract_tb(error.__traceback__)
-    files = [frame for frame in frames if "importlib" not in frame.filename]
+    # the module's own line, not that of a library which it calls
+    libraries = (os.path.dirname(os.__file__), "<frozen ")
+    files = [
+        frame
+        for frame in frames
+        if not frame.filename.startswith(libraries) and "site-packages" not in frame.filename
+    ]
     return f"{files[-1].filename}, line {files[-1].lineno}: " if len(files) > 1 else ""
 
 

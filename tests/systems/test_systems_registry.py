@@ -114,6 +114,12 @@ def test_a_system_in_a_package_of_ones_own(module) -> None:
         ("import Cl", "import Kl", "own_circles:Circle", r"own_circles\.py, line 3: ImportError"),
         ("ClassVar[int]", "Clas[int]", "own_circles:Circle", r"line 9: NameError: .*'Clas'"),
         ("from typing", "import no_such\nfrom typing", "own_circles:Circle", r"line 3: .*no_such"),
+        (
+            "rate: float = 1.0",
+            "rate: list = []",
+            "own_circles:Circle",
+            r"circles\.py, line 6: V",
+        ),
         ("observable(", "obsrvable(", "own_circles:Circle", r"Circle of own_circles lacks observ"),
         ("dimension:", "dimensions:", "own_circles:Circle", r"Circle of own_circles lacks dimens"),
         ("@dataclass(frozen=True)\n", "", "own_circles:Circle", r"must be a dataclass"),

@@ -15,8 +15,8 @@ _HEAD = """\
 # Settings
 
 Every setting of a configuration, with its default from [config.yaml](../config.yaml). `campaign` is
-a list of blocks. An entry of `cases` may have any settings of `case_defaults`, which it overrides. A
-case of another system than the shear flow starts from what its class says, and has of
+a list of blocks. An entry of `cases` may have any settings of `case_defaults`, which it overrides.
+A case of another system than the shear flow starts from what its class says, and has of
 `case_defaults` only what has no units ([tutorial.md](tutorial.md)).
 Kinds of forecasters are modules of `burstcast.forecasters`; where they are chosen (`campaign`,
 `statistics`, `control`), a kind that is left out or null has none. An overlay lays mappings over
