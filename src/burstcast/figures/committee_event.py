@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import BoolArray, FloatArray
+from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.reference_forecasters import forecaster_label
 from burstcast.figures.parts.style import (
     BLUE,
@@ -119,7 +120,7 @@ def committee_event(
         chances.set_xlabel("Time from the starting point [LT]")
     # an unbounded forecast of a member must not squeeze the event
     highest = max(float(np.nanmax(event.true)), threshold)
-    panels[0, 0].set_ylim(min(0.0, float(np.nanmin(event.true))), 1.35 * highest)
+    panels[0, 0].set_ylim(axis_floor(event.true), 1.35 * highest)
     panels[0, 0].set_xlim(event.time_lt[0], event.time_lt[-1])
     panels[0, 0].set_ylabel(observable_label(symbol, observable_name))
     panels[1, 0].set_ylim(-0.06, 1.06)
