@@ -167,6 +167,12 @@ class Campaign:
         figures = self.config["figures"]
         return CaseForecaster(figures["example_case"], parsed(figures["example_forecaster"]))
 
+    @property
+    def hyperparameters_file(self) -> str:
+        """File in a network's directory with the hyperparameters that it is trained with."""
+        by_survival = self.config["search"]["choice"] == "survival"
+        return "survival_choice.json" if by_survival else "hyperparameters.json"
+
     @cached_property
     def long_term_forecasters(self) -> tuple[CaseForecaster, ...]:
         """Forecasters whose long-term statistics are computed."""

@@ -39,6 +39,7 @@ SECONDS_PER = {
 # SciPy and the compiled backend; with scikit-optimize, too; with Matplotlib.
 _PLAIN, _COMPILED, _SEARCHING, _DRAWING = (0.6, 90), (0.7, 160), (2.0, 260), (2.5, 210)
 _MIB_PER_NUMBER = 8 / 2**20
+_CANDIDATES = 5.0  # points of a search that its objective cannot tell from the best
 _SCIPY_SLOWER = 4.0  # a network's step with the backend that is not compiled
 _TYPICAL_LYAPUNOV_TIME = 60  # in steps, where it is not known before it is computed
 
@@ -266,6 +267,15 @@ def _training(job: _Job, points: float = 1, loops: float = 0, solves: float = 1)
     return _COMPILED, work, held
 
 
+def _choice(job: _Job) -> _Account:
+    """Long runs of some points of a search that are as good as the best."""
+    start_up, training, held = _training(job, points=_CANDIDATES, solves=_CANDIDATES)
+    count, steps = _long_term(job)
+    runs = _network_steps(job, _CANDIDATES * count * steps)
+    work = {unit: training.get(unit, 0) + runs.get(unit, 0) for unit in {**training, **runs}}
+    return start_up, work, held + 2 * count * job.neurons
+
+
 def _search(job: _Job, points: float, bayesian: bool = False) -> _Account:
     strategies = job.wildcards.get("strategies", str(job.name.validation)).split("+")
     recycle, betas = job("case.recycle_validation"), len(job("search.tikhonov"))
@@ -302,6 +312,7 @@ _CLASSES: dict[str, Callable[[_Job], _Account]] = {
     "data": lambda job: (_PLAIN, {"number": job.numbers}, job.numbers),
     "search_grid": lambda job: _search(job, job("search.grid") ** 2),
     "search_points": lambda job: _search(job, job("search.bayesian_points"), bayesian=True),
+    "choice": _choice,
     "training": _training,
     "closed_loop": _closed_loop,
     "leave_one_out": _leave_one_out,

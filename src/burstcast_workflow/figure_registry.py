@@ -135,6 +135,9 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
         else f"{campaign.source_case(case)}/lyapunov.json"
     ),
     "example": lambda campaign, case: campaign.example.directory,
+    "example_hyperparameters": lambda campaign, case: (
+        f"{campaign.example.directory}/{campaign.hyperparameters_file}"
+    ),
     "example_strategies": _with_other_strategies,
     "candidates": lambda campaign, case: [
         one.directory for one in long_term_candidates(campaign, case)
@@ -296,7 +299,7 @@ FIGURES: Mapping[str, Figure] = {
         "strategies",
     ),
     "network_schematic": Figure(
-        {"hyperparameters": "example/hyperparameters.json"},
+        {"hyperparameters": "example_hyperparameters"},
         "SYSTEM forecasters.esn.connectivity forecasters.esn.input_bias",
         "shown_neurons",
     ),

@@ -22,6 +22,8 @@ GROUPS = {
     # long runs: where they start and how long they are
     "LONG_RUNS": "FORECASTER OBSERVED washout_lt statistics.starting_points "
     "statistics.start_spacing_lt statistics.duration",
+    "LONG_TERM": "LONG_RUNS forecaster.divergence_bound case.density "
+    "case.laminarisation_threshold case.fixed_point statistics.fixed_point_interval_lt",
     "CONTROL": "SYSTEM TIME random_seed case.training.series case.event_threshold "
     "case.laminarisation_threshold case.actuation washout_lt control.flows control.run",
 }

@@ -796,3 +796,11 @@ def test_the_flow_of_a_system_that_is_none_is_not_looked_at(config):
     put(config, "figures.example_case", "lorenz")
     put(config, "control.forecasters", {})
     load(config)  # its event threshold, 40, is above figures.flow_event.peak
+
+
+def test_without_laminarisation_nothing_survives_better(config):
+    config["case_defaults"]["laminarisation_threshold"] = None
+    config["search"]["choice"] = "survival"
+    assert "search.choice is survival" in only_problem(config)
+    config["search"]["choice"] = "best"
+    assert problems(config) == []

@@ -51,6 +51,7 @@ WILDCARDS = {
     "data": DATA,
     "search_grid": SCAN,
     "search_points": NETWORK,
+    "choice": NETWORK,
     "training": NETWORK,
     "closed_loop": NETWORK,
     "leave_one_out": NETWORK,

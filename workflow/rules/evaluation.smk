@@ -33,8 +33,7 @@ stage(
     "long-term runs",
     inputs=files("ensemble forecaster time_unit"),
     outputs={"long_term": f"{FORECASTER}/long_term.nc"},
-    settings="LONG_RUNS forecaster.divergence_bound case.density "
-    "case.laminarisation_threshold case.fixed_point statistics.fixed_point_interval_lt",
+    settings="LONG_TERM",
     cost="closed_loop",
     cached=True,
 )

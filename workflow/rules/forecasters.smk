@@ -30,9 +30,26 @@ stage(
     cached=True,
 )
 stage(
+    # of points that the objective cannot tell apart: nobody asks for it unless search.choice does
+    "forecasters/survival_choice",
+    "choose hyperparameters by survival",
+    inputs=files("ensemble time_unit trace"),
+    outputs={
+        "chosen": f"{FORECASTER}/survival_choice.json",
+        "candidates": f"{FORECASTER}/survival_choice.csv",
+    },
+    settings="LONG_TERM RESERVOIR bootstrap.confidence",
+    cost="choice",
+    cached=True,
+    constraints={"forecaster": NETWORKS},
+)
+stage(
     "forecasters/train",
     "train",
-    inputs=files("ensemble time_unit hyperparameters"),
+    inputs={
+        **files("ensemble time_unit"),
+        "hyperparameters": f"{FORECASTER}/{campaign.hyperparameters_file}",
+    },
     outputs={"forecaster": f"{FORECASTER}/forecaster.nc"},
     settings="TIME OBSERVED RESERVOIR washout_lt",
     cost="training",

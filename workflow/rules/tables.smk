@@ -18,7 +18,9 @@ stage(
     "tables/hyperparameters_table",
     "table of the hyperparameters",
     inputs={
-        "hyperparameters": files_in_case("hyperparameters.json", campaign.networks)
+        "hyperparameters": files_in_case(
+            campaign.hyperparameters_file, campaign.networks
+        )
     },
     outputs={"table": f"{TABLES_OF_CASE}/hyperparameters.csv"},
     rows=in_case(campaign.networks, campaign.keys),

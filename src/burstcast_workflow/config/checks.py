@@ -269,6 +269,11 @@ def _case(config: Settings, name: str) -> Iterator[str]:
             f"test_series, {training + test}, it must be at most ensemble.series, "
             f"{ensemble['series']}"
         )
+    if config["search"]["choice"] == "survival" and record["laminarisation_threshold"] is None:
+        yield (
+            "search.choice is survival, but without a laminarisation_threshold no series leaves "
+            "the chaotic phase; take best"
+        )
     control = config["control"]
     start = record["actuation"]["start_lt"] if record["actuation"] else 0
     for time in control["prediction_times_lt"] if any(control["forecasters"].values()) else []:

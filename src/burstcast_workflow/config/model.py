@@ -395,6 +395,11 @@ class Search(Section):
         "points of Bayesian optimisation after the grid", ge=0, le=1000
     )
     interval_lt: Positive = setting("length of a validation interval")
+    choice: Literal["best", "survival"] = setting(
+        "which point is taken: the one with the best objective; or, of those within one paired "
+        "standard error of it, the one whose long runs leave the chaotic phase as often as the "
+        "series that were generated for the training do"
+    )
 
 
 class Classification(Section):

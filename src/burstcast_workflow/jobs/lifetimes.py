@@ -28,6 +28,27 @@ def lifetimes_of_data(ensemble: str) -> Lifetimes:
     return Lifetimes(data["lifetime"], escaped, len(data["time"]) - 1)
 
 
+def lifetimes_of_training(ensemble: str, training: int) -> Lifetimes:
+    """Lifetimes of the series that were generated for the training series, and of these.
+
+    Series are kept in the order in which they were generated: all were generated after the last
+    one kept before the training series, and up to the last of these.
+
+    Parameters
+    ----------
+    ensemble
+        Path of the ensemble.
+    training
+        Number of training series, the first of the ensemble.
+    """
+    kept = read_netcdf(ensemble, "series")["series"]
+    whole = lifetimes_of_data(ensemble)
+    own = kept[:training]
+    first = max(kept[kept < own.min()], default=-1) + 1
+    generated = slice(first, own.max() + 1)
+    return Lifetimes(whole.steps[generated], whole.escaped[generated], whole.length)
+
+
 def lifetimes_of_runs(fates: IntArray, lifetimes: IntArray, steps: int) -> Lifetimes:
     """Lifetimes of long runs of so many steps."""
     return Lifetimes(lifetimes, fates != Fate.KEPT, steps)

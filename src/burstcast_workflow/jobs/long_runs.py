@@ -1,4 +1,4 @@
-"""Long runs of a job's forecaster: where they start."""
+"""Long runs of a job's forecaster: where they start, and how they are made."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,9 +7,15 @@ from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.forecast.starting_points import segments
 from burstcast.forecasters.base import Forecaster
-from burstcast.statistics.long_term import long_term_starting_points
+from burstcast.statistics.long_term import (
+    FixedPointCriterion,
+    LongTermSettings,
+    long_term_starting_points,
+)
+from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import seen_rows
+from burstcast_workflow.jobs.lifetimes import long_run_steps
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 Settings = Mapping[str, Any]
@@ -45,3 +51,29 @@ def long_run_washouts(
         settings["statistics.starting_points"],
     )
     return segments(states, points, washout - 1, 0)
+
+
+def long_term_settings(settings: Settings, time_unit: str | Sequence[str]) -> LongTermSettings:
+    """How long runs are made, and when they are discarded.
+
+    Raises
+    ------
+    ValueError
+        If the runs are shorter than what their ends are judged by.
+    """
+    interval = durations.steps(
+        settings["statistics.fixed_point_interval_lt"], lyapunov_time(settings, time_unit)
+    )
+    try:
+        return LongTermSettings(
+            steps=long_run_steps(settings),
+            edges=edges_of(settings["case.density"]),
+            laminarisation_threshold=settings["case.laminarisation_threshold"],
+            fixed_point=FixedPointCriterion(
+                settings["case.fixed_point.variation"], settings["case.fixed_point.above"], interval
+            ),
+        )
+    except ValueError as error:
+        raise ValueError(
+            f"{error} (statistics.duration, statistics.fixed_point_interval_lt)"
+        ) from error

@@ -145,6 +145,7 @@ _VALUES: dict[str, Any] = {
     "search.tikhonov": [1e-6, 1e-9],
     "search.grid": 3,
     "search.interval_lt": 1.5,
+    "search.choice": "survival",
     "classification.window_lt": 1.5,
     "classification.resolution_lt": 0.25,
     "classification.longest_prediction_time_lt": 3.5,
@@ -209,6 +210,8 @@ _EXPECTED: dict[str, set[str]] = {
     "campaign.0.forecasters.equations": TABLES_OF_FORECASTERS | TABLES_OF_CONTROL,
     "campaign.0.forecasters.equations_noisy": TABLES_OF_FORECASTERS,
     "campaign.0.forecasters.quadratic_filtered": TABLES_OF_FORECASTERS,
+    # what a network is trained with is in another file, and all that comes of it
+    "search.choice": {"survival_choice", "train", "hyperparameters_table"},
     "statistics.forecasters.esn.validation": OF_LONG_RUNS | TABLES_OF_LONG_RUNS,
     "statistics.forecasters.equations": {
         *("long_term/equations", "lyapunov_spectrum/equations"),
@@ -248,7 +251,8 @@ def config_edits() -> list[ConfigEdit]:
         new = _VALUES[name] if name in _VALUES else _another(value)
         if name in _EXPECTED:
             # of the forecasters' own jobs, only those that are new: nothing follows from them
-            expected = _EXPECTED[name] | and_what_follows(_EXPECTED[name] & TABLES)
+            followed = TABLES | {"train"} if name == "search.choice" else TABLES
+            expected = _EXPECTED[name] | and_what_follows(_EXPECTED[name] & followed)
         elif name.startswith(_WITHOUT_EFFECT):
             expected = set()
         elif path[0] == "cases":

@@ -1,22 +1,13 @@
 """Let a forecaster run freely from many points of the training set; keep its statistics."""
 
-from burstcast import durations
-from burstcast.statistics.long_term import (
-    Fate,
-    FixedPointCriterion,
-    LongTermSettings,
-    run_long_term,
-)
+from burstcast.statistics.long_term import Fate, run_long_term
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import Variable
-from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.forecasters import read_forecaster
-from burstcast_workflow.jobs.lifetimes import long_run_steps
-from burstcast_workflow.jobs.long_runs import long_run_washouts
+from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
 from burstcast_workflow.jobs.statistics_files import described_reductions, write_statistics
 from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 def run_freely(
@@ -29,23 +20,9 @@ def run_freely(
     provenance: Provenance,
 ) -> None:
     """Write the forecaster's long-term statistics and what became of each closed loop."""
-    steps = lyapunov_time(settings, time_unit)
     bound = settings["forecaster.divergence_bound"]
     who = read_forecaster(forecaster, settings, time_unit, bound)
-    interval = durations.steps(settings["statistics.fixed_point_interval_lt"], steps)
-    try:
-        how = LongTermSettings(
-            steps=long_run_steps(settings),
-            edges=edges_of(settings["case.density"]),
-            laminarisation_threshold=settings["case.laminarisation_threshold"],
-            fixed_point=FixedPointCriterion(
-                settings["case.fixed_point.variation"], settings["case.fixed_point.above"], interval
-            ),
-        )
-    except ValueError as error:
-        raise ValueError(
-            f"{error} (statistics.duration, statistics.fixed_point_interval_lt)"
-        ) from error
+    how = long_term_settings(settings, time_unit)
     washouts = long_run_washouts(settings, ensemble, time_unit, who)
     run = run_long_term(who, system_of(settings).observable, washouts, how)
     fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)

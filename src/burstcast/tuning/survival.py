@@ -1,0 +1,43 @@
+"""Which of the hyperparameters that the search cannot tell apart survives like the data.
+
+The objective looks at forecasts of a few Lyapunov times. Points within its own error of the best
+one may have closed loops that leave the chaotic phase several times as fast or as slowly as the
+flow does; nothing in the objective sees that.
+"""
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray
+
+
+def as_good_as_the_best(excess: FloatArray, paired_standard_error: FloatArray) -> BoolArray:
+    """Points within one paired standard error of the best, ``(points,)``; it is one of them.
+
+    Parameters
+    ----------
+    excess, paired_standard_error
+        Of `burstcast.tuning.uncertainty.ObjectiveUncertainty`, ``(points,)``. Where the error is
+        not known (NaN), only the best is as good as itself.
+    """
+    return np.asarray(excess <= paired_standard_error)
+
+
+def nearest_escape_rate(rates: FloatArray, wanted: float) -> int:
+    """Position of the rate that is nearest to the wanted one; the first of equals.
+
+    Parameters
+    ----------
+    rates
+        Escape rates of closed loops, the point with the best objective first, ``(points,)``. NaN
+        where all loops left so soon that there is no rate.
+    wanted
+        Of the data. Where it is not known (NaN), or no rate is, the first position is taken.
+
+    Raises
+    ------
+    ValueError
+        If there is no rate.
+    """
+    if rates.size == 0:
+        raise ValueError("there is no point to choose")
+    return int(np.argmin(np.nan_to_num(np.abs(rates - wanted), nan=np.inf)))

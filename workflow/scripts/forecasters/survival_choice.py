@@ -1,0 +1,70 @@
+"""Choose, of hyperparameters that the search cannot tell apart, those that survive best."""
+
+import numpy as np
+
+from burstcast.statistics.long_term import run_long_term
+from burstcast.statistics.survival import escape_rate
+from burstcast.tuning.survival import as_good_as_the_best, nearest_escape_rate
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.harness.tables import read_table, write_table
+from burstcast_workflow.jobs.candidates import candidate
+from burstcast_workflow.jobs.lifetimes import (
+    lifetimes_of_runs,
+    lifetimes_of_training,
+    long_run_steps,
+)
+from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
+from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.jobs.training import training_series
+
+
+def choose_by_survival(
+    *,
+    ensemble: str,
+    time_unit: str | list[str],
+    trace: str,
+    chosen: str,
+    candidates: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write how fast the candidates' long runs escape, and the point that is taken."""
+    interval, confidence = sampling_interval(settings), settings["bootstrap.confidence"]
+    data = escape_rate(
+        lifetimes_of_training(ensemble, settings["case.training.series"]), interval, confidence
+    )
+    points = read_table(trace)
+    good = as_good_as_the_best(
+        points["excess"].to_numpy(dtype=np.float64),
+        points["paired_standard_error"].to_numpy(dtype=np.float64),
+    )
+    points = points[good].sort_values("objective", kind="stable")
+    series, how = training_series(settings, ensemble), long_term_settings(settings, time_unit)
+    rates = []
+    for point in points.to_dict("records"):
+        who = candidate(settings, time_unit, series, {str(key): at for key, at in point.items()})
+        washouts = long_run_washouts(settings, ensemble, time_unit, who)
+        run = run_long_term(who, system_of(settings).observable, washouts, how)
+        lifetimes = lifetimes_of_runs(run.fates, run.lifetimes, long_run_steps(settings))
+        rates.append(escape_rate(lifetimes, interval, confidence))
+    row = nearest_escape_rate(np.array([rate.rate for rate in rates]), data.rate)
+    table = points.assign(
+        escapes=[rate.escapes for rate in rates],
+        escape_rate=[rate.rate for rate in rates],
+        escape_rate_low=[rate.low for rate in rates],
+        escape_rate_high=[rate.high for rate in rates],
+        escape_rate_of_data=data.rate,
+        escape_rate_of_data_low=data.low,
+        escape_rate_of_data_high=data.high,
+        chosen=np.arange(len(points)) == row,
+    )
+    write_table(candidates, table)
+    names = ["spectral_radius", "input_scaling", "tikhonov", "objective", "solver"]
+    write_json(chosen, {**table.iloc[row][names].to_dict(), "provenance": provenance})
+
+
+if __name__ == "__main__":
+    run_job(snakemake, choose_by_survival)  # noqa: F821 - Snakemake puts it there
