@@ -1,0 +1,213 @@
+"""Measured series through the whole workflow.
+
+A simulated ensemble is written to CSV and read as data: everything that does not need equations is
+the same, to the last bit.
+"""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from helpers_rebuilds import Project, digests
+
+from burstcast_workflow.harness.storage import read_json, read_netcdf
+from burstcast_workflow.harness.tables import read_table
+
+FORECASTERS = {
+    "esn": {"neurons": [30], "validation": ["RV"], "seeds": 1},
+    "quadratic_filtered": {},
+    "linear_inverse": {},
+}
+SETTINGS = {
+    "event_threshold": 38,
+    "density": {"bins": 20, "range": [0, 50]},
+    "fixed_point": {"variation": 0.5, "above": 0},
+    "test_series": 5,
+    "training": {"series": 3, "noise": 0.01},
+    "recycle_validation": {"series": 2, "intervals_per_series": 2},
+    "lyapunov": {"published_exponent": 0.906, "orthonormalisation_interval": 0.1},
+}
+SIMULATED = {
+    "system": "lorenz63",
+    **SETTINGS,
+    "lyapunov": {**SETTINGS["lyapunov"], "series": 2},
+    "ensemble": {
+        "series": 9,
+        "time_step": 0.005,
+        "sampling_stride": 4,
+        "transient": 10,
+        "duration": 20,
+    },
+}
+MEASURED = {
+    **SETTINGS,
+    "data": {
+        "files": ["lab/run_*.csv"],
+        "columns": ["x", "y", "z"],
+        "observable": "z",
+        "time_step": 0.02,
+    },
+}
+PART = {"data": {"case": "lorenz", "components": ["x", "r = sqrt(x**2 + y**2)"]}}
+CAMPAIGN = {
+    "forecasters": {"esn": {"backend": "scipy"}, "filter": {"members": 20}},
+    "search": {"grid": 2, "bayesian_points": 1},
+    "classification": {"longest_prediction_time_lt": 3, "prediction_times_lt": [1, 2]},
+    "horizon": {"events": 6, "longest_lead_time_lt": 2},
+    "statistics": {
+        "starting_points": 4,
+        "duration": 10,
+        "fixed_point_interval_lt": 1,
+        "lyapunov_exponents": 2,
+        "lyapunov_runs": 2,
+        "floor_splits": 2,
+    },
+    "bootstrap": {"resamples": 20},
+    "control": {"forecasters": {"esn": None, "equations": None}},
+    "figures": {
+        "example_case": "lorenz",
+        "example_forecaster": "esn-N30-RV-seed0",
+        "fixed_neurons": 30,
+        "example_prediction_time_lt": 1,
+        "fixed_prediction_time_lt": 1,
+        "reynolds_prediction_times_lt": [1],
+    },
+}
+
+
+def campaign(results, cases):
+    blocks = [{"cases": list(cases), "forecasters": FORECASTERS}]
+    return {"results": f"results/{results}", "campaign": blocks, "cases": cases, **CAMPAIGN}
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory, job_server):
+    """Both campaigns: simulated with a part of it beside, and the same series from files."""
+    directory = tmp_path_factory.mktemp("measured") / "project"
+    project = Project.create(directory, job_server, "simulated.yaml")
+    simulated = campaign("simulated", {"lorenz": SIMULATED, "part": PART})
+    (directory / "simulated.yaml").write_text(yaml.safe_dump(simulated))
+    outcome = project.snakemake("forecasters", "tables")
+    assert outcome.status == 0, outcome.text[-3000:]
+    (directory / "lab").mkdir()
+    states = read_netcdf(directory / "results/simulated/lorenz/ensemble.nc")["state"]
+    for number, series in enumerate(states, 4):  # run_10 after run_9
+        np.savetxt(directory / f"lab/run_{number}.csv", series, delimiter=",", fmt="%.17g")
+    measured = campaign("measured", {"lorenz": MEASURED})
+    (directory / "measured.yaml").write_text(yaml.safe_dump(measured))
+    project = replace(project, preset="measured.yaml")
+    outcome = project.snakemake("forecasters", "tables")
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert "lorenz: measured series; off: " in outcome.text
+    return project
+
+
+def test_the_ensemble_is_the_same(project):
+    one, other = (
+        read_netcdf(project.directory / f"results/{name}/lorenz/ensemble.nc")
+        for name in ("simulated", "measured")
+    )
+    assert set(one) == set(other)
+    for name, array in one.items():
+        np.testing.assert_array_equal(other[name], array)
+
+
+def test_networks_and_all_else_that_learns_are_the_same(project):
+    network = "esn-N30-RV-seed0"
+    for forecaster in (network, "quadratic_filtered", "linear_inverse"):
+        long_runs = ("long_term", "lyapunov_spectrum") if forecaster == network else ()
+        for file in ("forecaster", "forecast", "horizon", "calibration_forecast", *long_runs):
+            one, other = (
+                read_netcdf(project.directory / f"results/{name}/lorenz/{forecaster}/{file}.nc")
+                for name in ("simulated", "measured")
+            )
+            assert set(one) == set(other)
+            for name, array in one.items():
+                np.testing.assert_array_equal(other[name], array, err_msg=f"{forecaster} {file}")
+
+
+def of_lorenz(path):
+    table = read_table(path)
+    kept = table["case"] == "lorenz"
+    if path.name.startswith(("lyapunov_spectrum", "kaplan_yorke")):  # data: those of equations
+        kept &= table["forecaster"] != "data"
+    return table[kept].reset_index(drop=True)
+
+
+def test_tables_are_the_same(project):
+    simulated, measured = (
+        project.directory / "results" / name / "tables" for name in ("simulated", "measured")
+    )
+    names = {path.name for path in measured.glob("*.csv")}
+    others = {path.name for path in simulated.glob("*.csv")} - names
+    assert others == {"data_generation_parameters.csv"}  # of what is simulated
+    compared = {name for name in names if "case" in read_table(simulated / name)} - {"dataset.csv"}
+    assert {"classification.csv", "horizon.csv", "statistics.csv", "survival.csv"} < compared
+    assert {"probability_scores.csv", "lead_times.csv", "hyperparameters.csv"} < compared
+    for name in compared:
+        assert of_lorenz(simulated / name).equals(of_lorenz(measured / name)), name
+    one, other = of_lorenz(simulated / "dataset.csv"), of_lorenz(measured / "dataset.csv")
+    by_equations = [name for name in one if name.startswith("lyapunov_exponent")]
+    assert one.drop(columns=by_equations).equals(other.drop(columns=by_equations))
+    exponent = read_json(project.directory / "results/measured/lorenz/lyapunov.json")["leading"]
+    assert other["lyapunov_exponent"][0] == exponent["mean"]
+    assert exponent["low"] < exponent["mean"] < exponent["high"]
+
+
+def test_a_part_of_the_state(project):
+    """The observable is seen as one more component, and scored as what it truly is."""
+    results = project.directory / "results/simulated"
+    whole, part = (read_netcdf(results / case / "ensemble.nc") for case in ("lorenz", "part"))
+    x, y, z = whole["state"].transpose(2, 0, 1)
+    expected = np.stack([x, np.sqrt(x * x + y * y), z], axis=2)
+    np.testing.assert_array_equal(part["state"], expected)
+    np.testing.assert_array_equal(part["observable"], whole["observable"])
+    one, other = (read_netcdf(results / case / "evaluation_set.nc") for case in ("lorenz", "part"))
+    np.testing.assert_array_equal(one["largest"], other["largest"])
+    dataset = read_table(results / "tables/dataset.csv").set_index("case")
+    assert dataset.loc["part", "lyapunov_exponent"] == dataset.loc["lorenz", "lyapunov_exponent"]
+    table = read_table(results / "tables/classification.csv")
+    assert set(table["case"]) == {"lorenz", "part"}
+    spectrum = read_table(results / "tables/lyapunov_spectrum.csv")
+    with_data = spectrum.loc[spectrum["forecaster"] == "data", "case"]
+    assert set(with_data) == {"lorenz"}
+
+
+@pytest.mark.long
+def test_what_an_edit_of_the_data_runs_again(project, tmp_path):
+    copy = project.copy(tmp_path / "project")
+    assert copy.dry_run("forecasters", "tables") == {}
+    path = copy.directory / "lab/run_12.csv"  # of the test series
+    text = path.read_text()
+    path.write_text(text + "\n")  # the same numbers, another content
+    assert "import_data" in copy.dry_run("forecasters", "tables")
+    before = digests(copy.directory / "results/measured/tables")
+    outcome = copy.snakemake("forecasters", "tables")
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert digests(copy.directory / "results/measured/tables") == before
+    assert "train" not in outcome.text
+    lines = text.splitlines()
+    lines[6] = lines[6].replace(lines[6].split(",")[1], "nan")
+    path.write_text("\n".join(lines))
+    outcome = copy.snakemake("forecasters", "tables")
+    assert outcome.status == 1
+    message = "lab/run_12.csv: column 'y' has no number in row 7 of 1001: fill gaps"
+    assert message in outcome.text
+
+
+def test_the_record_names_the_files(project):
+    record = project.directory / "results/measured/.records/lorenz/ensemble.nc.json"
+    inputs = json.loads(record.read_text())["inputs"]
+    assert [name for name in inputs if name.endswith("lab/run_10.csv")]
+    assert len(inputs) == 9
+
+
+@pytest.mark.long
+def test_figures_of_measured_series(project):
+    figures = ("observable_and_density", "energy_density", "prediction_examples")
+    paths = [f"results/measured/figures/{name}.png" for name in figures]
+    outcome = project.snakemake(*paths)
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert all((project.directory / path).stat().st_size > 5000 for path in paths)
