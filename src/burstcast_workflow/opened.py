@@ -204,7 +204,7 @@ class OpenedCampaign:
         return read_forecaster(
             str(self.results / one.directory / "forecaster.nc"),
             settings,
-            str(self.results / one.case / "lyapunov.json"),
+            str(self.results / self._campaign.source_case(one.case) / "lyapunov.json"),
             settings["forecaster.divergence_bound"],
         )
 
