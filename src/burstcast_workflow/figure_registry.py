@@ -13,6 +13,7 @@ from typing import Any
 
 from burstcast_workflow.alarms import shown_committees
 from burstcast_workflow.campaign import Campaign, CaseForecaster, ControlRun
+from burstcast_workflow.config.measured_cases import OBSERVABLE
 from burstcast_workflow.setting_groups import listed
 
 Cases = Callable[[Campaign], Sequence[str]]
@@ -104,6 +105,16 @@ def _frontier_network(campaign: Campaign, case: str) -> dict[str, Any] | None:
     return None if name is None else name.keys
 
 
+def _observed(campaign: Campaign, case: str) -> dict[str, int]:
+    """How many components are observed beside the observable, in a case and in its parts."""
+    parts = {
+        part: sum(name != OBSERVABLE for name in campaign.cases[part]["data"]["components"])
+        for part in campaign.measured_cases
+        if campaign.source_case(part) == case
+    }
+    return {case: campaign.dimension(case), **parts} if parts else {}
+
+
 def _strategies(campaign: Campaign, case: str) -> list[str]:
     names = {one.name.validation for one in campaign.networks if one.case == case}
     return sorted((str(name) for name in names), reverse=True)
@@ -148,6 +159,7 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
     "shown_neurons": lambda campaign, case: campaign.example.name.neurons,
     "shown_validation": lambda campaign, case: campaign.example.name.validation,
+    "observed": _observed,
     "strategies": _strategies,
     "rows": lambda campaign, case: campaign.keys(long_term_candidates(campaign, case)),
     "prediction_time_lt": lambda campaign, case: getattr(
@@ -186,6 +198,11 @@ def _with_reynolds(campaign: Campaign) -> list[str]:
 
 def _with_committees(campaign: Campaign) -> list[str]:
     return [case for case in _example(campaign) if shown_committees(campaign, case)]
+
+
+def _with_parts(campaign: Campaign) -> list[str]:
+    """Cases that others are parts of."""
+    return [case for case in _every(campaign) if _observed(campaign, case)]
 
 
 def _with_long_term(campaign: Campaign) -> list[str]:
@@ -368,6 +385,12 @@ FIGURES: Mapping[str, Figure] = {
         "figures.fixed_neurons figures.reynolds_prediction_times_lt",
         cases=_with_reynolds,
         published=True,
+    ),
+    "observed_components": Figure(
+        {"percentiles": "tables/classification_percentiles.csv"},
+        "figures.fixed_neurons figures.reynolds_prediction_times_lt",
+        "observed",
+        _with_parts,
     ),
     "long_term_density": Figure(
         _OF_STATISTICS,
