@@ -26,6 +26,7 @@ from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.midplane_planes import midplane_planes
 from burstcast.figures.network_schematic import network_schematic
 from burstcast.figures.observable_and_density import observable_and_density
+from burstcast.figures.observed_components import observed_components
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.figures.prediction_schematic import prediction_schematic
@@ -249,6 +250,25 @@ def reynolds_rows(metric: str, times: tuple[float, ...] | None) -> pd.DataFrame:
     )
 
 
+def parts_rows() -> pd.DataFrame:
+    """F-scores of networks and learnt equations in parts of a case, and in the whole."""
+    rows = [
+        percentile_rows(
+            {"f_score": scale},
+            sizes=(500.0, 1000.0),
+            validations=("RV",),
+            prediction_times=PREDICTION_TIMES,
+            case=case,
+        )
+        for case, scale in (("Re400", 0.95), ("one", 0.6), ("four", 0.8), ("another", 0.1))
+    ]
+    networks = pd.concat(rows)
+    learnt = networks[networks["neurons"] == 500].assign(
+        forecaster="quadratic_filtered", neurons=np.nan, validation=None
+    )
+    return pd.concat([networks, learnt])
+
+
 ALARMS = {  # how good, between 0 and 1
     "esn_committee": 0.9,
     "esn": 0.8,
@@ -414,6 +434,9 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         reynolds_rows("f_score", PREDICTION_TIMES),
         2000,
         [2.0, 3.0],
+    ),
+    "observed_components": lambda: observed_components(
+        parts_rows(), {"Re400": 9, "one": 1, "four": 4}, 1000, [2.0, 3.0]
     ),
     "search_landscape": lambda: search_landscape(search_trace()),
     "nothing_to_show": lambda: nothing_to_show("No event was predicted from any start."),

@@ -17,6 +17,7 @@ from gallery_figures import (
     alarm_rows,
     committee_forecasts,
     frontier_rows,
+    parts_rows,
     reliability_rows,
     reynolds_rows,
     score_rows,
@@ -45,6 +46,7 @@ from burstcast.figures.forecast_skill import forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
 from burstcast.figures.observable_and_density import observable_and_density
+from burstcast.figures.observed_components import observed_components
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
 from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.percentile_curves import nearest_value, select
@@ -156,6 +158,19 @@ def test_by_reynolds_draws_a_single_reynolds_number() -> None:
     scores = reynolds_rows("f_score", PREDICTION_TIMES).query("reynolds == 400")
     figure = by_reynolds(horizon, scores, 2000, [2.0])
     assert overlapping_texts(drawn_texts(figure)) == []
+
+
+def test_observed_components_are_in_their_order() -> None:
+    scores = parts_rows()
+    counts = {"Re400": 9, "one": 1, "four": 4}
+    figure = observed_components(scores, counts, 1000, [2.0, 3.0])
+    chosen = select(scores, forecaster="esn", neurons=1000.0, prediction_time_lt=3.0)
+    medians = chosen.set_index("case")["p50"]
+    panel = figure.axes[1]
+    assert lines_with(panel, [medians["one"], medians["four"], medians["Re400"]]) == 1
+    assert list(panel.get_xticks()) == [1, 4, 9]
+    with pytest.raises(ValueError, match="no forecaster has scores in the cases none"):
+        observed_components(scores, {"none": 1}, 1000, [2.0])
 
 
 def test_events_are_shaded_where_the_signal_exceeds_the_threshold() -> None:

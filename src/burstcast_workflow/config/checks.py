@@ -125,6 +125,8 @@ def _known_cases(config: Settings) -> list[str]:
 
 
 def _campaign(config: Settings) -> Iterator[str]:
+    if config["case_defaults"].get("data") is not None:
+        yield "case_defaults.data must be null: each case has data of its own, in cases.<name>.data"
     connectivity = config["forecasters"]["esn"]["connectivity"]
     known = _known_cases(config)
     for index, block in enumerate(config["campaign"]):
