@@ -65,7 +65,8 @@ def changed(overlay):
 
 def test_the_paper_has_all_figures_and_those_of_other_cases():
     names = figure_names(PAPER)
-    assert set(FIGURES) - set(names) == {"control_frontier"}  # of other strategies than the paper's
+    # of other strategies than the paper's, and of parts of a state
+    assert set(FIGURES) - set(names) == {"control_frontier", "observed_components"}
     for case in ("Re600", "Re800", "Re1000"):
         assert f"classification_scores_{case}" in names
         # one size only: nothing to draw against
@@ -89,6 +90,17 @@ def test_the_frontier_is_made_where_other_strategies_control():
     shown = settings(frontier, "control_frontier")["frontier_network"]
     assert shown == {"forecaster": "esn", "neurons": 1000, "validation": "RV", "seed": 0}
     assert settings(PAPER, "control_frontier", "Re800")["frontier_network"]["seed"] == 0
+
+
+def test_parts_of_a_state_are_shown_beside_the_whole():
+    overlay = yaml.safe_load((WORKFLOW / "presets" / "partial_observation.yaml").read_text())
+    parts = campaign(overlay)
+    assert "observed_components" in figure_names(parts)
+    counts = {f"modes_{number}": number for number in (1, 2, 4, 6, 8)}
+    expected = {"Re400": 9, "energy": 0, **counts}
+    assert settings(parts, "observed_components")["observed"] == expected
+    flows = {"midplane_planes", "vorticity_isosurfaces"}
+    assert flows <= set(figure_names(parts))  # of the whole only
 
 
 def test_figure_over_reynolds_numbers_takes_each_once():
