@@ -9,6 +9,9 @@ min_version("9.20")
 configfile: f"{workflow.current_basedir}/config.yaml"
 
 
+report: "workflow/report/workflow.rst"
+
+
 include: "workflow/rules/common.smk"
 include: "workflow/rules/data.smk"
 include: "workflow/rules/forecasters.smk"

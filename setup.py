@@ -1,5 +1,7 @@
 """What pyproject.toml cannot say: a wheel has the workflow's files inside burstcast_workflow."""
 
+import os
+import runpy
 import shutil
 from pathlib import Path
 
@@ -33,13 +35,15 @@ class BuildWithWorkflow(build_py):
                 shutil.copytree(source, target / name, ignore=without)
             else:
                 shutil.copy2(source, target / name)
-        if (ROOT / ".git").exists():
-            # the module itself is not importable here: nothing is installed yet
-            code = (ROOT / "src" / "burstcast_workflow" / "project.py").read_text(encoding="utf-8")
-            names = {"__file__": str(ROOT / "src" / "burstcast_workflow" / "project.py")}
-            exec(compile(code, names["__file__"], "exec"), names)
-            revision = names["git_revision"](ROOT)
+        if revision := os.environ.get("BURSTCAST_REVISION") or self.revision():
             (target / "revision.txt").write_text(f"{revision}\n", encoding="utf-8")
+
+    def revision(self):
+        """Git revision of these sources; None where they are not in a repository."""
+        if not (ROOT / ".git").exists():
+            return None
+        # nothing is installed yet: the module is run as a file
+        return runpy.run_path(str(ROOT / "src/burstcast_workflow/project.py"))["git_revision"](ROOT)
 
 
 setup(cmdclass={"build_py": BuildWithWorkflow})

@@ -16,12 +16,12 @@ import platform
 import sys
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from burstcast_workflow.harness.cache import library_version
 from burstcast_workflow.harness.records import DIRECTORY
 from burstcast_workflow.harness.run import CLAIM
 from burstcast_workflow.project import project_root, source_revision
@@ -60,19 +60,13 @@ def versions(results: Path) -> dict[str, Any]:
         The results directory. Each record says the revision of its job; a campaign that was edited
         while it grew has several.
     """
-    found = {}
-    for library in LIBRARIES:
-        try:
-            found[library] = version(library)
-        except PackageNotFoundError:
-            found[library] = "not installed"
     revisions: dict[str, int] = {}
     for path in sorted((results / DIRECTORY).rglob("*.json")):
         revision = json.loads(path.read_bytes()).get("revision") or "unknown"
         revisions[revision] = revisions.get(revision, 0) + 1
     return {
         "python": platform.python_version(),
-        "libraries": found,
+        "libraries": {library: library_version(library) for library in LIBRARIES},
         "revision": source_revision(),
         "files by revision": dict(sorted(revisions.items())),
     }

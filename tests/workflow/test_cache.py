@@ -86,7 +86,7 @@ def test_what_is_written_otherwise_is_the_same(place, same):
 
 def test_library_versions_count(place, monkeypatch):
     run(place)
-    monkeypatch.setattr(cache, "_version", lambda library: "99.0")
+    monkeypatch.setattr(cache, "library_version", lambda library: "99.0")
     assert not run(place, "b", "another result")
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import yaml
 from snakemake.utils import update_config
 
+from burstcast.backends import usable_backend
 from burstcast_workflow.canonical import canonical
 from burstcast_workflow.config.cases import Config
 from burstcast_workflow.config.checks import contradictions
@@ -71,6 +72,9 @@ def load(
         raise ConfigError(problems)
     loaded: Config = canonical(config, "config")
     loaded["results"] = posixpath.normpath(loaded["results"])
+    # a platform that cannot compile says so once, here, and every file says what it was made with
+    networks = loaded["forecasters"]["esn"]
+    networks["backend"] = usable_backend(networks["backend"])
     return loaded
 
 

@@ -32,7 +32,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -95,7 +95,7 @@ def entry_key(
         "identity": identity,
         "settings": settings,
         "code": sorted(code),
-        "libraries": {name: _version(name) for name in LIBRARIES},
+        "libraries": {name: library_version(name) for name in LIBRARIES},
         "python": ".".join(platform.python_version_tuple()[:2]),
         "machine": platform.machine(),
         "inputs": inputs,
@@ -105,8 +105,12 @@ def entry_key(
 
 
 @cache
-def _version(library: str) -> str:
-    return version(library)
+def library_version(library: str) -> str:
+    """Version of a library; not every platform has all of them."""
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return "not installed"
 
 
 # -- entries ---------------------------------------------------------------------------------------

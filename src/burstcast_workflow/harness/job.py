@@ -30,7 +30,14 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from burstcast_workflow.canonical import canonical, canonical_json
-from burstcast_workflow.harness.cache import LIBRARIES, entry_key, location, restore, store
+from burstcast_workflow.harness.cache import (
+    LIBRARIES,
+    entry_key,
+    library_version,
+    location,
+    restore,
+    store,
+)
 from burstcast_workflow.harness.code_check import check_code, script_of
 from burstcast_workflow.harness.records import Inputs, Records
 from burstcast_workflow.harness.run import Run
@@ -156,7 +163,7 @@ def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Prov
         "settings": canonical_json(dict(settings)),
         "python": platform.python_version(),
     }
-    return {**record, **{library: version(library) for library in LIBRARIES}}
+    return {**record, **{library: library_version(library) for library in LIBRARIES}}
 
 
 def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
