@@ -9,7 +9,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import numpy as np
 
@@ -25,6 +25,13 @@ from burstcast.forecasters.base import Forecaster, ForecasterRecord, Forecasting
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.probability.alarms import best_threshold
 from burstcast.probability.calibration import UNCALIBRATED, Calibration, isotonic
+from burstcast.probability.members import (
+    EnsembleForecaster,
+    has_members,
+    leave_one_out_member_summaries,
+    member_forecasts,
+    member_summaries,
+)
 from burstcast.probability.out_of_sample import leave_one_out_summaries
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.scores import probability_scores
@@ -108,7 +115,8 @@ class EventForecaster(Estimator):
     kind
         Of forecasters, a module of `burstcast.forecasters`: "esn", "quadratic", "analogues", ...
     members
-        Networks of the committee. Of other kinds there is one, whose votes are 0 and 1.
+        Networks of the committee. Of other kinds, the members of a forecaster's ensemble vote
+        (filters, analogues), or it votes alone, with 0 and 1.
     neurons
         Size of each network.
     validation
@@ -145,7 +153,7 @@ class EventForecaster(Estimator):
     Attributes
     ----------
     members_
-        The forecasters.
+        The forecasters: one where the members of its ensemble vote.
     hyperparameters_
         What the search has found for each network.
     event_threshold_
@@ -260,20 +268,8 @@ class EventForecaster(Estimator):
         self.classes_ = np.array([False, True])
         self.alarms_ = dict.fromkeys(self._times(), Alarm(UNCALIBRATED, 0.5))
         if self.calibrate:
-            with _divergence_is_a_result():
-                votes = [
-                    leave_one_out_summaries(
-                        member,
-                        observed,
-                        case,
-                        washout,
-                        case.system.observable,
-                        segments(observed, points, washout - 1, 0),
-                        points.series,
-                        boundaries,
-                    )[0]
-                    for member in members
-                ]
+            washouts = segments(observed, points, washout - 1, 0)
+            votes = self._out_of_sample(observed, case, washouts, points, boundaries)
             for time in self._times():
                 outcomes = self._outcomes(states, observed, points, votes, time).total()
                 if not outcomes.levels.size:
@@ -306,6 +302,8 @@ class EventForecaster(Estimator):
         steps = self._boundaries()[-1] if duration is None else self._whole("duration", duration, 1)
         washouts = np.ascontiguousarray(self._washouts(series).transpose(1, 2, 0))
         with _divergence_is_a_result():
+            if (ensemble := self._ensemble()) is not None:
+                return member_forecasts(ensemble, washouts, steps).transpose(2, 3, 0, 1)
             outputs = [
                 member.advance(member.start(washouts), steps)[0].transpose(2, 0, 1)
                 for member in self.members_
@@ -667,6 +665,11 @@ class EventForecaster(Estimator):
         if not hasattr(self, "members_"):
             raise RuntimeError("this EventForecaster is not fitted yet: call fit first")
 
+    def _ensemble(self) -> EnsembleForecaster | None:
+        """The one forecaster, where the members of its ensemble vote."""
+        first = self.members_[0]
+        return cast(EnsembleForecaster, first) if has_members(type(first)) else None
+
     def _like_training(self, states: FloatArray) -> FloatArray:
         self._check_fitted()
         if states.shape[2] != self.components_:
@@ -684,10 +687,28 @@ class EventForecaster(Estimator):
             )
         return states[:, -washout:]
 
+    def _out_of_sample(
+        self,
+        observed: FloatArray,
+        case: ForecastingCase,
+        washouts: FloatArray,
+        points: SeriesPoints,
+        boundaries: tuple[int, ...],
+    ) -> list[WindowSummaries]:
+        """Window summaries of forecasts of the training series without what each has taught."""
+        known = observed, case, washouts.shape[1], case.system.observable
+        asked = washouts, points.series, boundaries
+        with _divergence_is_a_result():
+            if (ensemble := self._ensemble()) is not None:
+                return leave_one_out_member_summaries(ensemble, *known, *asked)
+            return [leave_one_out_summaries(one, *known, *asked)[0] for one in self.members_]
+
     def _summaries(self, washouts: FloatArray) -> list[WindowSummaries]:
         """Window summaries of all members' forecasts from the ends of washouts."""
         observable, boundaries = self._case(self.components_).system.observable, self._boundaries()
         with _divergence_is_a_result():
+            if (ensemble := self._ensemble()) is not None:
+                return member_summaries(ensemble, observable, washouts, boundaries)
             return [
                 forecast_summaries(member, observable, washouts, boundaries)[0]
                 for member in self.members_

@@ -91,6 +91,12 @@ def test_a_forecaster_without_a_search_is_the_workflows(finished):
     assert set(stored) == set(record.arrays)
     for name, array in stored.items():
         assert_array_equal(record.arrays[name], array)
+    # the members of the filter's ensemble vote
+    alarms = read_json(results / CASE / "calibration.json")["alarms"]
+    for time, alarm in found.alarms_.items():
+        rule = alarms["quadratic_filtered-committee"]["1"][f"{time:g}"]["calibrated"]
+        assert alarm.calibration.values.tolist() == rule["values"]
+        assert alarm.calibration.probabilities.tolist() == rule["probabilities"]
 
 
 def test_the_options_of_kinds_are_those_of_the_config():
