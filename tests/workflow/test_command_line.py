@@ -145,6 +145,26 @@ def test_a_study_plans(tmp_path):
     assert "train (4)" in why
 
 
+PAGE = (ROOT / "docs" / "installing.md").read_text(encoding="utf-8")
+
+
+def test_the_page_has_all_commands(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    known = re.findall(r"^    ([a-z-]+)(?: |$)", capsys.readouterr().out, re.MULTILINE)
+    assert sorted(re.findall(r"^\| `burstcast ([a-z-]+)", PAGE, re.MULTILINE)) == sorted(known)
+    assert len(known) == 8
+
+
+def test_the_module_of_the_page_plans(tmp_path):
+    (module,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    (tmp_path / "Snakefile").write_text(module)
+    shutil.copy(presets()["tiny"], tmp_path / "config.yaml")
+    command = [sys.executable, "-m", "snakemake", "--dry-run", "--cores", "1"]
+    said = said_by([*command, "results/tiny/tables/horizon.csv"], tmp_path)
+    assert re.search(r"^burstcast_train +4$", said, re.MULTILINE)
+
+
 @pytest.mark.long
 def test_a_study_may_have_rules_of_its_own(tmp_path):
     said_by([*COMMAND, "init", "study", "--preset", "tiny"], tmp_path)
