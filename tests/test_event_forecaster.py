@@ -290,7 +290,7 @@ def test_a_function_is_not_saved_but_given_again(training, test_series, tmp_path
         ({"window": 0.001}, "not a single sample"),
         ({"event_threshold": 1e3}, "no event to learn from"),
         ({"event_threshold": {"quantil": 0.9}}, "a number or {'quantile': q}"),
-        ({"event_threshold": {"quantile": 1.5}}, "q between 0 and 1"),
+        ({"event_threshold": {"quantile": 1.5}}, "a quantile lies between 0 and 1, not at 1.5"),
         ({"observable": 3}, "observable is component 3, but the series have 3: 0 to 2"),
         ({"kind": "ens"}, "unknown kind of forecaster 'ens'"),
         ({"validation": "RVV"}, "unknown validation strategy"),

@@ -19,6 +19,7 @@ from burstcast.backends import usable_backend
 from burstcast.dataset import Scales, component_scales, observed_series
 from burstcast.discovery import suggestion
 from burstcast.estimator import Estimator
+from burstcast.event_threshold import threshold_at
 from burstcast.forecast.starting_points import SeriesPoints, segments, starting_points
 from burstcast.forecast.windows import WindowSummaries, crosses, forecast_summaries, summarise
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
@@ -569,13 +570,11 @@ class EventForecaster(Estimator):
     def _threshold(self, observable: FloatArray) -> float:
         given = self.event_threshold
         if isinstance(given, Mapping):
-            share = given.get("quantile")
-            if list(given) != ["quantile"] or not 0 < float(share or 0) < 1:
+            if list(given) != ["quantile"]:
                 raise ValueError(
-                    f"event_threshold must be a number or {{'quantile': q}} with q between 0 and "
-                    f"1, not {dict(given)}"
+                    f"event_threshold must be a number or {{'quantile': q}}, not {dict(given)}"
                 )
-            return float(np.quantile(observable, float(share or 0)))
+            return threshold_at(given["quantile"], observable)
         threshold = float(given)
         low, high = float(observable.min()), float(observable.max())
         if not low < threshold <= high:
