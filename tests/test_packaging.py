@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import docutils.core
 import jinja2
 import pytest
 import yaml
@@ -129,7 +130,10 @@ def test_the_text_of_the_report_says_which_campaign():
         config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
 
     text = (ROOT / "workflow" / "report" / "workflow.rst").read_text(encoding="utf-8")
-    said = jinja2.Template(text).render(snakemake=Snakemake)
+    said = jinja2.Template(text, trim_blocks=True).render(snakemake=Snakemake)
+    assert "problematic" not in docutils.core.publish_string(
+        said, writer="html5", settings_overrides={"halt_level": 2, "output_encoding": "unicode"}
+    )
     assert "``results/paper``" in said
     assert "* Reynolds numbers 400: esn, equations, equations_noisy\n" in said
     assert "* Reynolds numbers 600, 800, 1000: " in said
