@@ -43,8 +43,8 @@ _README = """\
 # {name}
 
 A study with burstcast, the forecasting and control of extreme events after
-[Racca & Magri](https://arxiv.org/abs/2204.11682). `config.yaml` says what is computed, and `Snakefile`
-takes the workflow of the installed package as a module.
+[Racca & Magri](https://arxiv.org/abs/2204.11682). `config.yaml` says what is computed, and
+`Snakefile` takes the workflow of the installed package as a module.
 
     snakemake            # runs all that is not there yet; after Ctrl-C it goes on from there
     burstcast why        # what would run again after an edit, and why
