@@ -65,7 +65,7 @@ def statistics_table(
             ),
         }
         for metric, values in samples.items():
-            if metric in OF_SOME_CASES and matrices[case] is None:
+            if metric in OF_SOME_CASES and matrices is None:
                 continue
             low, high = percentile_interval(values, settings["bootstrap.confidence"])
             ends.append({**record["keys"], "metric": metric, "low": low, "high": high})
