@@ -804,3 +804,4 @@ def test_without_laminarisation_nothing_survives_better(config):
     assert "search.choice is survival" in only_problem(config)
     config["search"]["choice"] = "best"
     load(config)
+    assert problems(config) == []
