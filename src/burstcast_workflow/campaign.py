@@ -13,7 +13,7 @@ from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import module_of
 from burstcast_workflow.canonical import canonical, natural_order
-from burstcast_workflow.config.cases import block_cases, case_records
+from burstcast_workflow.config.cases import block_cases, case_records, realisation_of
 from burstcast_workflow.config.measured_cases import is_measured, space_of
 from burstcast_workflow.control_plans import CONDITIONS, ControlPlan, block_plans, paper_plan
 from burstcast_workflow.identifiers import ForecasterName, parsed
@@ -448,6 +448,22 @@ class Campaign:
     def measured_cases(self) -> tuple[str, ...]:
         """Cases of measured series."""
         return tuple(case for case in self.case_names if not self.has_equations(case))
+
+    @property
+    def realised_cases(self) -> tuple[str, ...]:
+        """Cases that differ from others by their training series only."""
+        return tuple(case for case in self.case_names if realisation_of(case)[1])
+
+    def families(self) -> list[Settings]:
+        """Cases with several choices of training series: key columns, and all that belong to it."""
+        bases = dict.fromkeys(realisation_of(case)[0] for case in self.realised_cases)
+        return [
+            {
+                "keys": {"case": base, "reynolds": self.reynolds(base)},
+                "cases": [case for case in self.case_names if realisation_of(case)[0] == base],
+            }
+            for base in bases
+        ]
 
     def source_case(self, case: str) -> str:
         """Case that a case is a part of, or itself: whose Lyapunov exponents and series it has."""

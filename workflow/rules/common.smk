@@ -11,6 +11,7 @@ from pathlib import Path
 from burstcast_workflow.alarms import alarm_records, records_of, shown_committees
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.cases import own_modules
+from burstcast_workflow.config.cases import realisation_of
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF, data_files
 from burstcast_workflow.cost_report import write_forecaster_costs
@@ -391,11 +392,22 @@ def one_of(cases):
 
 # Who makes the ensemble of a case.
 SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
+REALISED = one_of(campaign.realised_cases)
+INTEGRATED, IMPORTED = (
+    one_of(case for case in cases if case not in campaign.realised_cases)
+    for cases in (campaign.simulated_cases, campaign.measured_cases)
+)
 if workflow.is_main_process and campaign.measured_cases:
     print(
         f"{', '.join(campaign.measured_cases)}: measured series; off: {OFF}",
         file=sys.stderr,
     )
+
+
+@of_job
+def ensemble_of_source(wildcards):
+    """The ensemble that a case of other training series takes its series from."""
+    return f"{RESULTS}/{realisation_of(wildcards.case)[0]}/ensemble.nc"
 
 
 @of_job

@@ -7,7 +7,7 @@ stage(
     settings="SYSTEM random_seed case.ensemble case.laminarisation_threshold",
     cost="integration",
     cached=True,
-    constraints={"case": SIMULATED},
+    constraints={"case": INTEGRATED},
 )
 stage(
     "data/import_data",
@@ -17,7 +17,19 @@ stage(
     settings="SYSTEM case.data case.ensemble.time_step case.ensemble.sampling_stride "
     "case.laminarisation_threshold case.training.series case.test_series",
     cost="data",
-    constraints={"case": MEASURED},
+    constraints={"case": IMPORTED},
+)
+stage(
+    # the series of another case, those that are trained on being others
+    "data/training_realisation",
+    "choose other training series",
+    inputs={"source": ensemble_of_source},
+    outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
+    settings="SYSTEM case.ensemble.time_step case.ensemble.sampling_stride "
+    "case.training.series case.test_series probability.calibration_series",
+    cost="data",
+    constraints={"case": REALISED},
+    realisation=of_job(lambda wildcards: realisation_of(wildcards["case"])[1]),
 )
 stage(
     "data/event_threshold",

@@ -177,6 +177,21 @@ stage(
     "search.spectral_radius search.input_scaling search.tikhonov",
     cases=campaign.of_each_case("case.training.noise"),
 )
+# Tables whose scatter over seeds is told apart from that over training sets.
+SCATTERED = [
+    name
+    for name in ("classification", "horizon", "statistics", "survival")
+    if name in campaign.table_names
+]
+stage(
+    "tables/training_realisations",
+    "scatter over training sets and over seeds",
+    inputs={"tables": [f"{TABLES}/{name}.csv" for name in SCATTERED]},
+    outputs={"table": f"{TABLES}/training_realisations.csv"},
+    names=SCATTERED,
+    families=campaign.families(),
+    kinds=sorted({one.name.kind for one in campaign.forecasters}),
+)
 stage(
     "tables/latex",
     "typeset in LaTeX",

@@ -16,15 +16,34 @@ Config = dict[str, Any]
 _REYNOLDS_NAME = re.compile(r"Re(\d+(?:\.\d+)?)")
 
 
+_REALISATION = re.compile(r"(.+)-training([1-9]\d*)")
+
+
+def realisation_of(name: str) -> tuple[str, int]:
+    """Case that a case differs from by its training series only, and which choice of them it has.
+
+    ``Re400-training2`` is the second other choice of ``Re400``; choice 0 is a case's own.
+    """
+    match = _REALISATION.fullmatch(name)
+    return (match[1], int(match[2])) if match else (name, 0)
+
+
 def case_name(reynolds: float) -> str:
     """Name of the shear flow's case at a Reynolds number: Re400, Re412.5."""
     return f"Re{canonical(reynolds)}"
 
 
 def block_cases(block: Mapping[str, Any]) -> list[str]:
-    """Names of the cases of one block of the campaign, each once."""
+    """Names of the cases of one block of the campaign, each once.
+
+    With ``realisations``, each is followed by those with other training series.
+    """
     names = [case_name(reynolds) for reynolds in block.get("reynolds", [])]
-    return list(dict.fromkeys([*names, *block.get("cases", [])]))
+    return [
+        f"{name}-training{number}" if number else name
+        for name in dict.fromkeys([*names, *block.get("cases", [])])
+        for number in range(block.get("realisations", 1))
+    ]
 
 
 def campaign_cases(config: Mapping[str, Any]) -> list[str]:
@@ -42,13 +61,15 @@ def case_records(config: Mapping[str, Any]) -> dict[str, Config]:
 
     Measured series have records of their own (`burstcast_workflow.config.measured_cases`).
 
-    A name ``Re<number>`` sets the parameter ``reynolds``.
+    A name ``Re<number>`` sets the parameter ``reynolds``. A case of other training series
+    (`realisation_of`) has the record of the case that they are chosen for.
     """
     return {name: case_record(config, name) for name in campaign_cases(config)}
 
 
 def case_record(config: Mapping[str, Any], name: str) -> Config:
     """Complete record of one case; see `case_records`."""
+    name, _ = realisation_of(name)
     defaults, own = config["case_defaults"], config["cases"].get(name) or {}
     system = own.get("system", defaults["system"])
     if is_measured(own):

@@ -19,6 +19,7 @@ from burstcast_workflow.config.cases import (
     case_name,
     case_record,
     missing_settings,
+    realisation_of,
     said_by_class,
 )
 from burstcast_workflow.config.kinds import RELATIONS, Section
@@ -136,6 +137,10 @@ def _campaign(config: Settings) -> Iterator[str]:
         for name in block.get("cases", []):
             if name not in known:
                 yield f"{place}.cases: there is no case {name} in cases; {suggestion(name, known)}"
+        for name in map(case_name, block.get("reynolds", [])):
+            yield from _realisations(config, place, block, name)
+        for name in set(block.get("cases", [])) & set(known):
+            yield from _realisations(config, place, block, name)
         if not any(axes is not None for axes in block["forecasters"].values()):
             yield f"{place}.forecasters names no kind: give it esn, equations, ..."
         networks = block["forecasters"].get("esn")
@@ -146,10 +151,32 @@ def _campaign(config: Settings) -> Iterator[str]:
                 f"neurons ({place}.forecasters.esn.neurons) has at most {smallest - 1} connections "
                 "per neuron"
             )
+    for name in config["cases"]:
+        base, number = realisation_of(name)
+        if number:
+            yield (
+                f"cases.{name}: names that end so are those of other training series of {base} "
+                "(campaign.realisations); take another name"
+            )
     used = campaign_cases(config)
     for name in config["control"]["sweep"]["cases"]:
         if name not in used:
             yield f"control.sweep.cases: the campaign has no case {name}; {suggestion(name, used)}"
+
+
+def _realisations(config: Settings, place: str, block: Settings, name: str) -> Iterator[str]:
+    """Whether an ensemble may have as many choices of training series as are wanted."""
+    count, record = block.get("realisations", 1), case_record(config, name)
+    series = record.get("ensemble", {}).get("series")
+    if count > 1 and series is not None and not model_problems(record, Case):
+        needed = count * record["training"]["series"] + record["test_series"]
+        needed += config["probability"]["calibration_series"]
+        if needed > series:
+            yield (
+                f"{place}.realisations is {count}; choices of training series that share none, "
+                f"the test series and those of the calibration are {needed} series of {name}, but "
+                f"ensemble.series is {series}"
+            )
 
 
 def _strategies(config: Settings) -> Iterator[str]:

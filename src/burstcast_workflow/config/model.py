@@ -103,6 +103,11 @@ class Block(Section):
         "Reynolds numbers; each names the case Re<value> of the shear flow", default=[]
     )
     cases: Some[CaseName] = setting("names of entries of `cases`", default=[])
+    realisations: Count = setting(
+        "choices of the training series: each case, and as cases `<case>-training<k>` those that "
+        "differ from it by their training series only",
+        default=1,
+    )
     forecasters: BlockForecasters
 
 

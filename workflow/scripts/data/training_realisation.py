@@ -1,0 +1,46 @@
+"""Take an ensemble in another order, so that other series of it are trained on."""
+
+from burstcast.training_realisations import rows_of_realisation
+from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.jobs.ensemble_files import write_ensemble
+from burstcast_workflow.jobs.length_checks import check_kept_series
+from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.time_unit import sampling_interval
+
+
+def choose_training_series(
+    *,
+    source: str,
+    ensemble: str,
+    summary: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the same series; the first are others, the test series are the same."""
+    training, realisation = settings["case.training.series"], settings["realisation"]
+    data = read_netcdf(source, "series", "lifetime", "state", "observable")
+    check_kept_series(
+        len(data["series"]),
+        {
+            "training.series x realisations": training * (realisation + 1),
+            "test_series": settings["case.test_series"],
+            "probability.calibration_series": settings["probability.calibration_series"],
+        },
+    )
+    rows = rows_of_realisation(len(data["series"]), training, realisation)
+    write_ensemble(
+        (ensemble, summary),
+        data["state"][rows],
+        data["observable"][rows],
+        system_of(settings).observable_name,
+        data["series"][rows],
+        data["lifetime"],
+        sampling_interval(settings),
+        provenance,
+    )
+
+
+if __name__ == "__main__":
+    run_job(snakemake, choose_training_series)  # noqa: F821 - Snakemake puts it there
