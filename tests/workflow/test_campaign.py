@@ -405,3 +405,20 @@ def test_natural_order():
     assert sorted(names, key=natural_order) == [
         *("alpha", "b9", "b10", "Re400", "Re412.5", "Re1000", "Zeta", "zeta"),
     ]
+
+
+def test_realisations_are_cases_that_differ_by_their_training_series_only():
+    block = {"reynolds": [400], "realisations": 3, "forecasters": {"equations": {}}}
+    networks = {"esn": {"neurons": [2000], "validation": ["RV"], "seeds": 2}}
+    found = campaign({"campaign": [{**block, "forecasters": networks}]})
+    own, *others = found.case_names
+    assert (own, others) == ("Re400", ["Re400-training1", "Re400-training2"])
+    assert all(found.cases[case] == found.cases["Re400"] for case in others)
+    assert found.realised_cases == tuple(others)
+    assert found.simulated_cases == (own, *others)
+    assert {one.case for one in found.networks} == {own, *others}
+    (family,) = found.families()
+    assert family["keys"] == {"case": "Re400", "reynolds": 400.0}
+    assert family["cases"] == [own, *others]
+    assert "training_realisations" in found.table_names
+    assert "training_realisations" not in campaign().table_names

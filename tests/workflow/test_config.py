@@ -237,6 +237,8 @@ def test_cases_of_the_shear_flow_are_case_defaults_and_their_entry(config, path)
     for name, record in case_records(load(config)).items():
         if record["system"] != "mfe":
             continue
+        # those of other training series have the record of the case they are chosen for
+        name = name.partition("-training")[0]
         expected = laid_over(config["case_defaults"], config["cases"].get(name, {}))
         if name.startswith("Re"):
             expected["parameters"]["reynolds"] = float(name.removeprefix("Re"))
@@ -805,3 +807,17 @@ def test_without_laminarisation_nothing_survives_better(config):
     config["search"]["choice"] = "best"
     load(config)
     assert problems(config) == []
+
+
+def test_realisations_need_series_of_their_own(config):
+    config["campaign"][0]["realisations"] = 5
+    load(config)
+    config["case_defaults"]["ensemble"]["series"] = 199
+    (problem, *_) = [one for one in problems(config) if "realisations" in one]
+    assert "realisations is 5" in problem
+    assert "are 200 series of Re400, but ensemble.series is 199" in problem
+
+
+def test_names_of_realisations_are_taken(config):
+    config["cases"]["Re400-training1"] = {"parameters": {"reynolds": 400}}
+    assert "names that end so are those of other training series of Re400" in only_problem(config)
