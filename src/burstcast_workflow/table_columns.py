@@ -138,6 +138,14 @@ TABLES: dict[str, TableText] = {
         "Kaplan-Yorke dimension of the data and of each network's own flow.",
         "runs kaplan_yorke_dimension kaplan_yorke_dimension_low kaplan_yorke_dimension_high",
     ),
+    "training_realisations": TableText(
+        "Scatter of scores over choices of the training series, and over seeds that share one.",
+        "prediction_time_lt metric mean standard_deviation_over_training_sets "
+        "standard_deviation_over_seeds training_sets networks",
+        metrics="precision recall f_score mean_horizon_lt median_horizon_lt "
+        "survived_fraction escape_rate",
+        keys=NETWORK_KEYS,
+    ),
     "control": TableText(
         "The paper's control by each forecaster; forecaster random: alarms at random, as often as "
         "those of the network.",
@@ -306,6 +314,11 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "kaplan_yorke_dimension": ("", "of the mean spectrum"),
     "kaplan_yorke_dimension_low": ("", "lower end of its confidence interval"),
     "kaplan_yorke_dimension_high": ("", "upper end of its confidence interval"),
+    # scatter
+    "mean": ("", "over all of them"),
+    "standard_deviation_over_training_sets": ("", "beyond what seeds explain"),
+    "standard_deviation_over_seeds": ("", "of those that share a training set"),
+    "training_sets": ("", "choices of the training series"),
     # control
     "exceedance_uncontrolled": ("", "share of the time at or above the threshold, no control"),
     "exceedance_controlled": ("", "the same with control"),

@@ -81,7 +81,8 @@ def cases_of_tables(campaign: Campaign) -> dict[str, list[str]]:
 def table_names(campaign: Campaign) -> list[str]:
     """Names of all tables of a campaign."""
     parameters = [name for name, cases in PARAMETER_TABLES.items() if cases(campaign)]
-    return [*cases_of_tables(campaign), *parameters]
+    realisations = ["training_realisations"] if campaign.realised_cases else []
+    return [*cases_of_tables(campaign), *realisations, *parameters]
 
 
 def latex_names(campaign: Campaign) -> list[str]:

@@ -420,5 +420,5 @@ def test_realisations_are_cases_that_differ_by_their_training_series_only():
     (family,) = found.families()
     assert family["keys"] == {"case": "Re400", "reynolds": 400.0}
     assert family["cases"] == [own, *others]
-    assert "training_realisations" in found.table_names
-    assert "training_realisations" not in campaign().table_names
+    assert "training_realisations" in table_names(found)
+    assert "training_realisations" not in table_names(campaign())

@@ -181,7 +181,7 @@ stage(
 SCATTERED = [
     name
     for name in ("classification", "horizon", "statistics", "survival")
-    if name in campaign.table_names
+    if name in cases_of_tables(campaign)
 ]
 stage(
     "tables/training_realisations",
