@@ -7,7 +7,6 @@ SNAKEMAKE := $(BIN)/snakemake
 # One thread of linear algebra per job: jobs run side by side, and results do not depend on --cores.
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
-export NUMBA_NUM_THREADS := 1
 
 # What `make` and `make help` say: the words after ##.
 .PHONY: help demo test test-long test-slurm paper why prune archive bench slurm check clean
@@ -68,4 +67,4 @@ $(VENV)/installed: requirements.lock pyproject.toml setup.py
 	touch $@
 
 clean: ## remove what is not the results'
-	rm -rf $(VENV) .snakemake .pytest_cache .mypy_cache .ruff_cache src/burstcast/__pycache__/numba-*
+	rm -rf $(VENV) .snakemake .pytest_cache .mypy_cache .ruff_cache

@@ -344,5 +344,5 @@ def test_the_forecaster_is_there_without_what_only_a_fit_needs():
     output = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
-    slow = {"skopt", "sklearn", "pandas", "matplotlib", "netCDF4", "llvmlite", "numba"}
+    slow = {"skopt", "sklearn", "pandas", "matplotlib", "netCDF4", "llvmlite"}
     assert not slow & set(output.stdout.split())

@@ -16,7 +16,7 @@ BLOCKED = ("snakemake", "yaml", "netCDF4", "pydantic", "matplotlib", "skimage")
 # use one of them, as scikit-optimize does YAML.
 IMPORT_ALL = """
 import importlib, json, sys
-import numba, pandas, skopt, skopt.learning
+import llvmlite, pandas, skopt, skopt.learning
 names, blocked = json.loads(sys.argv[1])
 sys.modules.update(dict.fromkeys([*blocked, "burstcast_workflow"]))
 for name in names:

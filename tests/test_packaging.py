@@ -40,7 +40,7 @@ def test_the_conda_environment_has_what_jobs_import():
     names = {entry.split(" ")[0] for entry in environment["dependencies"]}
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     wanted = set(re.findall(r'^    "([A-Za-z0-9-]+)>=', project, re.MULTILINE))
-    jobs = {"numpy", "scipy", "pandas", "llvmlite", "numba", "netCDF4", "pyyaml", "pydantic"}
+    jobs = {"numpy", "scipy", "pandas", "llvmlite", "netCDF4", "pyyaml", "pydantic"}
     jobs |= {"scikit-optimize", "scikit-image", "matplotlib"}
     assert jobs <= wanted
     named = {CONDA.get(name, name).lower() for name in names}

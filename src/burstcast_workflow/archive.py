@@ -28,7 +28,7 @@ from burstcast_workflow.project import project_root, source_revision
 from burstcast_workflow.why import jobs_to_run, names_of_rules, planned, report
 
 LIBRARIES = (
-    *("burstcast", "llvmlite", "matplotlib", "netCDF4", "numba", "numpy", "pandas", "pydantic"),
+    *("burstcast", "llvmlite", "matplotlib", "netCDF4", "numpy", "pandas", "pydantic"),
     *("scikit-image", "scikit-learn", "scikit-optimize", "scipy", "snakemake"),
 )
 """Libraries whose versions are told."""

@@ -17,7 +17,6 @@ from snakemake.exceptions import WorkflowError
 from snakemake.persistence import RECORD_FORMAT_VERSION, MetadataRecord, PersistenceBase
 
 from burstcast_workflow.fingerprint import Sources
-from burstcast_workflow.harness.code_check import numba_cache
 from burstcast_workflow.harness.records import Record, Records, digest
 from burstcast_workflow.harness.run import OvertakenError, Run
 
@@ -52,7 +51,6 @@ def claim_before_jobs(
         _stop_caching(self)
         if any(True for _ in self.dag.needrun_jobs()):
             code = sources.all_fingerprints()
-            os.environ["NUMBA_CACHE_DIR"] = numba_cache(code)  # jobs take it over
             try:
                 run.claim(config, code, directories)
             except OvertakenError as error:

@@ -9,7 +9,6 @@ import pytest
 from burstcast_workflow.harness.code_check import (
     CodeChangedError,
     compile_by_content,
-    numba_cache,
 )
 
 
@@ -64,12 +63,3 @@ def test_a_process_that_runs_an_old_compiled_module_is_told(module, tmp_path, mo
     with pytest.raises(CodeChangedError, match=r"compiled numbers\.py from another"):
         compile_by_content(tmp_path)
     compile_by_content(tmp_path)
-
-
-def test_machine_code_belongs_to_the_code_of_the_library(monkeypatch):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", "/cache")
-    code = ["burstcast.esn.backend_numba@1", "burstcast_workflow.campaign@1", "train.py@1"]
-    first = numba_cache(code)
-    assert first.startswith("/cache/numba-")
-    assert numba_cache([*reversed(code[:2]), "train.py@2"]) == first
-    assert numba_cache(["burstcast.esn.backend_numba@2", *code[1:]]) != first

@@ -58,7 +58,6 @@ VALUES = [
         "esn-N40-RV-seed0",
         "mfe",
         "RV",
-        "numba",
     ),
 ]
 Place = tuple[str | int, ...]

@@ -263,7 +263,7 @@ def test_files_say_what_made_them(finished):
         else:
             continue
         found += 1
-        assert set(record) >= {"source", "rule", "settings", "numpy", "scipy", "numba"}, path
+        assert set(record) >= {"source", "rule", "settings", "numpy", "scipy", "llvmlite"}, path
         assert str(finished.project.directory) not in json.dumps(record)
     assert found > 20
 

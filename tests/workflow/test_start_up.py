@@ -16,7 +16,6 @@ SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
 
 # Libraries that take long to load, and the scripts that cannot do without them.
 NEEDED_BY = {
-    "numba": [],
     "llvmlite": [],
     "skopt": ["forecasters/search.py"],
     "sklearn": [],  # by scikit-optimize only
@@ -105,7 +104,6 @@ def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_wit
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     heavy = {
-        "numba",
         "llvmlite",
         "pandas",
         "matplotlib",

@@ -45,7 +45,7 @@ logger = logging.getLogger(__name__)
 VARIABLE = "BURSTCAST_CACHE"
 """Environment variable that names the cache's directory. It is no setting: it changes no result."""
 
-LIBRARIES = ("numpy", "scipy", "numba", "llvmlite", "scikit-learn", "scikit-optimize")
+LIBRARIES = ("numpy", "scipy", "llvmlite", "scikit-learn", "scikit-optimize")
 """Libraries another version of which may give other numbers."""
 
 _FORMAT = 4

@@ -5,7 +5,6 @@ perhaps in another environment. A result of other code under the record of this 
 believed for good.
 """
 
-import hashlib
 import marshal
 import os
 import py_compile
@@ -105,21 +104,6 @@ def compile_by_content(sources: Path, own_files: Iterable[Path] = ()) -> None:
             f"Python had compiled {', '.join(stale)} from another source with the same size and "
             f"time: it is compiled anew now, run again"
         )
-
-
-def numba_cache(code: Iterable[str]) -> str:
-    """Directory of what numba compiles for jobs: another one for other code of the library.
-
-    Numba compares size and time of change of a source, too.
-
-    Parameters
-    ----------
-    code
-        Fingerprints of all modules.
-    """
-    library = "\n".join(sorted(entry for entry in code if entry.startswith("burstcast.")))
-    above = os.environ.get("NUMBA_CACHE_DIR") or package_root() / "burstcast" / "__pycache__"
-    return f"{above}/numba-{hashlib.sha256(library.encode()).hexdigest()[:12]}"
 
 
 def script_of(snakemake: Any) -> Path:

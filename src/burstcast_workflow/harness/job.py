@@ -154,7 +154,7 @@ def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Prov
     """Tell what makes an output: package, job, settings, versions; no time, machine or path.
 
     All libraries that change results are there: which of them a job imports depends on its
-    settings, and numba is imported late.
+    settings, and llvmlite is imported late.
     """
     record = {
         "source": f"burstcast {version('burstcast')}",
