@@ -154,6 +154,8 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
         one.directory for one in long_term_candidates(campaign, case)
     ],
     "suppressed_event": _suppressed_event,
+    # a case and those that are parts of it
+    "parts": lambda campaign, case: list(_observed(campaign, case)),
 }
 # ... and settings that are not in the config.
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
@@ -387,7 +389,7 @@ FIGURES: Mapping[str, Figure] = {
         published=True,
     ),
     "observed_components": Figure(
-        {"percentiles": "tables/classification_percentiles.csv"},
+        {"percentiles": "parts/tables/classification_percentiles.csv"},
         "figures.fixed_neurons figures.reynolds_prediction_times_lt",
         "observed",
         _with_parts,

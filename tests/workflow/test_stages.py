@@ -34,6 +34,12 @@ def script_of(rule):
     return (ROOT / "workflow" / "rules" / workflow().rules[rule].script).resolve()
 
 
+class Wildcards(dict):
+    """Values by name or attribute, as Snakemake's."""
+
+    __getattr__ = dict.__getitem__
+
+
 def wildcards_of(rule):
     found = {
         "case": "Re400",
@@ -43,7 +49,8 @@ def wildcards_of(rule):
         "strategy": "prediction_triggered-prediction_time1-window1",
         "table": "horizon",
     }
-    return {name: found[name] for name in workflow().rules[rule].wildcard_names}
+    names = workflow().rules[rule].wildcard_names
+    return Wildcards({name: found[name] for name in names})
 
 
 def declared(rule):

@@ -22,7 +22,7 @@ COMMANDS = [
     line.partition("  #")[0].strip()
     for language, text in BLOCKS
     for line in text.splitlines()
-    if language == "" and line.startswith(("snakemake ", "burstcast "))
+    if language == "sh" and line.startswith(("snakemake ", "burstcast "))
 ]
 
 

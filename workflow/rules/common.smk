@@ -447,11 +447,11 @@ def in_report(table):
 
 # The report reads captions from the config, where they are no setting of any job.
 config["captions"] = {
-    name: caption(PROJECT / "workflow" / "scripts" / "figures" / f"{name}.py")
-    for name in FIGURES
-}
-config["captions_of_tables"] = {
-    name: table_text(name).says for name in table_names(campaign)
+    "figures": {
+        name: caption(PROJECT / "workflow" / "scripts" / "figures" / f"{name}.py")
+        for name in FIGURES
+    },
+    "tables": {name: table_text(name).says for name in table_names(campaign)},
 }
 PUBLISHED = os.path.relpath(PROJECT / "resources" / "published_percentiles.csv")
 

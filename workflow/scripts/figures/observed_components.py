@@ -7,13 +7,13 @@ from matplotlib.figure import Figure
 from burstcast.figures.observed_components import observed_components
 from burstcast_workflow.harness.figures import run_figure
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.figures import of_cases
 
 
-def draw(*, percentiles: str, settings: Settings) -> Figure:
+def draw(*, percentiles: list[str], settings: Settings) -> Figure:
     """Draw the parts of one case, and the whole."""
     return observed_components(
-        read_table(percentiles),
+        of_cases(percentiles),
         settings["observed"],
         settings["figures.fixed_neurons"],
         settings["figures.reynolds_prediction_times_lt"],

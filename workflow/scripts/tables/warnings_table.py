@@ -34,10 +34,12 @@ def warnings_table(
     of_case = [*_of_data(ensemble, data, events_summary, settings)]
     of_case += _of_numbers(dataset, classification)
     found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
-    for names, judge in ((hyperparameters, _of_search), (statistics, _of_long_runs)):
-        if isinstance(names, str):
-            for keys, members in _ensembles(read_table(names)):
-                found += [(keys, finding) for finding in judge(members, settings)]
+    if isinstance(hyperparameters, str):
+        for keys, members in _ensembles(read_table(hyperparameters)):
+            found += [(keys, finding) for finding in _of_search(members, settings)]
+    if isinstance(statistics, str):
+        for keys, members in _ensembles(read_table(statistics)):
+            found += [(keys, finding) for finding in _of_long_runs(members)]
     rows = [
         {
             **settings["keys"],
@@ -75,7 +77,8 @@ def _of_numbers(dataset: str, classification: str) -> Iterator[Finding]:
         (row[name], row[f"{name}_low"], row[f"{name}_high"])
         for name in ("lyapunov_exponent", "lyapunov_exponent_by_growth")
     )
-    published = row["lyapunov_exponent_paper"]
+    # left out of tables where nobody has one
+    published = row.get("lyapunov_exponent_paper")
     yield from warning_signs.exponents_differ(
         leading, growth, None if pd.isna(published) else published
     )
@@ -93,15 +96,19 @@ def _ensembles(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], pd.Data
 
 
 def _of_search(rows: pd.DataFrame, settings: Settings) -> Iterator[Finding]:
-    for name in ("spectral_radius", "input_scaling", "tikhonov"):
-        searched = settings[f"search.{name}"]
+    ranges = {
+        "spectral_radius": settings["search.spectral_radius"],
+        "input_scaling": settings["search.input_scaling"],
+        "tikhonov": settings["search.tikhonov"],
+    }
+    for name, searched in ranges.items():
         yield from warning_signs.optimum_on_edge(
             name, rows[name].tolist(), min(searched), max(searched)
         )
     yield from warning_signs.ill_conditioned_readout(rows["solver"].tolist())
 
 
-def _of_long_runs(rows: pd.DataFrame, settings: Settings) -> Iterator[Finding]:
+def _of_long_runs(rows: pd.DataFrame) -> Iterator[Finding]:
     shares = rows.dropna(subset=["discarded_fraction"])
     if len(shares):  # the training set and the sampling floor have no runs
         yield from warning_signs.lost_long_runs(
