@@ -25,9 +25,9 @@ paper: $(VENV)/installed ## the paper's whole campaign: hours
 	@echo
 	@echo "The results are in results/paper."
 
-# Two processes; tests that look at the same run of a campaign share one (tests/conftest.py).
+# Two processes, each of which takes a file of tests at a time: what they share is made once.
 test: $(VENV)/installed check ## linters, types, tests
-	$(BIN)/pytest -n 2 --dist loadgroup $(ARGS)
+	$(BIN)/pytest -n 2 --dist loadfile $(ARGS)
 
 test-long: $(VENV)/installed ## tests that take long
 	$(BIN)/pytest -m long $(ARGS)
