@@ -43,8 +43,8 @@ def wide_tables(rows: pd.DataFrame, layout: Layout) -> Iterator[tuple[str, pd.Da
         whole = chosen[layout.columns] % 1 == 0
         chosen = chosen[whole] if whole.any() else chosen
     interval = PERCENTILES if "p50" in chosen.columns else INTERVAL
-    keys = [WHO, *layout.more_rows]
     for case, of_case in chosen.groupby("case", sort=False):
+        keys = [WHO, *layout.more_rows]  # seeds only where the case has networks
         named = of_case.assign(**{WHO: [_who(row) for row in of_case.to_dict("records")]})
         if "strategy" in keys:
             named["strategy"] = _plans(named)

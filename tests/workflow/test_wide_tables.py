@@ -1,0 +1,43 @@
+"""Tables for papers from the rows of a campaign's tables."""
+
+import numpy as np
+import pandas as pd
+
+from burstcast_workflow.jobs.wide_tables import wide_tables
+from burstcast_workflow.table_texts import LAYOUTS
+
+
+def rows(case: str, forecaster: str, seeds: list[float]) -> pd.DataFrame:
+    """Rows of control under one strategy, by all who forecast."""
+    return pd.DataFrame(
+        {
+            "case": case,
+            "forecaster": forecaster,
+            "neurons": 40 if forecaster == "esn" else np.nan,
+            "validation": "RV" if forecaster == "esn" else np.nan,
+            "seed": seeds,
+            "strategy": "prediction_triggered",
+            "delay_lt": 0.0,
+            "prediction_time_lt": 1.0,
+            "metric": "exceedance_controlled",
+            "value": [0.1 + seed for seed in seeds],
+            "low": 0.0,
+            "high": 1.0,
+        }
+    )
+
+
+def test_seeds_tell_networks_apart_also_after_a_case_without_networks():
+    table = pd.concat(
+        [
+            rows("alpha", "equations", [np.nan]),
+            rows("Zeta", "esn", [0, 1]),
+            rows("Zeta", "equations", [np.nan]),
+        ],
+        ignore_index=True,
+    )
+    found = {case: texts for case, texts, _ in wide_tables(table, LAYOUTS["control_strategies"])}
+    assert list(found) == ["alpha", "Zeta"]
+    assert [len(texts) for texts in found.values()] == [1, 3]
+    assert "seed" not in found["alpha"]
+    assert list(found["Zeta"]["seed"]) == ["0", "1", ""]
