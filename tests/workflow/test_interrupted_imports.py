@@ -4,7 +4,6 @@ import io
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 from snakemake.script import PythonScript
@@ -15,8 +14,8 @@ from burstcast_workflow.interruption import FIRST_LINE, interrupt_quietly
 WAITS = "import sys, time; print('ready', flush=True); time.sleep(60)"
 
 
-def interrupted(first_line, **options):
-    """Status of a Python process that SIGINT meets, and what it says."""
+def interrupted(first_line, patience=20.0, **options):
+    """Status of a Python process that SIGINT meets, None if it goes on; and what it says."""
     process = subprocess.Popen(
         [sys.executable, "-c", first_line + WAITS],
         stdout=subprocess.PIPE,
@@ -26,8 +25,10 @@ def interrupted(first_line, **options):
     )
     assert process.stdout.readline() == "ready\n"
     process.send_signal(signal.SIGINT)
-    time.sleep(0.2)
-    status = process.poll()
+    try:
+        status = process.wait(patience)
+    except subprocess.TimeoutExpired:
+        status = None
     process.kill()
     return status, process.communicate()[1]
 
@@ -41,7 +42,7 @@ def test_an_interruption_that_is_ignored_stays_so():
     def ignore():
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
-    assert interrupted(FIRST_LINE.decode(), preexec_fn=ignore) == (None, "")
+    assert interrupted(FIRST_LINE.decode(), 0.5, preexec_fn=ignore) == (None, "")
 
 
 @pytest.fixture

@@ -165,12 +165,12 @@ class Recomputation:
             horizons = variables(path)["prediction_horizon_lt"]
             count = len(horizons)
             generator = random_streams.stream(seed, "bootstrap", keys["case"], "events")
-            weights = generator.multinomial(
-                count, np.full(count, 1 / count), size=settings["resamples"]
-            )
+            resamples = settings["resamples"] if count else 0
+            weights = generator.multinomial(count, np.ones(count) / max(count, 1), size=resamples)
             drawn = [np.repeat(horizons, weight) for weight in weights]
             for metric, average in (("mean_horizon_lt", np.mean), ("median_horizon_lt", np.median)):
-                low, high = np.quantile([average(sample) for sample in drawn], [tail, 1 - tail])
+                averages = [average(sample) for sample in drawn]
+                low, high = np.quantile(averages, [tail, 1 - tail]) if count else (np.nan, np.nan)
                 rows.append({**keys, "metric": metric, "low": low, "high": high})
         return pd.DataFrame(rows)
 

@@ -34,6 +34,7 @@ def whole_lab(tmp_path_factory):
 # -- a sample --------------------------------------------------------------------------------------
 
 
+@pytest.mark.long  # two of the trials below
 def test_a_setting_and_a_module_of_the_scores(sample_lab):
     trial = sample_lab.config_trial(CONFIG_EDITS["classification.prediction_times_lt"])
     assert trial.problems == []
