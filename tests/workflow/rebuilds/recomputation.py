@@ -165,9 +165,10 @@ class Recomputation:
             horizons = variables(path)["prediction_horizon_lt"]
             count = len(horizons)
             generator = random_streams.stream(seed, "bootstrap", keys["case"], "events")
-            resamples = settings["resamples"] if count else 0
-            weights = generator.multinomial(count, np.ones(count) / max(count, 1), size=resamples)
-            drawn = [np.repeat(horizons, weight) for weight in weights]
+            drawn = [
+                np.repeat(horizons, generator.multinomial(count, np.full(count, 1 / count)))
+                for _ in range(settings["resamples"] if count else 0)
+            ]
             for metric, average in (("mean_horizon_lt", np.mean), ("median_horizon_lt", np.median)):
                 averages = [average(sample) for sample in drawn]
                 low, high = np.quantile(averages, [tail, 1 - tail]) if count else (np.nan, np.nan)
