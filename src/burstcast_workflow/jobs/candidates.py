@@ -1,4 +1,4 @@
-"""Networks with hyperparameters that may be chosen."""
+"""A job's network, trained with given hyperparameters."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,19 +19,22 @@ def candidate(
     time_unit: str | Sequence[str],
     series: TrainingSeries,
     point: Mapping[str, Any],
+    divergence_bound: float | None,
 ) -> NetworkForecaster:
     """A job's network, trained on all of its series with the hyperparameters of a point.
 
     Parameters
     ----------
     settings
-        Of the job: of its reservoir, time, the washout, and options of its kind.
+        Of the job: of its reservoir, time and the washout.
     time_unit
         The job's input of that name.
     series
         Training series.
     point
         spectral_radius, input_scaling and tikhonov.
+    divergence_bound
+        Of its forecasts; None where it makes none.
     """
     seed = reservoir_seed(settings, settings["forecaster"])
     dynamics = Dynamics(
@@ -47,4 +50,4 @@ def candidate(
         tikhonov=point["tikhonov"],
     )
     network = EchoStateNetwork(dynamics, readout, series.input_range)
-    return NetworkForecaster(network, seed, settings["forecaster.divergence_bound"])
+    return NetworkForecaster(network, seed, divergence_bound)

@@ -45,7 +45,9 @@ def choose_by_survival(
     series, how = training_series(settings, ensemble), long_term_settings(settings, time_unit)
     rates = []
     for point in points.to_dict("records"):
-        who = candidate(settings, time_unit, series, {str(key): at for key, at in point.items()})
+        values = {str(key): at for key, at in point.items()}
+        bound = settings["forecaster.divergence_bound"]
+        who = candidate(settings, time_unit, series, values, bound)
         washouts = long_run_washouts(settings, ensemble, time_unit, who)
         run = run_long_term(who, system_of(settings).observable, washouts, how)
         lifetimes = lifetimes_of_runs(run.fates, run.lifetimes, long_run_steps(settings))
