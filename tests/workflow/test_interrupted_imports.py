@@ -14,14 +14,17 @@ from burstcast_workflow.interruption import FIRST_LINE, interrupt_quietly
 WAITS = "import sys, time; print('ready', flush=True); time.sleep(60)"
 
 
-def interrupted(first_line, patience=20.0, **options):
-    """Status of a Python process that SIGINT meets, None if it goes on; and what it says."""
+def interrupted(first_line, patience=20.0, disposition=signal.SIG_DFL):
+    """Status of a Python process that SIGINT meets, None if it goes on; and what it says.
+
+    What runs in a shell's background ignores SIGINT, and hands that on: so the process is told.
+    """
     process = subprocess.Popen(
         [sys.executable, "-c", first_line + WAITS],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        **options,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, disposition),
     )
     assert process.stdout.readline() == "ready\n"
     process.send_signal(signal.SIGINT)
@@ -39,10 +42,7 @@ def test_a_process_ends_at_once_and_says_nothing():
 
 
 def test_an_interruption_that_is_ignored_stays_so():
-    def ignore():
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-    assert interrupted(FIRST_LINE.decode(), 0.5, preexec_fn=ignore) == (None, "")
+    assert interrupted(FIRST_LINE.decode(), 0.5, signal.SIG_IGN) == (None, "")
 
 
 @pytest.fixture
