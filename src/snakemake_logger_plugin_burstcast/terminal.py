@@ -89,10 +89,10 @@ class Progress:
 
     def line(self, now: float) -> str:
         """What is shown: share done, jobs, time left."""
-        return (
-            f"{self.share:4.0%}  {self.finished} of {self.jobs} jobs, "
-            f"about {duration(self.remaining(now))} left"
-        )
+        done = f"{self.share:4.0%}  {self.finished} of {self.jobs} jobs"
+        if self.finished >= self.jobs:
+            return done
+        return f"{done}, about {duration(self.remaining(now))} left"
 
 
 def duration(seconds: float) -> str:
@@ -157,10 +157,9 @@ class TerminalHandler(LogHandlerBase):
             # the first job: by now the plan is known
             if self._progress is None:
                 self._progress = Progress(_expected, self._cores, time.monotonic())
-                self._say(
-                    f"{self._progress.jobs} jobs, about "
-                    f"{duration(self._progress.remaining(time.monotonic()))} on {self._cores} cores"
-                )
+                seconds = self._progress.remaining(time.monotonic())
+                cores = "1 core" if self._cores == 1 else f"{self._cores} cores"
+                self._say(f"{self._progress.jobs} jobs, about {duration(seconds)} on {cores}")
             if fields["output"]:  # a target has none
                 self._labels[fields["jobid"]] = fields["rule_msg"] or fields["rule_name"]
                 self._show()

@@ -54,9 +54,8 @@ def horizon_by_size(
     sizes = np.unique(networks["neurons"].dropna().to_numpy(dtype=np.float64))
     if published is not None:
         published = published[published["neurons"].isin(sizes)]
-    kinds = percentiles["forecaster"].nunique()
-    many = kinds > 4  # a legend of so many would hide the curves
-    figure = new_figure(SINGLE_COLUMN, 3.2 if many else 2.4)
+    many = percentiles["forecaster"].nunique() > 4
+    figure = new_figure(SINGLE_COLUMN, 3.2 if many else 2.8)
     axes = figure.subplots()
     for validation in ordered_validations(networks["validation"].dropna()):
         style = validation_style(validation)
@@ -74,9 +73,7 @@ def horizon_by_size(
     axes.margins(x=0.06)
     axes.set_xlabel(NEURONS_LABEL)
     axes.set_ylabel(METRIC_LABELS["mean_horizon_lt"])
-    if many:
+    if handles:  # among references at any height there is no room for them
         figure.legend(handles=handles, loc="outside upper center", ncols=2)
-    elif handles:
-        axes.legend(handles=handles, loc="best")
     say_where_empty([axes])
     return figure

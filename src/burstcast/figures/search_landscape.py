@@ -109,7 +109,7 @@ def _draw_surface(figure: Figure, panel: Axes, points: pd.DataFrame) -> None:
     )
     bar = figure.colorbar(surface, ax=panel, pad=0.02, aspect=25)
     bar.set_ticks(list(levels[:: max(1, len(levels) // 5)]))
-    bar.set_label(r"$\log_{10}$ MSE", labelpad=1)
+    bar.ax.set_title(r"$\log_{10}$ MSE")  # beside it, it would touch the next panel's label
     best = int(objective.argmin())
     grid = (points["source"] == "grid").to_numpy()
     for index in np.flatnonzero(grid):
