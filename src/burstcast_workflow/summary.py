@@ -70,7 +70,8 @@ def warnings_summary(tables: Path) -> str:
         Directory of the campaign's tables.
     """
     path = tables / "warnings.csv"
-    if not path.exists() or (table := pd.read_csv(path)).empty:
+    table = _read(path)
+    if table is None or table.empty:
         return ""
     # one line for what is said of several
     names = ["warning", "finding", "advice", "case"]
@@ -88,10 +89,15 @@ def warnings_summary(tables: Path) -> str:
     return "\n".join([f"What to look at twice ({path}):", *lines])
 
 
+def _read(path: Path) -> pd.DataFrame | None:
+    """Read a table that may be missing, or of no byte: a finished campaign does not fail for it."""
+    return pd.read_csv(path) if path.exists() and path.stat().st_size else None
+
+
 def _medians(path: Path, metric: str) -> pd.DataFrame | None:
-    if not path.exists():
+    table = _read(path)
+    if table is None:
         return None
-    table = pd.read_csv(path)
     chosen = table[table["metric"] == metric].dropna(subset=["p50"])
     # what has no size and no strategy is one forecaster all the same
     chosen = chosen.fillna({"neurons": 0, "validation": ""})

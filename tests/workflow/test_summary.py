@@ -53,6 +53,12 @@ def test_a_large_campaign_is_cut_and_says_so(tmp_path):
     assert "and 4 more" in lines[-1]
 
 
+def test_tables_of_no_byte_are_none(tmp_path):
+    for name in ("classification_percentiles", "horizon_percentiles", "warnings"):
+        (tmp_path / f"{name}.csv").touch()
+    assert campaign_summary(tmp_path) == warnings_summary(tmp_path) == ""
+
+
 def test_no_tables_no_summary(tmp_path):
     assert campaign_summary(tmp_path) == ""
 

@@ -1,6 +1,6 @@
 """What edits set off in the paper's campaign, job by job, and what is said about it beforehand.
 
-Its 1,295 jobs are not run: each makes empty outputs, which is all that planning looks at. The
+Its 1,601 jobs are not run: each makes empty outputs, which is all that planning looks at. The
 numbers are those of docs/selective_rebuilds.md.
 """
 
@@ -24,43 +24,62 @@ FORECASTERS = NETWORKS + EQUATIONS
 # networks of one size and strategy, and the equations from the true state, at two prediction times
 CONTROLLED, BY_EQUATIONS = 10 * CASES * 2, CASES * 2
 DATA = dict.fromkeys(
-    ("simulate", "lyapunov", "evaluation_set", "events", "reference_statistics"), CASES
+    (
+        *("simulate", "lyapunov", "evaluation_set", "calibration_set", "events"),
+        "reference_statistics",
+    ),
+    CASES,
 )
 TRAINING = {"scan": SCANS, "search": NETWORKS, "train": NETWORKS}
-SCORES = {"classification_table": 1, "percentiles": 1, "latex": 3}
-# the ensemble's networks at each Reynolds number: scores, density, survival, exponents, profiles,
-# midplane, trade-off
-OF_CASES = 7 * CASES
-LONG_RUNS = dict.fromkeys(("statistics_table", "survival_table", "lyapunov_spectrum_table"), 1)
+FORECASTS = ("forecast", "calibration_forecast")
+LONG_RUNS = ("long_term", "lyapunov_spectrum")
+# tables of each case
+SCORES = ("classification_table",)
+PROBABILITIES = (
+    *("calibrate", "probability_scores", "probability_diagrams", "lead_times"),
+    "threshold_sweep",
+)
 CONTROL_TABLES = ("control_table", "control_density_table", "control_strategies_table")
+LONG_RUN_TABLES = ("statistics_table", "survival_table", "lyapunov_spectrum_table")
+OF_NETWORKS = (
+    *("hyperparameters_table", *SCORES, "horizon_table", *PROBABILITIES, *CONTROL_TABLES),
+    *(*LONG_RUN_TABLES, "warnings_table"),
+)
+# figures of each case: scores, skill, density, survival, exponents, profiles, midplane, trade-off
+OF_CASES = 8 * CASES
+# of the example: reliability, economic value, lead times, a committee's event; by Reynolds number
+OF_ALARMS = 5
+# tables of all cases together
+OF_SCORES, OF_PROBABILITIES, OF_HORIZONS, OF_CONTROL = 3, 7, 3, 4
+ALL_CASES = 32
+# when a score is another one
+OF_A_SCORE = {
+    **dict.fromkeys((*SCORES, *PROBABILITIES, "warnings_table"), CASES),
+    "committee_event": 1,
+    "percentiles": CASES,
+    "all_cases": OF_SCORES + OF_PROBABILITIES + 1,
+    "latex": 4,
+    "figure": 2 * CASES + OF_ALARMS,  # scores and skill of each case
+}
 JOBS = {
     **DATA,
     **TRAINING,
     "fit": EQUATIONS,
-    "forecast": FORECASTERS,
-    "horizon": FORECASTERS,
-    "long_term": RECYCLED,
-    "lyapunov_spectrum": RECYCLED,
+    **dict.fromkeys((*FORECASTS, "horizon"), FORECASTERS),
+    **dict.fromkeys(LONG_RUNS, RECYCLED),
     "control": CONTROLLED + BY_EQUATIONS,
     "control_random": CONTROLLED,
-    "examples": 1,
-    "flow_event": 1,
-    "suppressed_event": 1,
-    **{
-        f"{name}_table": 1
-        for name in (
-            *("dataset", "hyperparameters", "classification", "horizon", "control"),
-            *("control_density", "control_strategies"),
-        )
-    },
-    **LONG_RUNS,
+    **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
+    **dict.fromkeys((*OF_NETWORKS, "dataset_table"), CASES),
     "data_generation_parameters": 1,
     "network_hyperparameters": 1,
-    "percentiles": 9,
-    # results, percentiles, intervals of scores and of control, two tables of parameters
-    "latex": 10 + 9 + 2 + 2,
-    # those of each case and the observable's, one of each other kind
-    "figure": OF_CASES + CASES + 14,
+    "percentiles": 9 * CASES,
+    "all_cases": ALL_CASES,
+    # dataset, hyperparameters, precision, recall, F-score, Brier skill, horizons, statistics,
+    # survival, two of exponents, two of control, two of parameters
+    "latex": 15,
+    # those of each case and the observable's, and one of each other kind
+    "figure": OF_CASES + CASES + 18,
 }
 
 
@@ -95,7 +114,7 @@ def reason(project: Project, words: str, overlay: dict | None = None) -> str:
 def test_the_campaign_has_these_jobs(tmp_path, job_server):
     project = Project.create(tmp_path / "project", job_server, PAPER)
     assert plan(project) == JOBS
-    assert sum(JOBS.values()) == 1295
+    assert sum(JOBS.values()) == 1601
 
 
 def test_the_finished_campaign_has_nothing_to_do(paper):
@@ -112,17 +131,19 @@ def test_another_event_threshold(paper):
         "horizon": FORECASTERS,
         "control": CONTROLLED + BY_EQUATIONS,
         "control_random": CONTROLLED,
-        **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
-        **dict.fromkeys(("dataset_table", "classification_table", "horizon_table"), 1),
-        **dict.fromkeys(CONTROL_TABLES, 1),
+        **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
+        **dict.fromkeys((*SCORES, *PROBABILITIES, *CONTROL_TABLES), CASES),
+        **dict.fromkeys(("dataset_table", "horizon_table", "warnings_table"), CASES),
         "data_generation_parameters": 1,
-        "percentiles": 3,  # classification, horizon, control
-        # those, their tables, the strategies and the dataset, intervals, parameters
-        "latex": 3 + 4 + 3,
-        # observable, scores, density, trade-off of each case; 11 of the example or of all cases
-        "figure": 4 * CASES + 11,
+        "percentiles": 3 * CASES,  # classification, horizon, control
+        "all_cases": OF_SCORES + OF_PROBABILITIES + OF_HORIZONS + OF_CONTROL + 2,
+        # four of scores, horizons, two of control, dataset, parameters of the data
+        "latex": 4 + 1 + 2 + 1 + 1,
+        # observable, scores, skill, density, trade-off of each case; all others but the schematics
+        # of the network and of the horizon and the landscape of the search
+        "figure": 5 * CASES + 15,
     }
-    assert sum(jobs.values()) == 410
+    assert sum(jobs.values()) == 488
     line = reason(paper, "event_threshold 0.1 -> 0.12 (Re400, Re600, Re800, Re1000): ", overlay)
     assert "horizon (188)" in line
 
@@ -135,18 +156,18 @@ def test_one_more_seed(paper):
     assert jobs == {
         # of new networks
         "scan": SCANS // 10,
-        **dict.fromkeys(("search", "train", "forecast", "horizon"), NETWORKS // 10),
-        **dict.fromkeys(("long_term", "lyapunov_spectrum"), RECYCLED // 10),
+        **dict.fromkeys(("search", "train", *FORECASTS, "horizon"), NETWORKS // 10),
+        **dict.fromkeys(LONG_RUNS, RECYCLED // 10),
         **dict.fromkeys(("control", "control_random"), CONTROLLED // 10),
         # of all
-        **dict.fromkeys(("hyperparameters_table", "classification_table", "horizon_table"), 1),
-        **LONG_RUNS,
-        **dict.fromkeys(CONTROL_TABLES, 1),
-        "percentiles": 9,
-        "latex": 9 + 9 + 1 + 1,
-        "figure": OF_CASES + 3,  # horizon by size, by Reynolds number, density under control
+        **dict.fromkeys(OF_NETWORKS, CASES),
+        "committee_event": 1,
+        "percentiles": 9 * CASES,
+        "all_cases": ALL_CASES - 1,  # the dataset's
+        "latex": 15 - 3,  # the dataset's and the parameters'
+        "figure": OF_CASES + OF_ALARMS + 2,  # horizon by size, density under control
     }
-    assert sum(jobs.values()) == 184
+    assert sum(jobs.values()) == 312
     assert "scan (9)" in reason(paper, "one more seed, 10 -> 11 (10)", {"campaign": campaign})
 
 
@@ -155,20 +176,19 @@ def test_one_more_beta(paper):
     jobs = plan(paper, overlay)
     assert jobs == {
         **TRAINING,
-        **dict.fromkeys(("forecast", "horizon"), NETWORKS),  # not the equations'
-        **dict.fromkeys(("long_term", "lyapunov_spectrum"), RECYCLED),
+        **dict.fromkeys((*FORECASTS, "horizon"), NETWORKS),  # not the equations'
+        **dict.fromkeys(LONG_RUNS, RECYCLED),
         **dict.fromkeys(("control", "control_random"), CONTROLLED),
-        **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
-        **dict.fromkeys(("hyperparameters_table", "classification_table", "horizon_table"), 1),
-        **LONG_RUNS,
-        **dict.fromkeys(CONTROL_TABLES, 1),
+        **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
+        **dict.fromkeys(OF_NETWORKS, CASES),
         "network_hyperparameters": 1,
-        "percentiles": 9,
-        "latex": 9 + 9 + 1 + 1 + 1,
+        "percentiles": 9 * CASES,
+        "all_cases": ALL_CASES - 1,
+        "latex": 15 - 2,
         # all but the observable's, the strategies' and the schematic of the horizon
-        "figure": OF_CASES + 12,
+        "figure": OF_CASES + 16,
     }
-    assert sum(jobs.values()) == 1233
+    assert sum(jobs.values()) == 1523
     assert "search (180)" in reason(paper, "tikhonov", overlay)
 
 
@@ -180,14 +200,14 @@ def test_one_more_prediction_time(paper):
     }
     jobs = plan(paper, overlay)
     assert jobs == {
-        "evaluation_set": CASES,
-        "forecast": FORECASTERS,
-        **SCORES,
+        **dict.fromkeys(("evaluation_set", "calibration_set"), CASES),
+        **dict.fromkeys(FORECASTS, FORECASTERS),
+        **OF_A_SCORE,
         "examples": 1,
-        "figure": CASES + 4,  # scores, by Reynolds number, three of the example's forecasts
+        "figure": OF_A_SCORE["figure"] + 3,  # three of the example's forecasts
     }
-    assert sum(jobs.values()) == 206
-    assert "classification_table (1)" in reason(paper, "prediction_times_lt with 6: ", overlay)
+    assert sum(jobs.values()) == 449
+    assert "classification_table (4)" in reason(paper, "prediction_times_lt with 6 (", overlay)
 
 
 def test_another_colour(edited):
@@ -199,6 +219,8 @@ def test_another_colour(edited):
 def test_a_line_of_the_classification(edited):
     path = edited.directory / "src/burstcast/forecast/classification.py"
     path.write_text(path.read_text() + "\nEDITED = 1\n")
-    assert plan(edited) == {**SCORES, "figure": CASES + 1}  # scores, by Reynolds number
-    line = reason(edited, "code of burstcast.forecast.classification changed: ")
-    assert "classification_table (1)" in line
+    jobs = plan(edited)
+    assert jobs == OF_A_SCORE
+    assert sum(jobs.values()) == 61
+    line = reason(edited, "code of burstcast.forecast.classification changed (")
+    assert "classification_table (4)" in line
