@@ -15,6 +15,7 @@ import snakemake.api  # noqa: F401 - other modules of Snakemake cannot be import
 from snakemake.dag import DAG
 from snakemake.exceptions import WorkflowError
 from snakemake.persistence import RECORD_FORMAT_VERSION, MetadataRecord, PersistenceBase
+from snakemake.scheduling.job_scheduler import JobScheduler
 
 from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.records import Record, Records, digest
@@ -23,10 +24,14 @@ from burstcast_workflow.harness.run import OvertakenError, Run
 FORMER = " as it was"
 """What is put after the path of an input whose content is not what a file was made from."""
 
+DEFAULT_LIMIT = 100, 1
+"""So many jobs start in so many seconds at the most, where nobody says otherwise."""
+
 _snakemakes_own = PersistenceBase.metadata
 _marked_incomplete = PersistenceBase.incomplete
 _stop_caching = PersistenceBase.deactivate_cache
 _plan = DAG.init
+_make_scheduler = JobScheduler.__init__
 
 
 def claim_before_jobs(
@@ -87,6 +92,24 @@ def refuse_what_nothing_makes(results: str) -> None:
             )
 
     DAG.init = planned
+
+
+def start_jobs_without_delay() -> None:
+    """Lift Snakemake's own limit on the jobs that start in a second, where they run right here.
+
+    Under a limit, Snakemake looks through all jobs that are ready a second after each such look,
+    beside the look when a job has ended. So each job that ends adds a look to every second from
+    then on: after some hundred jobs Snakemake itself keeps a core busy. A limit that a person has
+    set is kept.
+    """
+
+    def without_default_limit(self: JobScheduler, workflow: Any, *arguments: Any) -> None:
+        _make_scheduler(self, workflow, *arguments)
+        limit = self.job_rate_limiter
+        if workflow.local_exec and limit and (limit.max_jobs, limit.timespan) == DEFAULT_LIMIT:
+            self.job_rate_limiter = None
+
+    JobScheduler.__init__ = without_default_limit
 
 
 def plan_by_records(results: str) -> None:

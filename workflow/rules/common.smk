@@ -38,6 +38,7 @@ from burstcast_workflow.planning import (
     claim_before_jobs,
     plan_by_records,
     refuse_what_nothing_makes,
+    start_jobs_without_delay,
 )
 from burstcast_workflow.project import packages_of
 from burstcast_workflow.prune import stale_note
@@ -73,6 +74,7 @@ except (CodeChangedError, ConfigError, OvertakenError) as error:
     raise WorkflowError(str(error)) from None
 plan_by_records(run.results)
 if workflow.is_main_process:
+    start_jobs_without_delay()
     interrupt_quietly()
     refuse_what_nothing_makes(run.results)
     claim_before_jobs(run, dict(config), sources, directories)

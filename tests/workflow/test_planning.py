@@ -1,0 +1,44 @@
+"""What the workflow changes in Snakemake's scheduler."""
+
+from types import SimpleNamespace
+
+import pytest
+from snakemake.cli import get_argument_parser
+from snakemake.scheduling.job_scheduler import JobRateLimiter, JobScheduler
+from snakemake.settings.types import MaxJobsPerTimespan
+
+from burstcast_workflow import planning
+from burstcast_workflow.planning import start_jobs_without_delay
+
+
+def limit_left(monkeypatch, limit, local=True):
+    """Limit that a scheduler keeps."""
+
+    def make(scheduler, _workflow, *_rest):
+        scheduler.job_rate_limiter = limit and JobRateLimiter(limit)
+
+    monkeypatch.setattr(planning, "_make_scheduler", make)
+    monkeypatch.setattr(JobScheduler, "__init__", JobScheduler.__init__)  # restored afterwards
+    start_jobs_without_delay()
+    return JobScheduler(SimpleNamespace(local_exec=local), "plugin", "scheduler").job_rate_limiter
+
+
+@pytest.fixture
+def default():
+    """What Snakemake's command line has where nobody says otherwise."""
+    text = get_argument_parser().get_default("max_jobs_per_timespan")
+    return MaxJobsPerTimespan.parse_choice(text)
+
+
+def test_jobs_of_this_machine_start_at_once(monkeypatch, default):
+    assert limit_left(monkeypatch, default) is None
+    assert limit_left(monkeypatch, None) is None
+
+
+def test_a_cluster_is_not_flooded(monkeypatch, default):
+    assert limit_left(monkeypatch, default, local=False).max_jobs == default.max_jobs
+
+
+def test_a_limit_that_was_set_is_kept(monkeypatch):
+    limit = MaxJobsPerTimespan.parse_choice("60/1m")
+    assert limit_left(monkeypatch, limit).max_jobs == 60
