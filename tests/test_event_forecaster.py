@@ -9,9 +9,9 @@ import sklearn.base
 from numpy.testing import assert_array_equal
 
 import burstcast
+from burstcast.event_forecaster.series_layout import as_series
 from burstcast.forecast.classification import ratio
 from burstcast.forecasters.registry import available_kinds
-from burstcast.series_layout import as_series
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 

@@ -4,7 +4,7 @@
 def __getattr__(name: str) -> object:
     """Load what a notebook begins with when it is asked for: ``import burstcast`` loads nothing."""
     if name == "EventForecaster":
-        from burstcast.event_forecaster import EventForecaster
+        from burstcast.event_forecaster.forecaster import EventForecaster
 
         return EventForecaster
     if name == "open_campaign":

@@ -7,6 +7,7 @@ from typing import Any
 
 from burstcast import durations
 from burstcast.control.strategies.registry import strategy_class
+from burstcast.forecaster_options import options_of_kind
 from burstcast.forecasters.registry import forecaster_class, linearises
 from burstcast.probability.members import has_members
 from burstcast.statistics.profiles import flow_modes
@@ -30,12 +31,6 @@ _UNORDERED = (
     ("search", "tikhonov"),
 )
 NOISE = "case.training.noise"
-# Kinds whose options are not, or not only, the section of their own name in `forecasters`.
-_SECTIONS = {
-    "equations_filtered": ("observation", "filter"),
-    "quadratic": ("observation", "quadratic"),
-    "quadratic_filtered": ("observation", "quadratic", "filter"),
-}
 SHARED_SCAN = ("RV", "SSV")
 """Strategies whose sums over the training data are computed in one scan of the grid."""
 
@@ -297,11 +292,7 @@ class Campaign:
             value: Any = self.cases[wildcards["case"]]
         elif section == "forecaster":
             kind = parsed(wildcards["forecaster"]).kind
-            options = {
-                key: option
-                for name in _SECTIONS.get(kind, (kind,))
-                for key, option in self.config["forecasters"].get(name, {}).items()
-            }
+            options = options_of_kind(kind, self.config["forecasters"])
             bound = options.pop("divergence_bound", None)
             return options if rest == ["options"] else bound
         else:

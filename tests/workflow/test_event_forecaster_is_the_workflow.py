@@ -7,7 +7,9 @@ import pytest
 import yaml
 from numpy.testing import assert_array_equal
 
-from burstcast.event_forecaster import DEFAULT_OPTIONS, EventForecaster
+from burstcast import forecaster_options
+from burstcast.event_forecaster import forecaster
+from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.harness.storage import read_attributes, read_json, read_netcdf
 
@@ -100,15 +102,31 @@ def test_a_forecaster_without_a_search_is_the_workflows(finished):
 
 
 def test_the_options_of_kinds_are_those_of_the_config():
-    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))["forecasters"]
-    sections = {
-        "esn": ("esn",),
-        "equations_filtered": ("observation", "filter"),
-        "quadratic": ("observation", "quadratic"),
-        "quadratic_filtered": ("observation", "quadratic", "filter"),
-        "analogues": ("analogues",),
+    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    assert config["forecasters"] == forecaster_options.DEFAULTS
+
+
+def test_defaults_are_those_of_the_config():
+    """All parameters that the config has too, but for those that depend on the case."""
+    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    search, probability = config["search"], config["probability"]
+    classification = config["classification"]
+    networks = config["campaign"][0]["forecasters"]["esn"]
+    expected = {
+        "washout": config["washout_lt"],
+        "window": classification["window_lt"],
+        "start_spacing": classification["start_spacing_lt"],
+        "members": networks["seeds"],
+        "neurons": networks["neurons"][0],
+        "spectral_radius": tuple(search["spectral_radius"]),
+        "input_scaling": tuple(search["input_scaling"]),
+        "tikhonov": tuple(search["tikhonov"]),
+        "grid": search["grid"],
+        "bayesian_points": search["bayesian_points"],
+        "validation_interval": search["interval_lt"],
+        "prior_forecasts": probability["prior_forecasts"],
+        "calibration_spacing": probability["start_spacing_lt"],
     }
-    assert {
-        kind: {key: value for name in names for key, value in config[name].items()}
-        for kind, names in sections.items()
-    } == DEFAULT_OPTIONS
+    defaults = EventForecaster().get_params()
+    assert {name: defaults[name] for name in expected} == expected
+    assert probability["bins"] == forecaster.BINS

@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from burstcast import durations
-from burstcast.forecast.starting_points import segments, starting_points
-from burstcast.forecast.windows import summarise, window_boundaries
+from burstcast.forecast.observed_points import observed_points
+from burstcast.forecast.starting_points import segments
+from burstcast.forecast.windows import window_boundaries
 from burstcast_workflow.harness.storage import Variable, read_rows, write_netcdf
 from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.length_checks import check_classification
@@ -63,20 +62,15 @@ def write_point_set(
         (count + 1) * resolution_lt,
         spacing,
     )
-    observed = observed_rows(settings, ensemble, rows.start, states)
-    washout = durations.steps(settings["washout_lt"], steps)
-    boundaries = window_boundaries(resolution_lt, count, steps)
-    points = starting_points(
-        len(states),
-        states.shape[1],
-        durations.steps(spacing_lt, steps),
-        washout,
-        boundaries[-1],
+    found = observed_points(
+        observed_rows(settings, ensemble, rows.start, states),
+        read_rows(ensemble, "observable", rows.start, rows.stop),
+        system.observable,
+        spacing=durations.steps(spacing_lt, steps),
+        washout=durations.steps(settings["washout_lt"], steps),
+        boundaries=window_boundaries(resolution_lt, count, steps),
     )
-    washouts = segments(observed, points, washout - 1, 0)
-    seen = system.observable(washouts.transpose(2, 0, 1))
-    truth = system.observable(segments(states, points, 0, boundaries[-1])[:, 1:].transpose(2, 1, 0))
-    summaries = summarise(truth, boundaries)
+    points, summaries = found.points, found.truth
     name = system.observable_name
     write_netcdf(
         path,
@@ -85,7 +79,7 @@ def write_point_set(
             "step": Variable(("point",), points.step, "1", "step of the starting point"),
             "washout": Variable(
                 ("point", "washout_step", "component"),
-                washouts,
+                found.washouts,
                 "1",
                 "observed states up to the starting point",
             ),
@@ -96,10 +90,10 @@ def write_point_set(
                 "true states at the starting points, for forecasters that see them",
             ),
             "observable_now": Variable(
-                ("point",), seen[:, -1], "1", f"observed {name} at the starting point"
+                ("point",), found.seen[:, -1], "1", f"observed {name} at the starting point"
             ),
             "washout_maximum": Variable(
-                ("point",), np.max(seen, axis=1), "1", f"largest observed {name} of the washout"
+                ("point",), found.seen.max(axis=1), "1", f"largest observed {name} of the washout"
             ),
             "first": Variable(
                 ("point", "window"),

@@ -9,7 +9,7 @@ import numpy as np
 from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.probability.calibration import Calibration
+from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
 from burstcast.resampling import bootstrap_weights
@@ -118,36 +118,6 @@ def forecasters_of(rows: Sequence[Record], paths: Sequence[str]) -> dict[str, st
 
 
 @dataclass(frozen=True)
-class AlarmRule:
-    """How an alarm is raised: a calibration, and the probability from which on it is.
-
-    Attributes
-    ----------
-    calibration
-        From what is forecast to the probability.
-    threshold
-        Probability.
-    """
-
-    calibration: Calibration
-    threshold: float
-
-    def record(self) -> dict[str, Any]:
-        """What `read_rule` makes the same rule from."""
-        return {
-            "values": self.calibration.values.tolist(),
-            "probabilities": self.calibration.probabilities.tolist(),
-            "threshold": self.threshold,
-        }
-
-
-def read_rule(record: Record) -> AlarmRule:
-    """Make a rule from its record."""
-    calibration = Calibration(np.array(record["values"]), np.array(record["probabilities"]))
-    return AlarmRule(calibration, record["threshold"])
-
-
-@dataclass(frozen=True)
 class CaseProbabilities:
     """Forecasts of a case's test series, with what was chosen on the calibration series.
 
@@ -179,7 +149,7 @@ class CaseProbabilities:
     def rule(self, alarm: Record, prediction_time_lt: float, factor: float = 1.0) -> AlarmRule:
         """How an alarm is raised: by calibrated probabilities."""
         by_name = self.rules[alarm["alarm"]][f"{factor:g}"][f"{prediction_time_lt:g}"]
-        return read_rule(by_name[CALIBRATED])
+        return AlarmRule.restore(by_name[CALIBRATED])
 
     def probabilities(
         self, alarm: Record, prediction_time_lt: float, factor: float = 1.0
@@ -193,7 +163,7 @@ class CaseProbabilities:
         raw = self.points.outcomes(alarm, prediction_time_lt, factor * self.event_threshold)
         by_name = self.rules[alarm["alarm"]][f"{factor:g}"][f"{prediction_time_lt:g}"]
         for name, record in by_name.items():
-            rule = read_rule(record)
+            rule = AlarmRule.restore(record)
             yield name, raw.at(rule.calibration(raw.levels)), rule.threshold
 
     def weights(self, prediction_time_lt: float) -> IntArray:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from burstcast.probability.alarms import best_threshold
+from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.calibration import UNCALIBRATED, isotonic
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
@@ -10,7 +10,6 @@ from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.probabilities import (
     CALIBRATED,
     VOTES,
-    AlarmRule,
     forecast_points,
     forecasters_of,
 )
@@ -50,9 +49,7 @@ def calibrate(
                     maps = {CALIBRATED: isotonic(outcomes)}
                 by_factor[f"{time:g}"] = rules = {}
                 for name, found in maps.items():
-                    levels = outcomes.at(found(outcomes.levels))
-                    threshold = best_threshold(levels.levels, levels.points)
-                    rules[name] = AlarmRule(found, threshold).record()
+                    rules[name] = AlarmRule.chosen(outcomes, found).record()
     write_json(
         calibration,
         {

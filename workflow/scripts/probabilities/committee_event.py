@@ -9,6 +9,7 @@ import numpy as np
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.probability import members
+from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.typical_event import typical_event
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
@@ -26,7 +27,6 @@ from burstcast_workflow.jobs.probabilities import (
     CALIBRATED,
     forecast_points,
     forecasters_of,
-    read_rule,
 )
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
@@ -88,7 +88,7 @@ def see_event(
     for number, committee in enumerate(committees):
         for column, time in enumerate(times):
             if point is not None:
-                rule = read_rule(rules[committee["alarm"]]["1"][f"{time:g}"][CALIBRATED])
+                rule = AlarmRule.restore(rules[committee["alarm"]]["1"][f"{time:g}"][CALIBRATED])
                 votes = points.values(committee, time, threshold)[point : point + 1]
                 chances[:, number, column] = (
                     votes[0],

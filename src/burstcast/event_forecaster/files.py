@@ -1,0 +1,140 @@
+"""Event forecasters in NetCDF files, nothing pickled."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from burstcast.event_forecaster.observed_states import Observable
+from burstcast.forecasters.base import ForecasterRecord
+from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.registry import make_system, parameters_of
+
+_FORMAT = 1
+_TUPLES = ("prediction_times", "spectral_radius", "input_scaling", "tikhonov")
+
+
+@dataclass(frozen=True)
+class SavedForecaster:
+    """What an event forecaster is made from again.
+
+    Attributes
+    ----------
+    parameters
+        Of its constructor.
+    fitted
+        What fitting has found, as JSON has it.
+    members
+        Records of its forecasters.
+    """
+
+    parameters: Mapping[str, Any]
+    fitted: Mapping[str, Any]
+    members: Sequence[ForecasterRecord]
+
+
+def write_saved(path: str | Path, saved: SavedForecaster) -> None:
+    """Write an event forecaster, but for an observable that is a function or a system of one's own.
+
+    Raises
+    ------
+    ImportError
+        If what writes the workflow's files is not installed.
+    """
+    storage = _storage()
+    variables = {}
+    for number, member in enumerate(saved.members):
+        for name, array in member.arrays.items():
+            label = f"member{number}_{name}"
+            axes = tuple(f"{label}_{axis}" for axis in range(array.ndim))
+            meaning = f"{name.replace('_', ' ')} of member {number}"
+            variables[label] = storage.Variable(axes, array, "1", meaning)
+    parameters = {
+        **saved.parameters,
+        "observable": _observable_record(saved.parameters["observable"]),
+    }
+    fitted = {**saved.fitted, "members": [dict(member.attributes) for member in saved.members]}
+    attributes = {
+        "event_forecaster": _FORMAT,
+        "parameters": json.dumps(parameters, sort_keys=True, default=_plain),
+        "fitted": json.dumps(fitted, sort_keys=True, default=_plain),
+    }
+    storage.write_netcdf(path, variables, attributes)
+
+
+def read_saved(path: str | Path, observable: Observable | None) -> SavedForecaster:
+    """Read an event forecaster.
+
+    Parameters
+    ----------
+    path
+        The file.
+    observable
+        Where it is a function or a system of one's own, which the file has not.
+
+    Raises
+    ------
+    ValueError
+        If the file holds no such forecaster, or its observable is needed and not given.
+    """
+    storage = _storage()
+    attributes, arrays = storage.read_attributes(path), storage.read_netcdf(path)
+    if attributes.get("event_forecaster") != _FORMAT:
+        raise ValueError(f"{path} holds no event forecaster that this version can read")
+    parameters, fitted = (json.loads(attributes[name]) for name in ("parameters", "fitted"))
+    parameters |= {name: tuple(parameters[name]) for name in _TUPLES}
+    parameters["observable"] = _observable_of(parameters["observable"], observable, path)
+    members = []
+    for number, found in enumerate(fitted["members"]):
+        prefix = f"member{number}_"
+        own = {
+            name.removeprefix(prefix): array
+            for name, array in arrays.items()
+            if name.startswith(prefix)
+        }
+        members.append(ForecasterRecord(own, found))
+    return SavedForecaster(parameters, fitted, members)
+
+
+def _storage() -> Any:
+    """What reads and writes the workflow's files, which the library alone does without."""
+    try:
+        from burstcast_workflow.harness import storage
+    except ImportError as error:
+        raise ImportError(
+            f"saving and loading takes the workflow's libraries: pip install 'burstcast[workflow]' "
+            f"({error})"
+        ) from error
+    return storage
+
+
+def _plain(value: Any) -> Any:
+    """A number or an array of NumPy as JSON has it."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"{value!r} cannot be saved")
+
+
+def _observable_record(observable: Observable) -> Any:
+    if isinstance(observable, DynamicalSystem):
+        package, _, name = type(observable).__module__.rpartition(".")
+        if package == "burstcast.systems":
+            return {"system": name, "parameters": parameters_of(observable)}
+        return "given"
+    return "given" if callable(observable) else int(observable)
+
+
+def _observable_of(record: Any, given: Observable | None, path: str | Path) -> Observable:
+    if given is not None:
+        return given
+    if record == "given":
+        raise ValueError(
+            f"the observable of {path} is a function or a system of one's own, which the file has "
+            f"not: give it as load(path, observable=...)"
+        )
+    if isinstance(record, Mapping):
+        return make_system(record["system"], record["parameters"])
+    return int(record)

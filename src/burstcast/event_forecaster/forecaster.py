@@ -1,0 +1,512 @@
+"""From series to probabilities of extreme events, in the habits of scikit-learn.
+
+`EventForecaster` does for one set of series what the workflow does for a case: it searches the
+hyperparameters of a committee of networks, trains them, and calibrates the share of them that
+forecast an event by honest forecasts of the training series. It has no numerics of its own.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.backends import usable_backend
+from burstcast.dataset import component_scales, observed_series
+from burstcast.discovery import suggestion
+from burstcast.event_forecaster import files
+from burstcast.event_forecaster.committee import Committee
+from burstcast.event_forecaster.estimator import Estimator
+from burstcast.event_forecaster.observed_states import Observable, state_space
+from burstcast.event_forecaster.series_layout import as_series
+from burstcast.event_forecaster.timing import Timing
+from burstcast.event_threshold import threshold_at
+from burstcast.forecast.observed_points import ObservedPoints, observed_points
+from burstcast.forecast.windows import WindowSummaries, crosses
+from burstcast.forecaster_options import options_of_kind
+from burstcast.forecasters.base import ForecastingCase
+from burstcast.forecasters.registry import forecaster_class
+from burstcast.probability.alarm_rule import AlarmRule
+from burstcast.probability.calibration import UNCALIBRATED, isotonic
+from burstcast.probability.outcomes import Outcomes, outcomes_by_series
+from burstcast.probability.scores import probability_scores
+from burstcast.probability.votes import share_of_votes
+from burstcast.systems.base import DynamicalSystem
+
+NETWORKS = "esn"
+"""The kind whose hyperparameters are searched, and of which there is a committee."""
+
+_TOP_TWENTIETH: Mapping[str, float] = {"quantile": 0.95}
+BINS = 11
+"""Of the probability, for those scores that need them."""
+
+
+class EventForecaster(Estimator):
+    """Forecasts extreme events of chaotic series, with probabilities.
+
+    Series are arrays ``(series, time, component)`` of NumPy or xarray
+    (`burstcast.event_forecaster.series_layout`). An event of the observable in a prediction window
+    is a crossing of the event threshold: it is below it at the window's first step, and at or above
+    it later on. Durations are in Lyapunov times where ``lyapunov_time`` is given, and in samples
+    otherwise; they are rounded down to whole samples.
+
+    Parameters
+    ----------
+    observable
+        Whose events are forecast: the index of a component, a function from states
+        ``(..., component)`` to ``(...)``, or a system, whose observable it is then.
+    event_threshold
+        A number in units of the observable, or ``{"quantile": q}`` of the observable of the
+        training series.
+    prediction_times
+        From the present to the beginning of the window; the first is the default everywhere.
+    window
+        Length of the prediction window.
+    lyapunov_time
+        In the unit of time of ``sampling_interval``; None: all durations are in samples.
+    sampling_interval
+        Time between two samples.
+    washout
+        What a forecaster is given before it starts.
+    kind
+        Of forecasters, a module of `burstcast.forecasters`: "esn", "quadratic", "analogues", ...
+    members
+        Networks of the committee. Of other kinds, the members of a forecaster's ensemble vote
+        (filters, analogues), or it votes alone, with 0 and 1.
+    neurons
+        Size of each network.
+    validation
+        Strategy of validation: "RV", "SSV", "WFV" (`burstcast.tuning.strategies`).
+    validation_interval
+        Length of a validation interval.
+    validation_series, intervals_per_series
+        Training series with validation intervals, and how many each has; None: four series, or all
+        if there are fewer, and as many intervals as fit.
+    spectral_radius, input_scaling
+        Bounds of the search, which is logarithmic.
+    tikhonov
+        Tikhonov parameters, the best of which is taken.
+    grid, bayesian_points
+        Points of the search: a grid of so many in each direction, then Bayesian optimisation.
+    calibrate
+        Whether probabilities are calibrated by forecasts of each training series by readouts that
+        have not seen it; it takes two series. Otherwise they are shares of votes.
+    prior_forecasts
+        As how many forecasts each share of votes counts that came true as it says.
+    calibration_spacing, start_spacing
+        Distance of the starting points that probabilities are calibrated on, and scored on.
+    noise
+        Observation noise that is added to the training series, in standard deviations of each
+        component: 0 for what was measured.
+    sampling_stride
+        Integration steps in a sample, for kinds that integrate equations.
+    options
+        Of the kind, laid over its defaults (`burstcast.forecaster_options`).
+    random_seed, case
+        Root of all random numbers, and the name of the case in their streams: a case of the
+        workflow with the same settings has the same networks, bit for bit.
+
+    Attributes
+    ----------
+    members_
+        The forecasters: one where the members of its ensemble vote.
+    hyperparameters_
+        What the search has found for each network.
+    event_threshold_
+        In units of the observable.
+    alarms_
+        Calibrations and thresholds (`burstcast.probability.alarm_rule`) by prediction time.
+    classes_
+        False and True, the columns of `predict_proba`.
+    """
+
+    def __init__(
+        self,
+        observable: Observable = 0,
+        event_threshold: float | Mapping[str, float] = _TOP_TWENTIETH,
+        *,
+        prediction_times: Sequence[float] = (1.0,),
+        window: float = 1.0,
+        lyapunov_time: float | None = None,
+        sampling_interval: float = 1.0,
+        washout: float = 0.5,
+        kind: str = NETWORKS,
+        members: int = 10,
+        neurons: int = 500,
+        validation: str = "RV",
+        validation_interval: float = 2.0,
+        validation_series: int | None = None,
+        intervals_per_series: int | None = None,
+        spectral_radius: tuple[float, float] = (0.1, 1.0),
+        input_scaling: tuple[float, float] = (0.1, 10.0),
+        tikhonov: Sequence[float] = (1e-6, 1e-9, 1e-12),
+        grid: int = 4,
+        bayesian_points: int = 9,
+        calibrate: bool = True,
+        prior_forecasts: float = 30.0,
+        calibration_spacing: float = 0.25,
+        start_spacing: float = 1.0,
+        noise: float = 0.0,
+        sampling_stride: int = 1,
+        options: Mapping[str, Any] | None = None,
+        random_seed: int = 0,
+        case: str = "series",
+    ) -> None:
+        self.observable = observable
+        self.event_threshold = event_threshold
+        self.prediction_times = prediction_times
+        self.window = window
+        self.lyapunov_time = lyapunov_time
+        self.sampling_interval = sampling_interval
+        self.washout = washout
+        self.kind = kind
+        self.members = members
+        self.neurons = neurons
+        self.validation = validation
+        self.validation_interval = validation_interval
+        self.validation_series = validation_series
+        self.intervals_per_series = intervals_per_series
+        self.spectral_radius = spectral_radius
+        self.input_scaling = input_scaling
+        self.tikhonov = tikhonov
+        self.grid = grid
+        self.bayesian_points = bayesian_points
+        self.calibrate = calibrate
+        self.prior_forecasts = prior_forecasts
+        self.calibration_spacing = calibration_spacing
+        self.start_spacing = start_spacing
+        self.noise = noise
+        self.sampling_stride = sampling_stride
+        self.options = options
+        self.random_seed = random_seed
+        self.case = case
+
+    # -- what a user calls -------------------------------------------------------------------------
+
+    def fit(self, series: Any, y: None = None) -> Self:
+        """Search, train, and calibrate.
+
+        Parameters
+        ----------
+        series
+            Training series, ``(series, time, component)``.
+        y
+            Nothing: events are found in the series themselves.
+
+        Raises
+        ------
+        ValueError
+            If a parameter is out of bounds, or the series are too few or too short for it.
+        """
+        states = as_series(series, "the training series")
+        timing, kind = self._timing, forecaster_class(self.kind)
+        case = self._case(states.shape[2])
+        value = case.system.observable(states.transpose(2, 0, 1))
+        threshold = self._threshold(value)
+        observed = states
+        if self.noise and not kind.sees_truth:
+            scales = component_scales(states)
+            observed = observed_series(states, 0, self.noise, scales, self.random_seed, self.case)
+        points = self._points(case, observed, value, "calibration_spacing")
+        if self.calibrate and len(states) < 2:
+            raise ValueError(
+                "calibrating leaves one series out and takes two at least: give more series, or "
+                "calibrate=False"
+            )
+        if self.kind == NETWORKS:
+            # networks take a moment to load, which other kinds need not wait for
+            from burstcast.esn.training import TrainingSeries
+            from burstcast.event_forecaster.networks import networks
+
+            members, found = networks(
+                TrainingSeries(observed, component_scales(states).range),
+                case,
+                self.get_params(),
+                self._samples("washout"),
+                self._samples("validation_interval"),
+            )
+        else:
+            members, found = [kind.fit(observed, case)], []
+        # nothing of a former fit is left before all can be replaced
+        self.members_ = members
+        self.hyperparameters_ = found
+        self.components_ = states.shape[2]
+        self.event_threshold_ = threshold
+        self.classes_ = np.array([False, True])
+        self.alarms_ = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
+        if self.calibrate:
+            votes = Committee(members).out_of_sample(case, observed, points, timing.boundaries)
+            for time in timing.times:
+                outcomes = self._outcomes(points, votes, time)
+                if not outcomes.levels.size:
+                    raise ValueError(
+                        f"no starting point is left to calibrate with: the observable reaches the "
+                        f"event threshold {threshold:.4g} in every washout"
+                    )
+                calibration = isotonic(outcomes, self.prior_forecasts)
+                self.alarms_[time] = AlarmRule.chosen(outcomes, calibration)
+        return self
+
+    def forecast(self, series: Any, duration: float | None = None) -> FloatArray:
+        """Forecasts of all members, from the last sample of each series on.
+
+        Parameters
+        ----------
+        series
+            What has been observed up to the present, ``(series, time, component)``: the washout at
+            least. Only its last samples count, as many as the washout has.
+        duration
+            How far; None: to the end of the last prediction window.
+
+        Returns
+        -------
+        ``(member, series, time, component)``; the first sample is the one after the present.
+        """
+        timing = self._timing
+        steps = timing.boundaries[-1]
+        if duration is not None:
+            steps = timing.samples("duration", duration)
+        washouts = self._washouts(series)
+        return Committee(self.members_).forecasts(washouts, steps)
+
+    def predict_proba(self, series: Any, prediction_time: float | None = None) -> FloatArray:
+        """Probability of no event, and of one, in the window at a prediction time.
+
+        Parameters
+        ----------
+        series
+            As for `forecast`.
+        prediction_time
+            One of ``prediction_times``; None: the first.
+
+        Returns
+        -------
+        ``(series, 2)``: the columns are ``classes_``, so that ``[:, 1]`` is that of an event.
+        """
+        time = self._time(prediction_time)
+        shares = self._shares(self._votes(self._washouts(series)), time)
+        probability = self.alarms_[time].calibration(shares)
+        return np.stack([1 - probability, probability], axis=1)
+
+    def predict(self, series: Any, prediction_time: float | None = None) -> BoolArray:
+        """Alarms: whether the probability of an event is high enough (see ``alarms_``).
+
+        Parameters
+        ----------
+        series, prediction_time
+            As for `predict_proba`.
+
+        Returns
+        -------
+        ``(series,)``.
+        """
+        probability = self.predict_proba(series, prediction_time)[:, 1]
+        return np.asarray(probability >= self.alarms_[self._time(prediction_time)].threshold)
+
+    def scores(self, series: Any, prediction_time: float | None = None) -> dict[str, float]:
+        """All scores of the probabilities, and of the alarms that they raise, in series.
+
+        Forecasts start all over the series, ``start_spacing`` apart, but where an event is under
+        way already: where the observable reaches the threshold in the washout.
+
+        Parameters
+        ----------
+        series
+            Nothing of which was used in training.
+        prediction_time
+            One of ``prediction_times``; None: the first.
+
+        Returns
+        -------
+        By name: "f_score", "precision", "recall", "brier_skill", "roc_area", ...
+        (`burstcast.probability.scores`), and "forecasts" and "events", how many there were. NaN
+        where a score is not defined, as that of alarms where nothing happened.
+        """
+        time = self._time(prediction_time)
+        states = self._like_training(as_series(series))
+        case = self._case(self.components_)
+        value = case.system.observable(states.transpose(2, 0, 1))
+        points = self._points(case, states, value, "start_spacing")
+        raw = self._outcomes(points, self._votes(points.washouts), time)
+        alarm = self.alarms_[time]
+        outcomes = raw.at(alarm.calibration(raw.levels))
+        found = probability_scores(outcomes, alarm.threshold, BINS)
+        return {
+            "forecasts": int(outcomes.points.sum()),
+            "events": int(outcomes.events.sum()),
+            **{name: float(value) for name, value in found.items()},
+        }
+
+    def score(self, series: Any, y: None = None) -> float:
+        """F-score of the alarms at the first prediction time (see `scores`)."""
+        return self.scores(series)["f_score"]
+
+    def save(self, path: str | Path) -> None:
+        """Write all that was fitted to a NetCDF file, nothing of it pickled.
+
+        A function or a system of one's own as the observable is not written: `load` takes it again.
+
+        Raises
+        ------
+        ImportError
+            If what writes the workflow's files is not installed: burstcast[workflow].
+        """
+        self._check_fitted()
+        alarms = [{"prediction_time": time, **one.record()} for time, one in self.alarms_.items()]
+        fitted = {
+            "components": self.components_,
+            "event_threshold": self.event_threshold_,
+            "hyperparameters": self.hyperparameters_,
+            "alarms": alarms,
+        }
+        members = [member.record() for member in self.members_]
+        files.write_saved(path, files.SavedForecaster(self.get_params(), fitted, members))
+
+    @classmethod
+    def load(
+        cls,
+        path: str | Path,
+        observable: Callable[[FloatArray], FloatArray] | DynamicalSystem | None = None,
+    ) -> Self:
+        """Read what `save` has written: the same forecasts, bit for bit.
+
+        Parameters
+        ----------
+        path
+            The file.
+        observable
+            Where it is a function or a system of one's own, which the file has not.
+
+        Raises
+        ------
+        ValueError
+            If the file holds no such forecaster, or its observable is needed and not given.
+        """
+        saved = files.read_saved(path, observable)
+        self, fitted = cls(**saved.parameters), saved.fitted
+        kind, case = forecaster_class(self.kind), self._case(fitted["components"])
+        self.members_ = [kind.restore(record, case) for record in saved.members]
+        self.hyperparameters_ = fitted["hyperparameters"]
+        self.components_ = fitted["components"]
+        self.event_threshold_ = fitted["event_threshold"]
+        self.classes_ = np.array([False, True])
+        self.alarms_ = {one["prediction_time"]: AlarmRule.restore(one) for one in fitted["alarms"]}
+        return self
+
+    # -- what parameters mean ----------------------------------------------------------------------
+
+    @property
+    def _timing(self) -> Timing:
+        return Timing(
+            self.lyapunov_time, self.sampling_interval, self.prediction_times, self.window
+        )
+
+    def _samples(self, name: str) -> int:
+        """Samples of the duration that a parameter says."""
+        return self._timing.samples(name, getattr(self, name))
+
+    def _case(self, components: int) -> ForecastingCase:
+        """What forecasters may know beside the series."""
+        system = state_space(self.observable, components)
+        options = options_of_kind(self.kind)
+        for name in self.options or {}:
+            if name not in options:
+                raise ValueError(
+                    f"forecasters of the kind {self.kind} have no option "
+                    f"{name!r}{suggestion(name, options)}; their options are "
+                    f"{', '.join(options) or 'none'}"
+                )
+        options |= self.options or {}
+        if "backend" in options:
+            options["backend"] = usable_backend(options["backend"])
+        return ForecastingCase(
+            system=system,
+            time_step=self.sampling_interval / self.sampling_stride,
+            sampling_stride=self.sampling_stride,
+            steps_per_lyapunov_time=self._timing.unit,
+            options=options,
+        )
+
+    def _threshold(self, observable: FloatArray) -> float:
+        given = self.event_threshold
+        if isinstance(given, Mapping):
+            if list(given) != ["quantile"]:
+                raise ValueError(
+                    f"event_threshold must be a number or {{'quantile': q}}, not {dict(given)}"
+                )
+            return threshold_at(given["quantile"], observable)
+        threshold = float(given)
+        low, high = float(observable.min()), float(observable.max())
+        if not low < threshold <= high:
+            raise ValueError(
+                f"event_threshold is {threshold:g}, but the observable of the training series lies "
+                f"between {low:.4g} and {high:.4g}: there is no event to learn from"
+            )
+        return threshold
+
+    def _time(self, prediction_time: float | None) -> float:
+        self._check_fitted()
+        fitted = list(self.alarms_)
+        time = fitted[0] if prediction_time is None else float(prediction_time)
+        if time not in fitted:
+            known = ", ".join(f"{one:g}" for one in fitted)
+            raise ValueError(
+                f"prediction_time is {time:g}; fitted were the prediction_times {known}"
+            )
+        return time
+
+    # -- series, votes, and what came true ---------------------------------------------------------
+
+    def _check_fitted(self) -> None:
+        if not hasattr(self, "members_"):
+            raise RuntimeError("this EventForecaster is not fitted yet: call fit first")
+
+    def _like_training(self, states: FloatArray) -> FloatArray:
+        self._check_fitted()
+        if states.shape[2] != self.components_:
+            raise ValueError(
+                f"the series have {states.shape[2]} components, those of the training had "
+                f"{self.components_}"
+            )
+        return states
+
+    def _washouts(self, series: Any) -> FloatArray:
+        states, washout = self._like_training(as_series(series)), self._samples("washout")
+        if states.shape[1] < washout:
+            raise ValueError(
+                f"the washout takes {washout} samples, the series have {states.shape[1]}"
+            )
+        return states[:, -washout:]
+
+    def _points(
+        self, case: ForecastingCase, observed: FloatArray, value: FloatArray, spacing: str
+    ) -> ObservedPoints:
+        return observed_points(
+            observed,
+            value,
+            case.system.observable,
+            boundaries=self._timing.boundaries,
+            washout=self._samples("washout"),
+            spacing=self._samples(spacing),
+        )
+
+    def _votes(self, washouts: FloatArray) -> list[WindowSummaries]:
+        case = self._case(self.components_)
+        return Committee(self.members_).summaries(case, washouts, self._timing.boundaries)
+
+    def _shares(self, votes: Sequence[WindowSummaries], time: float) -> FloatArray:
+        return share_of_votes(votes, *self._timing.windows(time), self.event_threshold_)
+
+    def _outcomes(
+        self, points: ObservedPoints, votes: Sequence[WindowSummaries], time: float
+    ) -> Outcomes:
+        """What followed which share of votes."""
+        threshold, series = self.event_threshold_, points.points.series
+        return outcomes_by_series(
+            self._shares(votes, time),
+            crosses(points.truth, *self._timing.windows(time), threshold),
+            points.seen.max(axis=1) < threshold,
+            series,
+            int(series.max()) + 1,
+        ).total()

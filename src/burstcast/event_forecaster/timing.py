@@ -1,0 +1,86 @@
+"""Durations of an event forecaster in samples, and its prediction windows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from burstcast import durations
+
+
+@dataclass(frozen=True)
+class Timing:
+    """What durations mean, and which windows are forecast.
+
+    Parameters
+    ----------
+    lyapunov_time
+        In the unit of time of ``sampling_interval``; None: all durations are in samples.
+    sampling_interval
+        Time between two samples.
+    prediction_times
+        From the present to the beginning of each window.
+    window
+        Length of the windows.
+
+    Raises
+    ------
+    ValueError
+        If a duration is less than a sample, or there is no prediction time; the message has the
+        parameter's name.
+    """
+
+    lyapunov_time: float | None
+    sampling_interval: float
+    prediction_times: Sequence[float]
+    window: float
+
+    def __post_init__(self) -> None:
+        if not len(self.prediction_times):
+            raise ValueError("prediction_times must have one entry at least")
+        if self.lyapunov_time is not None and not self.lyapunov_time > 0:
+            raise ValueError(f"lyapunov_time must be positive, not {self.lyapunov_time}")
+
+    @cached_property
+    def unit(self) -> int:
+        """Samples in the unit of durations."""
+        if self.lyapunov_time is None:
+            return 1
+        return durations.steps_per_lyapunov_time(1 / self.lyapunov_time, self.sampling_interval)
+
+    def samples(self, name: str, duration: float) -> int:
+        """Samples of a duration that is called so in messages: 1 at least."""
+        found = durations.steps(duration, self.unit)
+        if found < 1:
+            counted = (
+                "durations are in samples unless lyapunov_time is given"
+                if self.lyapunov_time is None
+                else f"a Lyapunov time has {self.unit} samples"
+            )
+            raise ValueError(
+                f"{name} is {duration:g}, which is {found} samples; it must be 1 at least "
+                f"({counted})"
+            )
+        return found
+
+    @property
+    def times(self) -> list[float]:
+        """Prediction times."""
+        return [float(time) for time in self.prediction_times]
+
+    def span(self, time: float) -> tuple[int, int]:
+        """First and last step of the window at a prediction time, from the present."""
+        start = self.samples("a prediction time", time)
+        end = self.samples("the end of the window", time + self.window)
+        if end <= start:
+            raise ValueError(f"window is {self.window:g}, which is not a single sample")
+        return start, end
+
+    @cached_property
+    def boundaries(self) -> tuple[int, ...]:
+        """Steps at which windows begin and end, rising (`burstcast.forecast.windows`)."""
+        return tuple(sorted({step for time in self.times for step in self.span(time)}))
+
+    def windows(self, time: float) -> tuple[int, int]:
+        """First of the windows between boundaries that make up a prediction window; how many."""
+        start, end = (self.boundaries.index(step) for step in self.span(time))
+        return start, end - start

@@ -1,0 +1,70 @@
+"""Starting points in series: what is observed up to each of them, and what truly follows."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from burstcast.arrays import FloatArray
+from burstcast.forecast.starting_points import SeriesPoints, segments, starting_points
+from burstcast.forecast.windows import WindowSummaries, summarise
+
+
+@dataclass(frozen=True)
+class ObservedPoints:
+    """Starting points with what forecasts from them need, and are scored by.
+
+    Attributes
+    ----------
+    points
+        Where they are.
+    washouts
+        Observed states up to and including each point, ``(points, steps, component)``.
+    seen
+        Observed observable of the washouts, ``(points, steps)``.
+    truth
+        Window summaries of the true observable.
+    """
+
+    points: SeriesPoints
+    washouts: FloatArray
+    seen: FloatArray
+    truth: WindowSummaries
+
+
+def observed_points(
+    observed: FloatArray,
+    true_observable: FloatArray,
+    observable: Callable[[FloatArray], FloatArray],
+    *,
+    spacing: int,
+    washout: int,
+    boundaries: tuple[int, ...],
+) -> ObservedPoints:
+    """Evenly spaced starting points of series.
+
+    Parameters
+    ----------
+    observed
+        What forecasters see, ``(series, time, component)``.
+    true_observable
+        Of the same series, ``(series, time)``: what is scored.
+    observable
+        From states ``(component, ...)`` to the observable ``(...)``.
+    spacing, washout
+        Steps between two points, and steps of a washout (`starting_points`).
+    boundaries
+        Of the windows (`burstcast.forecast.windows.window_boundaries`).
+
+    Raises
+    ------
+    ValueError
+        If the series are too short for a single point.
+    """
+    series, length = true_observable.shape
+    points = starting_points(series, length, spacing, washout, boundaries[-1])
+    washouts = segments(observed, points, washout - 1, 0)
+    return ObservedPoints(
+        points,
+        washouts,
+        observable(washouts.transpose(2, 0, 1)),
+        summarise(segments(true_observable, points, 0, boundaries[-1])[:, 1:].T, boundaries),
+    )

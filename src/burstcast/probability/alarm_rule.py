@@ -1,0 +1,55 @@
+"""How an alarm is raised: from what is forecast to a probability, and from it to the alarm."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from burstcast.probability.alarms import best_threshold
+from burstcast.probability.calibration import Calibration
+from burstcast.probability.outcomes import Outcomes
+
+
+@dataclass(frozen=True)
+class AlarmRule:
+    """How an alarm is raised: a calibration, and the probability from which on it is.
+
+    Attributes
+    ----------
+    calibration
+        From what is forecast to the probability.
+    threshold
+        Probability.
+    """
+
+    calibration: Calibration
+    threshold: float
+
+    @classmethod
+    def chosen(cls, outcomes: Outcomes, calibration: Calibration) -> Self:
+        """Rule with the best threshold for probabilities that a calibration makes.
+
+        Parameters
+        ----------
+        outcomes
+            What followed which forecast, not of those to be judged, summed over series.
+        calibration
+            The calibration.
+        """
+        levels = outcomes.at(calibration(outcomes.levels))
+        return cls(calibration, best_threshold(levels.levels, levels.points))
+
+    def record(self) -> dict[str, Any]:
+        """What `restore` makes the same rule from: lists and numbers."""
+        return {
+            "values": self.calibration.values.tolist(),
+            "probabilities": self.calibration.probabilities.tolist(),
+            "threshold": self.threshold,
+        }
+
+    @classmethod
+    def restore(cls, record: Mapping[str, Any]) -> Self:
+        """Make a rule from its record."""
+        calibration = Calibration(np.array(record["values"]), np.array(record["probabilities"]))
+        return cls(calibration, record["threshold"])
