@@ -299,6 +299,8 @@ class Campaign:
             value = self.config[section]
         for key in rest:
             value = value[key]
+        if path == NOISE and self.noise_of_data(wildcards["case"]) is not None:
+            return 0.0  # what is imported has it already
         if path == "statistics.duration" and value is None:
             return self.cases[wildcards["case"]]["ensemble"]["duration"]
         if path == "case.event_threshold" and isinstance(value, Mapping):
@@ -406,6 +408,18 @@ class Campaign:
         """Quantile that the event threshold of a case is given as; None where it is a number."""
         threshold = self.cases[case]["event_threshold"]
         return float(threshold["quantile"]) if isinstance(threshold, Mapping) else None
+
+    def noise_of_data(self, case: str) -> Settings | None:
+        """Observation noise that a case's series get when they are imported; None if later or none.
+
+        Past values among the components have the noise of their own time, which must be there
+        before they are taken.
+        """
+        record = self.cases[case]
+        level = record["training"]["noise"]
+        if not ((record.get("data") or {}).get("delays") and level):
+            return None
+        return {"level": level, "random_seed": self.config["random_seed"]}
 
     def steps_per_lyapunov_time(self, case: str) -> int | None:
         """Steps of a forecast in a Lyapunov time; None where the config does not know it."""

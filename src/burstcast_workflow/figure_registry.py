@@ -106,11 +106,14 @@ def _frontier_network(campaign: Campaign, case: str) -> dict[str, Any] | None:
 
 
 def _observed(campaign: Campaign, case: str) -> dict[str, int]:
-    """How many components are observed beside the observable, in a case and in its parts."""
+    """How many components are observed beside the observable, in a case and in its parts.
+
+    Parts whose past is seen, too, are others.
+    """
     parts = {
         part: sum(name != OBSERVABLE for name in campaign.cases[part]["data"]["components"])
         for part in campaign.measured_cases
-        if campaign.source_case(part) == case
+        if campaign.source_case(part) == case and not campaign.cases[part]["data"]["delays"]
     }
     return {case: campaign.dimension(case), **parts} if parts else {}
 

@@ -83,6 +83,27 @@ def test_records(config):
     assert part["data"]["columns"] == [f"a{number}" for number in range(1, 10)]
 
 
+def test_past_values_are_components(config):
+    config["cases"]["part"] = {"data": {**PART["data"], "delays": [20, 10]}}
+    campaign = Campaign(load(config))
+    part = campaign.cases["part"]
+    names = ["a1", "s", "a1(t-20)", "s(t-20)", "a1(t-10)", "s(t-10)"]
+    assert part["parameters"]["components"] == names
+    assert campaign.dimension("part") == 7  # and the observable
+    # every series begins later
+    assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 3980}
+    # the noise is there before the past values are taken, and not added again
+    assert part["training"]["noise"] == 0.01
+    assert campaign.noise_of_data("part") == {"level": 0.01, "random_seed": 2022}
+    assert campaign.noise_of_data("lab") is campaign.noise_of_data("Re400") is None
+    for case, noise in (("part", 0), ("Re400", 0.01)):
+        settings = campaign.settings(["case.training.noise"], {"case": case}, {})
+        assert settings == {"case.training.noise": noise}
+    # measured series have their own
+    config["cases"] |= changed("lab.data.delays", [3])
+    assert Campaign(load(config)).noise_of_data("lab") is None
+
+
 def test_thresholds_of_another_observable_are_not_inherited(config):
     config["cases"]["part"] = {"data": {**PART["data"], "observable": "a1"}}
     with pytest.raises(ConfigError) as caught:
@@ -151,6 +172,10 @@ def changed(name, value):
         ("lab.data.step", 1, "unknown setting cases.lab.data.step"),
         ("lab.data.blocks", {"gap": 1}, "case lab: data.blocks.duration is missing"),
         ("lab.data.axes", ["x"], "cases.lab.data.axes[0] is the text 'x'; it must be series"),
+        ("lab.data.delays", [2, 0], "cases.lab.data.delays[1] is 0; it must be a whole number"),
+        ("lab.data.delays", [2, 2], "cases.lab.data.delays has 2 twice"),
+        ("lab.data.observable", "u(t-2)", "u(t - 2) is not understood"),
+        ("part.data.delays", [4000], "case part: data.delays reach back by 4000 steps"),
         ("lab.system", "mfe", "case lab: system means nothing for measured series"),
         ("lab.actuation", {"parameters": {}}, "case lab: actuation means nothing"),
         ("lab.training.series", 1, "case lab: training.series is 1, but probabilities"),

@@ -13,6 +13,7 @@ import yaml
 from helpers_rebuilds import Project, digests
 from pandas.testing import assert_frame_equal
 
+from burstcast.random_streams import stream
 from burstcast_workflow.harness.storage import read_json, read_netcdf
 from burstcast_workflow.harness.tables import read_table
 
@@ -51,6 +52,7 @@ MEASURED = {
         "time_step": 0.02,
     },
 }
+PAST = {"data": {"case": "lorenz", "components": ["x"], "delays": [3, 7]}}
 PART = {"data": {"case": "lorenz", "components": ["x", "r = sqrt(x**2 + y**2)"]}}
 CAMPAIGN = {
     "forecasters": {"esn": {"backend": "scipy"}, "filter": {"members": 20}},
@@ -88,7 +90,7 @@ def project(tmp_path_factory, job_server):
     """Both campaigns: simulated with a part of it beside, and the same series from files."""
     directory = tmp_path_factory.mktemp("measured") / "project"
     project = Project.create(directory, job_server, "simulated.yaml")
-    simulated = campaign("simulated", {"lorenz": SIMULATED, "part": PART})
+    simulated = campaign("simulated", {"lorenz": SIMULATED, "part": PART, "past": PAST})
     (directory / "simulated.yaml").write_text(yaml.safe_dump(simulated))
     outcome = project.snakemake("forecasters", "tables")
     assert outcome.status == 0, outcome.text[-3000:]
@@ -172,10 +174,42 @@ def test_a_part_of_the_state(project):
     dataset = read_table(results / "tables/dataset.csv").set_index("case")
     assert dataset.loc["part", "lyapunov_exponent"] == dataset.loc["lorenz", "lyapunov_exponent"]
     table = read_table(results / "tables/classification.csv")
-    assert set(table["case"]) == {"lorenz", "part"}
+    assert set(table["case"]) == {"lorenz", "part", "past"}
     spectrum = read_table(results / "tables/lyapunov_spectrum.csv")
     with_data = spectrum.loc[spectrum["forecaster"] == "data", "case"]
     assert set(with_data) == {"lorenz"}
+
+
+def test_the_past_of_a_part(project):
+    """Past values are components; they have the noise of their own time, the truth has none."""
+    results = project.directory / "results/simulated"
+    whole, past = (read_netcdf(results / case / "ensemble.nc") for case in ("lorenz", "past"))
+    x, z = whole["state"][..., 0], whole["observable"]
+    noise = np.empty((*x.shape, 2))
+    for row in range(len(x)):
+        # by hand: the first numbers of a series' stream, and so on
+        noise[row] = stream(2022, "noise", "past", row).standard_normal((*x.shape[1:], 2))
+    training = [values[: SETTINGS["training"]["series"]].std() for values in (x, z)]
+    seen_x, seen_z = (
+        values + 0.01 * training[i] * noise[..., i] for i, values in enumerate((x, z))
+    )
+    steps = x.shape[1]
+    expected = [seen_x[:, 7:], seen_x[:, 4 : steps - 3], seen_x[:, : steps - 7], seen_z[:, 7:]]
+    np.testing.assert_allclose(past["state"], np.stack(expected, axis=2), rtol=1e-13, atol=1e-13)
+    np.testing.assert_array_equal(past["observable"], z[:, 7:])
+    # what follows starting points is the truth, what is seen is not
+    points = read_netcdf(results / "past/evaluation_set.nc")
+    assert set(points["largest"].ravel()) <= set(z.ravel())
+    assert not set(points["observable_now"].ravel()) & set(z.ravel())
+    np.testing.assert_array_equal(points["washout"][:, -1, 3], points["observable_now"])
+    assert set(points["washout"][..., 1].ravel()) <= set(seen(past, 1))
+    statistics = read_netcdf(results / "past/statistics_data.nc")
+    edges = statistics["edge"]
+    np.testing.assert_array_equal(statistics["count"], np.histogram(z[:, 7:], edges)[0])
+
+
+def seen(ensemble, component):
+    return ensemble["state"][..., component].ravel().tolist()
 
 
 @pytest.mark.long

@@ -68,6 +68,8 @@ def test_the_parts_of_a_state_are_a_config(project):
         "import_data": 1,
         "evaluation_set": 1,
     }
+    outcome = project.snakemake("-n", "results/lab/two_modes_and_their_past/evaluation_set.nc")
+    assert outcome.status == 0, outcome.text[-3000:]
 
 
 @pytest.mark.long

@@ -18,6 +18,7 @@ stage(
     "case.laminarisation_threshold case.training.series case.test_series",
     cost="data",
     constraints={"case": IMPORTED},
+    noise=of_job(lambda wildcards: campaign.noise_of_data(wildcards["case"])),
 )
 stage(
     # the series of another case, those that are trained on being others

@@ -28,6 +28,7 @@ from burstcast_workflow.config.measured_cases import (
     kinds_with_equations,
     own_problems,
     problems_of_data,
+    problems_of_delays,
     space_of,
 )
 from burstcast_workflow.config.messages import model_problems, suggestion
@@ -355,6 +356,9 @@ def _measured(config: Settings, name: str, own: Settings) -> Iterator[str]:
         )
         return
     record = case_record(config, name)
+    if wrong := list(problems_of_delays(record)):
+        yield from wrong
+        return
     if wrong := model_problems(record, MeasuredCase):
         if "range" not in record["density"]:  # what follows from it is not asked for
             wrong = [text for text in wrong if not text.startswith("fixed_point is missing")]

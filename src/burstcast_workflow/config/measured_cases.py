@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from burstcast.delay_coordinates import delayed_name
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.measured_data import Quantity
 from burstcast.systems.registry import make_system
@@ -26,6 +27,7 @@ _NOTHING_SAID: Config = {
     "case": None,
     "columns": [],
     "components": [],
+    "delays": [],
     "observable_name": "",
     "observable_symbol": "",
     "time_step": None,
@@ -84,12 +86,17 @@ def measured_record(
         steps = {key: whole.get(key) for key in ("time_step", "sampling_stride", "duration")}
         record |= _of_source(source, data)
     data["components"] = data["components"] or data["columns"]
+    names = [Quantity(text).name for text in data["components"]]
+    past = [delayed_name(name, delay) for delay in data["delays"] for name in names]
+    if steps["duration"] is not None and "time_step" in steps:
+        lost = max(data["delays"], default=0) * steps["time_step"] * steps["sampling_stride"]
+        steps["duration"] -= lost
     return {
         **record,
         "data": data,
         "system": MEASURED,
         "parameters": {
-            "components": [Quantity(text).name for text in data["components"]],
+            "components": [*names, *past],
             "observable_of": data.get("observable"),
             "observable_name": data["observable_name"],
             "observable_symbol": data["observable_symbol"],
@@ -174,15 +181,26 @@ def own_problems(own: Settings) -> Iterator[str]:
                 yield f"data.{key} means nothing where the series are those of another case"
 
 
+def problems_of_delays(record: Settings) -> Iterator[str]:
+    """What is wrong with the delays of a case, before what follows from them is looked at."""
+    duration = record["ensemble"].get("duration")
+    if record["data"]["delays"] and duration is not None and duration <= 0:
+        yield (
+            f"data.delays reach back by {max(record['data']['delays'])} steps, which is more than "
+            f"a series is long"
+        )
+
+
 def problems_of_data(record: Settings) -> Iterator[str]:
     """What is wrong with the data of a case, as far as its record tells."""
     data, parameters = record["data"], record["parameters"]
     source = data["case"]
-    names = parameters["components"]
+    names = [Quantity(text).name for text in data["components"]]
     if twice := [one for one in dict.fromkeys(names) if names.count(one) > 1]:
         yield f"data.components has {twice[0]} twice"
     try:
-        appended = make_measured(parameters).dimension > len(names)
+        # the observable is of the present
+        appended = make_measured({**parameters, "components": names}).dimension > len(names)
         if source is None:
             data_files(data)
         else:

@@ -234,6 +234,11 @@ class Data(Section):
         "columns if left out",
         default=[],
     )
+    delays: Distinct[Count] = setting(
+        "past values of all components that forecasters see beside the present ones: steps of a "
+        "forecast back; each series begins so much later",
+        default=[],
+    )
     observable: str = setting("a component, or an expression of components or columns")
     observable_name: str = setting("what it is, for axes and tables", default="")
     observable_symbol: str = setting("its symbol in TeX, without dollars", default="")

@@ -1,9 +1,13 @@
-"""Measured series of a job's case, from the files that they come in."""
+"""Measured series of a job's case: from the files that they come in to what forecasters see."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from burstcast.arrays import FloatArray
+from burstcast.dataset import component_scales, observed_series
+from burstcast.delay_coordinates import delay_coordinates
 from burstcast.measured_data import (
     Quantity,
     Run,
@@ -19,8 +23,46 @@ from burstcast_workflow.jobs.time_unit import sampling_interval
 Settings = Mapping[str, Any]
 
 
+def present_space(settings: Settings) -> MeasuredSeries:
+    """What a state is without past values."""
+    names = [Quantity(text).name for text in settings["case.data"]["components"]]
+    return MeasuredSeries(**{**settings["case.parameters"], "components": names})
+
+
+def with_past(settings: Settings, states: FloatArray) -> FloatArray:
+    """Series with the past values that forecasters see, if they see any.
+
+    Where the case has observation noise, it is here already: past values have the noise of their
+    own time, and the observable of such states is not the true one.
+
+    Parameters
+    ----------
+    settings
+        With ``case.data`` and ``case.training.series``, and as ``noise`` what
+        `burstcast_workflow.campaign.Campaign.noise_of_data` says.
+    states
+        Kept series, `measured_series`.
+
+    Returns
+    -------
+    ``(series, time - longest delay, component)``: components, their past values, and last the
+    observable where it is none of the components.
+    """
+    delays, noise = settings["case.data"]["delays"], settings["noise"]
+    if not delays:
+        return states
+    if noise is not None:
+        scales = component_scales(states[: settings["case.training.series"]])
+        states = observed_series(
+            states, 0, noise["level"], scales, noise["random_seed"], settings["case"]
+        )
+    count = len(settings["case.data"]["components"])
+    seen = delay_coordinates(states[..., :count], delays)
+    return np.concatenate([seen, states[:, max(delays) :, count:]], axis=2)
+
+
 def measured_series(settings: Settings, sources: Sequence[str]) -> FloatArray:
-    """Series of states, ``(series, time, component)``, checked.
+    """Series of states without past values, ``(series, time, component)``, checked.
 
     Parameters
     ----------
@@ -35,7 +77,7 @@ def measured_series(settings: Settings, sources: Sequence[str]) -> FloatArray:
         If anything is wrong with them.
     """
     data, time_step = settings["case.data"], sampling_interval(settings)
-    space = MeasuredSeries(**settings["case.parameters"])
+    space = present_space(settings)
     quantities = [Quantity(text) for text in data["components"]]
     blocks = data["blocks"]
     cut = blocks and blocks_of(blocks["duration"], blocks["gap"], time_step)

@@ -6,8 +6,7 @@ from burstcast.measured_data import kept_series
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.ensemble_files import write_ensemble
-from burstcast_workflow.jobs.measured import measured_series
-from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.measured import measured_series, present_space, with_past
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
@@ -28,16 +27,17 @@ def import_data(
             f"{len(states)} series in all, of {states.shape[1]} samples each: ask for fewer, or "
             f"cut shorter blocks (data.blocks)"
         )
-    space = system_of(settings)
+    space = present_space(settings)
     observable = np.stack([space.observable(series.T) for series in states])
     index, lifetimes = kept_series(observable, settings["case.laminarisation_threshold"])
+    past = max(settings["case.data"]["delays"], default=0)
     write_ensemble(
         (ensemble, summary),
-        states[index],
-        observable[index],
+        with_past(settings, states[index]),
+        observable[index, past:],
         space.observable_name,
         index,
-        lifetimes,
+        np.maximum(lifetimes - past, 0),
         sampling_interval(settings),
         provenance,
     )
