@@ -33,6 +33,10 @@ DIVERGED_RUNS = 0.01
 EXPONENT_DIFFERENCE = 0.1
 """Relative, from the published exponent: all times in Lyapunov times change by as much."""
 
+OWN_EXPONENT_DIFFERENCE = 0.2
+"""Relative, from an exponent that was estimated from series: a neighbour estimate misses by as much
+where it works at all."""
+
 OUTSIDE_BINS = 0.001
 """Of the samples of the observable: as much as tails hold that extreme events are about."""
 
@@ -178,6 +182,33 @@ def exponents_differ(
         text = f"computed {leading[0]:.4g}, published {published:.4g}"
         found.append(Finding("exponents_differ", text))
     return found
+
+
+def own_exponents_differ(
+    estimated: tuple[float, float, float], own: Sequence[float]
+) -> list[Finding]:
+    """An exponent estimated from series, the unit of time, that forecasters' own flows contradict.
+
+    Parameters
+    ----------
+    estimated
+        Mean and ends of the interval.
+    own
+        Leading Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where there
+        is none.
+    """
+    known = np.asarray(own)[np.isfinite(own)]
+    if not known.size or known.min() <= estimated[0] <= known.max():
+        return []
+    median = float(np.median(known))
+    if abs(median - estimated[0]) <= OWN_EXPONENT_DIFFERENCE * estimated[0]:
+        return []
+    text = (
+        f"estimated from the series {estimated[0]:.4g} ({estimated[1]:.4g} to {estimated[2]:.4g}), "
+        f"of forecasters' own flows {median:.4g} ({known.min():.4g} to {known.max():.4g} of "
+        f"{known.size})"
+    )
+    return [Finding("own_exponents_differ", text)]
 
 
 def outside_bins(below: int, above: int, inside: int) -> list[Finding]:

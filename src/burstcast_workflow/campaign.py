@@ -429,6 +429,11 @@ class Campaign:
             return None
         return durations.steps_per_lyapunov_time(exponent, self.sampling_interval(case))
 
+    def estimates_time_unit(self, case: str) -> bool:
+        """Whether a Lyapunov time is known only from how neighbouring states of the series part."""
+        unknown = self.steps_per_lyapunov_time(case) is None
+        return unknown and not self.has_equations(self.source_case(case))
+
     def sampling_interval(self, case: str) -> float:
         """Time between two steps of a forecast, in time units."""
         ensemble = self.cases[case]["ensemble"]

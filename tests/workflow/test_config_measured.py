@@ -104,6 +104,14 @@ def test_past_values_are_components(config):
     assert Campaign(load(config)).noise_of_data("lab") is None
 
 
+def test_whose_unit_of_time_is_an_estimate(config):
+    campaign = Campaign(load(config))
+    estimates = {case: campaign.estimates_time_unit(case) for case in campaign.case_names}
+    assert estimates == {"Re400": False, "lab": True, "part": False}
+    config["cases"] |= changed("lab.lyapunov", {"published_exponent": 0.01})
+    assert not Campaign(load(config)).estimates_time_unit("lab")
+
+
 def test_thresholds_of_another_observable_are_not_inherited(config):
     config["cases"]["part"] = {"data": {**PART["data"], "observable": "a1"}}
     with pytest.raises(ConfigError) as caught:

@@ -57,7 +57,7 @@ def test_from_numbers_to_a_probability(project, monkeypatch):
 
 
 def test_the_parts_of_a_state_are_a_config(project):
-    part = yaml.safe_load(CONFIGS[1])["cases"]
+    part = yaml.safe_load(CONFIGS[2])["cases"]
     config = yaml.safe_load(CONFIGS[0])
     forecasters = config["campaign"][0]["forecasters"]
     config["campaign"].append({"reynolds": [400], "cases": list(part), "forecasters": forecasters})
@@ -70,6 +70,15 @@ def test_the_parts_of_a_state_are_a_config(project):
     }
     outcome = project.snakemake("-n", "results/lab/two_modes_and_their_past/evaluation_set.nc")
     assert outcome.status == 0, outcome.text[-3000:]
+
+
+def test_the_second_run_counts_in_what_it_is_told(project):
+    config = yaml.safe_load(CONFIGS[0])
+    config["results"] = "results/lab_again"
+    config["cases"]["lab"] |= yaml.safe_load(CONFIGS[1])["cases"]["lab"]
+    (project.directory / "lab.yaml").write_text(yaml.safe_dump(config))
+    planned = project.dry_run("results/lab_again/lab/evaluation_set.nc")
+    assert planned == {"import_data": 1, "evaluation_set": 1}  # no estimate
 
 
 @pytest.mark.long

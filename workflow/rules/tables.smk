@@ -125,12 +125,21 @@ stage(
     settings="random_seed bootstrap",
     rows=in_case(campaign.strategy_runs, campaign.strategy_keys),
 )
+table_of_spectra = tables_in_case("lyapunov_spectrum")["lyapunov_spectrum"]
 stage(
     "tables/warnings_table",
     "look for warning signs",
     inputs={
         **files("ensemble data events_summary"),
         **tables_in_case("dataset classification hyperparameters statistics"),
+        # where the unit of time is an estimate that it may contradict
+        "lyapunov_spectrum": of_job(
+            lambda wildcards: (
+                table_of_spectra(wildcards)
+                if campaign.estimates_time_unit(wildcards.case)
+                else []
+            )
+        ),
     },
     outputs={"table": f"{TABLES_OF_CASE}/warnings.csv"},
     settings="case.event_threshold case.training.series case.training.noise horizon.events "

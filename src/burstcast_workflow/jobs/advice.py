@@ -10,6 +10,8 @@ ADVICE = {
     "ill_conditioned_readout": "leave out the smallest values of search.tikhonov",
     "exponents_differ": "raise lyapunov.series, check lyapunov.saturation and perturbation; set "
     "lyapunov.time_unit to computed where the published exponent is of something else",
+    "own_exponents_differ": "if the statistics of these forecasters are those of the data "
+    "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.published_exponent",
     "outside_bins": "widen density.range",
     "noise_drowns_components": "lower training.noise, or raise ensemble.sampling_stride",
 }

@@ -27,6 +27,7 @@ def warnings_table(
     classification: str,
     hyperparameters: str | list[str],
     statistics: str | list[str],
+    lyapunov_spectrum: str | list[str],
     table: str,
     settings: Settings,
 ) -> None:
@@ -40,6 +41,11 @@ def warnings_table(
     if isinstance(statistics, str):
         for keys, members in _ensembles(read_table(statistics)):
             found += [(keys, finding) for finding in _of_long_runs(members)]
+    if isinstance(lyapunov_spectrum, str):  # where the unit of time is an estimate
+        leading = _leading(dataset, "lyapunov_exponent")
+        for keys, members in _ensembles(read_table(lyapunov_spectrum)):
+            own = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()
+            found += [(keys, one) for one in warning_signs.own_exponents_differ(leading, own)]
     rows = [
         {
             **settings["keys"],
@@ -74,8 +80,7 @@ def _of_data(
 def _of_numbers(dataset: str, classification: str) -> Iterator[Finding]:
     (row,) = read_table(dataset).to_dict("records")
     leading, growth = (
-        (row[name], row[f"{name}_low"], row[f"{name}_high"])
-        for name in ("lyapunov_exponent", "lyapunov_exponent_by_growth")
+        _leading(dataset, name) for name in ("lyapunov_exponent", "lyapunov_exponent_by_growth")
     )
     # left out of tables where nobody has one
     published = row.get("lyapunov_exponent_paper")
@@ -88,6 +93,12 @@ def _of_numbers(dataset: str, classification: str) -> Iterator[Finding]:
         scores["prediction_time_lt"].tolist(),
         (scores["true_positive"] + scores["false_negative"]).tolist(),
     )
+
+
+def _leading(dataset: str, name: str) -> tuple[float, float, float]:
+    """Leading Lyapunov exponent of the case with the ends of its interval, by its column."""
+    (row,) = read_table(dataset).to_dict("records")
+    return row[name], row[f"{name}_low"], row[f"{name}_high"]
 
 
 def _ensembles(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], pd.DataFrame]]:
