@@ -1,8 +1,8 @@
 """Lyapunov exponents of classical systems against those of others, from right-hand sides alone.
 
-Published: J. C. Sprott, Chaos and Time-Series Analysis, Oxford University Press (2003), appendix A,
-computed there by another method and program. The sum of the exponents is the mean divergence, which
-of all but one of these systems is a number that one reads off the equations.
+Published by J. C. Sprott, who computed them by another method and program. The sum of the exponents
+is the mean divergence, which of all but one of these systems is a number that one reads off the
+equations.
 """
 
 from collections.abc import Callable
@@ -18,6 +18,9 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.lyapunov import lyapunov_spectrum, mean_with_interval, perturbation_growth
 
 TRAJECTORIES = 24
+
+BOOK = "J. C. Sprott, Chaos and Time-Series Analysis, Oxford University Press (2003), appendix A"
+SIMPLE_FLOWS = "J. C. Sprott, Some simple chaotic flows, Phys. Rev. E 50, R647 (1994), table I"
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,11 @@ class Equations(DynamicalSystem):
 
 @dataclass(frozen=True)
 class Published:
-    """A classical system: its equations, where it starts, a time step, and published exponents."""
+    """A classical system: its equations, where it starts, a time step, and published exponents.
+
+    Of the simple flows, three digits of the leading exponent are published; the last is what is
+    missing to the divergence.
+    """
 
     rates: Callable
     start: tuple[float, float, float]
@@ -50,6 +57,7 @@ class Published:
     leading: float
     divergence: float | None
     last: float
+    source: str = BOOK
 
 
 SYSTEMS = {
@@ -90,10 +98,22 @@ SYSTEMS = {
         -4.5999,
     ),
     "Sprott B": Published(
-        lambda x, y, z: (y * z, x - y, 1 - x * y), (0.05, 0.05, 0.05), 0.05, 0.2101, -1.0, -1.2101
+        lambda x, y, z: (y * z, x - y, 1 - x * y),
+        (0.05, 0.05, 0.05),
+        0.05,
+        0.210,
+        -1.0,
+        -1.210,
+        SIMPLE_FLOWS,
     ),
     "Sprott C": Published(
-        lambda x, y, z: (y * z, x - y, 1 - x * x), (0.05, 0.05, 0.05), 0.05, 0.1633, -1.0, -1.1633
+        lambda x, y, z: (y * z, x - y, 1 - x * x),
+        (0.05, 0.05, 0.05),
+        0.05,
+        0.163,
+        -1.0,
+        -1.163,
+        SIMPLE_FLOWS,
     ),
     "Chen": Published(
         lambda x, y, z: (35 * (y - x), -7 * x - x * z + 28 * y, x * y - 3 * z),
