@@ -218,6 +218,7 @@ def test_any_kind_of_forecaster(kind, training, test_series):
     settings = {**SMALL, "observable": system, "kind": kind, "options": None}
     settings |= {"event_threshold": {"quantile": 0.9}, "noise": 0.01, "sampling_stride": 2}
     forecaster = burstcast.EventForecaster(**settings).fit(training)
+    assert len(repr(forecaster.members_[0])) < 300  # a notebook shows it
     probability = forecaster.predict_proba(test_series[:, :200])[:, 1]
     assert probability.shape == (5,)
     assert ((probability >= 0) & (probability <= 1)).all()

@@ -34,6 +34,11 @@ class Analogues(Forecaster):
     training: FloatArray
     neighbours: int
 
+    def __repr__(self) -> str:
+        """How much is remembered, none of it."""
+        series, samples, _ = self.training.shape
+        return f"Analogues({self.neighbours} of {series} series of {samples} samples)"
+
     @classmethod
     def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
         """Remember the series (see `Forecaster.fit`)."""

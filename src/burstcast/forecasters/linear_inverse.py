@@ -29,6 +29,10 @@ class LinearInverseModel(Forecaster):
     propagator: FloatArray
     constant: FloatArray
 
+    def __repr__(self) -> str:
+        """Of how many components it is, no numbers."""
+        return f"LinearInverseModel({len(self.constant)} components)"
+
     @classmethod
     def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
         """Fit the map by least squares over all steps of all series (see `Forecaster.fit`)."""

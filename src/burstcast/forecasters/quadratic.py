@@ -30,6 +30,11 @@ class QuadraticModel(IntegratedForecaster):
 
     coefficients: FloatArray
 
+    def __repr__(self) -> str:
+        """How many terms there are, no coefficients."""
+        terms, components = int((self.coefficients != 0).sum()), self.coefficients.shape[1]
+        return f"QuadraticModel({terms} terms of {components} components)"
+
     @classmethod
     def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
         """Learn the equations (see `Forecaster.fit`).
