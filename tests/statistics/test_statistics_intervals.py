@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from helpers_statistics import reduced
 
 from burstcast.resampling import bootstrap_weights, percentile_interval
 from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.measures import Measures, compare
 from burstcast.statistics.profiles import flow_modes
+from burstcast.statistics.reductions import reduce_series
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.jobs.statistics_files import (
     described_reductions,
@@ -33,28 +33,28 @@ def series(count, seed, shift=0.0):
     return means + generator.normal(0.0, 1.0, (count, 40, 9))
 
 
-REFERENCE = reduced([series(60, 1)], energy, EDGES).merged(slice(None))
+REFERENCE = reduce_series([series(60, 1)], energy, EDGES).merged(slice(None))
 
 
 def test_each_sample_is_compared_as_if_its_runs_were_all():
     runs = series(12, 2, shift=0.1)
     kept = np.arange(12) % 4 != 1
     weights = bootstrap_weights(12, 8, np.random.default_rng(3))
-    reductions = reduced([runs], energy, EDGES)
+    reductions = reduce_series([runs], energy, EDGES)
     found = resampled_measures(REFERENCE, reductions, kept, MATRICES, weights)
     assert list(found) == NAMES
     for number, weight in enumerate(weights):
         drawn = np.concatenate(
             [np.repeat(runs[row : row + 1], weight[row], axis=0) for row in np.flatnonzero(kept)]
         )
-        candidate = reduced([drawn], energy, EDGES).merged(slice(None))
+        candidate = reduce_series([drawn], energy, EDGES).merged(slice(None))
         expected = compare(REFERENCE, candidate, MATRICES)
         for name in NAMES:
             assert found[name][number] == pytest.approx(getattr(expected, name), rel=1e-12)
 
 
 def test_a_sample_without_runs_that_count_has_no_measures():
-    reductions = reduced([series(3, 4)], energy, EDGES)
+    reductions = reduce_series([series(3, 4)], energy, EDGES)
     kept = np.array([True, False, False])
     weights = np.array([[0, 2, 1], [1, 1, 1]])
     found = resampled_measures(REFERENCE, reductions, kept, None, weights)
@@ -64,7 +64,7 @@ def test_a_sample_without_runs_that_count_has_no_measures():
 
 def test_intervals_are_as_wide_as_the_scatter_of_other_runs():
     # far from the reference, where a distance scatters as a mean does
-    reductions = reduced([series(40, 5, shift=0.5)], energy, EDGES)
+    reductions = reduce_series([series(40, 5, shift=0.5)], energy, EDGES)
     weights = bootstrap_weights(40, 400, np.random.default_rng(6))
     kept = np.ones(40, dtype=bool)
     samples = resampled_measures(REFERENCE, reductions, kept, None, weights)["kantorovich"]
@@ -72,7 +72,7 @@ def test_intervals_are_as_wide_as_the_scatter_of_other_runs():
     others = [
         compare(
             REFERENCE,
-            reduced([series(40, seed, shift=0.5)], energy, EDGES).merged(slice(None)),
+            reduce_series([series(40, seed, shift=0.5)], energy, EDGES).merged(slice(None)),
             None,
         ).kantorovich
         for seed in range(100, 300)
@@ -81,7 +81,7 @@ def test_intervals_are_as_wide_as_the_scatter_of_other_runs():
 
 
 def test_reductions_come_back_from_their_file(tmp_path):
-    reductions = reduced([series(5, 7)], energy, EDGES)
+    reductions = reduce_series([series(5, 7)], energy, EDGES)
     path = tmp_path / "long_term.nc"
     write_statistics(path, reductions.merged(slice(1, 3)), {}, described_reductions(reductions))
     found = read_reductions(path)

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from helpers_statistics import reduced
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -22,6 +21,7 @@ from burstcast.statistics.long_term import (
     long_term_starting_points,
     run_long_term,
 )
+from burstcast.statistics.reductions import reduce_series
 from burstcast.systems.lorenz63 import Lorenz63
 from helpers_forecasters import MadeUpForecaster
 
@@ -192,7 +192,7 @@ def test_fates_and_statistics_are_those_of_the_whole_series(kinds, steps, chunk,
     kept = script[:, :, fates == Fate.KEPT].transpose(2, 0, 1)
     assert found.statistics.moments.count == kept.shape[0] * steps
     if len(kept):
-        expected = reduced([kept], first_component, EDGES).merged(slice(None))
+        expected = reduce_series([kept], first_component, EDGES).merged(slice(None))
         np.testing.assert_array_equal(found.statistics.histogram.counts, expected.histogram.counts)
         np.testing.assert_array_equal(
             found.statistics.moments.mean_product, expected.moments.mean_product
@@ -307,7 +307,7 @@ def test_equations_have_the_statistics_of_their_own_trajectories():
         forecaster, system.observable, washouts, LongTermSettings(700, edges, None, None)
     )
     states, _ = forecaster.advance(np.ascontiguousarray(washouts[:, -1].T), 700)
-    expected = reduced([states.transpose(2, 0, 1)], system.observable, edges)
+    expected = reduce_series([states.transpose(2, 0, 1)], system.observable, edges)
     np.testing.assert_array_equal(
         found.statistics.histogram.counts, expected.merged(slice(None)).histogram.counts
     )

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from helpers_statistics import reduced
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -19,7 +18,7 @@ from burstcast.statistics.profiles import (
     normalised_root_mean_square_error,
     velocity_profiles,
 )
-from burstcast.statistics.reductions import SeriesAccumulator
+from burstcast.statistics.reductions import SeriesAccumulator, reduce_series
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -44,7 +43,7 @@ def same(first, second):
 
 def test_merged_reductions_are_those_of_all_values():
     series = random_series()
-    found = reduced([series], energy, EDGES).merged(ALL)
+    found = reduce_series([series], energy, EDGES).merged(ALL)
     flat = series.reshape(-1, 9)
     np.testing.assert_array_equal(found.histogram.counts, np.histogram(energy(flat.T), EDGES)[0])
     assert found.histogram.below + found.histogram.inside + found.histogram.above == len(flat)
@@ -55,9 +54,9 @@ def test_merged_reductions_are_those_of_all_values():
 
 def test_chosen_series_alone_are_merged():
     series = random_series()
-    whole = reduced([series], energy, EDGES)
+    whole = reduce_series([series], energy, EDGES)
     rows = np.array([1, 4])
-    alone = reduced([series[rows]], energy, EDGES)
+    alone = reduce_series([series[rows]], energy, EDGES)
     assert len(whole) == 7
     for chosen in (rows, np.isin(np.arange(7), rows)):
         found = whole.merged(chosen)
@@ -67,7 +66,7 @@ def test_chosen_series_alone_are_merged():
 
 
 def test_no_series_have_no_moments():
-    found = reduced([random_series()], energy, EDGES).merged(np.zeros(7, dtype=bool))
+    found = reduce_series([random_series()], energy, EDGES).merged(np.zeros(7, dtype=bool))
     assert found.moments.count == 0
     assert found.histogram.inside == 0
     assert np.isnan(found.moments.mean).all()
@@ -76,17 +75,17 @@ def test_no_series_have_no_moments():
 @given(st.lists(st.integers(0, 6), unique=True), st.integers(1, 200))
 def test_reductions_do_not_depend_on_how_series_are_cut_up(cuts, block):
     series = random_series()
-    whole = reduced([series], energy, EDGES)
+    whole = reduce_series([series], energy, EDGES)
     blocks = [part for part in np.split(series, sorted(cuts)) if len(part)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(reductions, "STEPS_PER_BLOCK", block)
-        assert same(reduced(blocks, energy, EDGES), whole)
+        assert same(reduce_series(blocks, energy, EDGES), whole)
 
 
 @given(st.lists(st.integers(1, 149), unique=True))
 def test_series_may_be_added_in_pieces_of_time(cuts):
     series = random_series()
-    whole = reduced([series], energy, EDGES)
+    whole = reduce_series([series], energy, EDGES)
     accumulator = SeriesAccumulator(7, 9, EDGES)
     states = series.transpose(1, 2, 0)
     for piece in np.split(states, sorted(cuts)):
@@ -104,23 +103,23 @@ def test_reductions_already_taken_do_not_change():
     accumulator.add(np.arange(7), states, energy(states.transpose(1, 0, 2)))
     taken = accumulator.reductions()
     accumulator.add(np.arange(7), states, energy(states.transpose(1, 0, 2)))
-    assert same(taken, reduced([series], energy, EDGES))
+    assert same(taken, reduce_series([series], energy, EDGES))
 
 
 def test_what_cannot_be_reduced_is_refused():
     series = random_series()
     series[2, 5, 1] = np.nan
     with pytest.raises(ValueError, match="not finite"):
-        reduced([series], energy, EDGES)
+        reduce_series([series], energy, EDGES)
     with pytest.raises(ValueError, match="no series"):
-        reduced([], energy, EDGES)
+        reduce_series([], energy, EDGES)
 
 
 def test_profiles_and_midplane_are_the_averages_of_the_fields():
     system = MoehlisFaisstEckhardt(400.0, length_x=5.0, length_z=3.0)
     modes = flow_modes(system)
     series = random_series(2, 20)
-    moments = reduced([series], system.observable, EDGES).merged(ALL).moments
+    moments = reduce_series([series], system.observable, EDGES).merged(ALL).moments
     x, z = np.arange(16) * 5.0 / 16, np.arange(12) * 3.0 / 12
     y = np.linspace(-1, 1, 9)
     grid = np.meshgrid(x, y, z, indexing="ij", sparse=True)
@@ -154,7 +153,7 @@ MATRICES = flow_modes(MoehlisFaisstEckhardt(400.0)).profile_matrices(np.linspace
 
 
 def test_comparison_measures_each_thing_against_the_reference():
-    whole = reduced([random_series(20)], energy, EDGES)
+    whole = reduce_series([random_series(20)], energy, EDGES)
     reference, candidate = whole.merged(ALL), whole.merged(np.arange(3))
     found = compare(reference, candidate, MATRICES)
     assert found.kantorovich == kantorovich_metric(reference.histogram, candidate.histogram)
@@ -172,7 +171,7 @@ def test_comparison_measures_each_thing_against_the_reference():
 def test_comparison_with_itself_finds_nothing_and_without_series_nothing_defined():
     # bins that are all filled: an empty one counts in the mean logarithmic error
     edges = np.linspace(2.0, 7.0, 11)
-    whole = reduced([random_series()], energy, edges)
+    whole = reduce_series([random_series()], energy, edges)
     assert compare(whole.merged(ALL), whole.merged(ALL), MATRICES) == Measures(0, 0, 0, 0, 0)
     none = compare(whole.merged(ALL), whole.merged(np.array([], dtype=int)), MATRICES)
     assert np.isnan(list(vars(none).values())).all()
@@ -182,7 +181,7 @@ def test_comparison_with_itself_finds_nothing_and_without_series_nothing_defined
 
 
 def test_the_nearest_candidate_is_that_of_the_smallest_kantorovich_metric():
-    whole = reduced([random_series()], energy, np.linspace(2.0, 7.0, 11))
+    whole = reduce_series([random_series()], energy, np.linspace(2.0, 7.0, 11))
     none = whole.merged(np.array([], dtype=int))
     parts = [whole.merged(np.arange(number)) for number in (1, 3)]
     distances = [compare(whole.merged(ALL), part, None).kantorovich for part in parts]
@@ -194,7 +193,7 @@ def test_the_nearest_candidate_is_that_of_the_smallest_kantorovich_metric():
 
 def test_floor_is_the_distance_of_disjoint_parts():
     series = random_series(10)
-    whole = reduced([series], energy, EDGES)
+    whole = reduce_series([series], energy, EDGES)
     floor = sampling_floor(whole, MATRICES, 5, np.random.default_rng(3), sample=3)
     draws = np.random.default_rng(3)
     for measures in floor:
@@ -210,7 +209,7 @@ def test_floor_sinks_as_the_root_of_the_sample_size():
             [
                 measures.kantorovich
                 for measures in sampling_floor(
-                    reduced([random_series(size, 100)], energy, EDGES),
+                    reduce_series([random_series(size, 100)], energy, EDGES),
                     None,
                     40,
                     np.random.default_rng(4),
@@ -223,11 +222,11 @@ def test_floor_sinks_as_the_root_of_the_sample_size():
 
 
 def test_floor_needs_two_parts():
-    whole = reduced([random_series(3)], energy, EDGES)
+    whole = reduce_series([random_series(3)], energy, EDGES)
     for size in (0, 3):
         with pytest.raises(ValueError, match="split"):
             sampling_floor(whole, None, 1, np.random.default_rng(0), sample=size)
     with pytest.raises(ValueError, match="split"):
         sampling_floor(
-            reduced([random_series(1)], energy, EDGES), None, 1, np.random.default_rng(0)
+            reduce_series([random_series(1)], energy, EDGES), None, 1, np.random.default_rng(0)
         )

@@ -203,9 +203,6 @@ def test_the_past_of_a_part(project):
     assert not set(points["observable_now"].ravel()) & set(z.ravel())
     np.testing.assert_array_equal(points["washout"][:, -1, 3], points["observable_now"])
     assert set(points["washout"][..., 1].ravel()) <= set(seen(past, 1))
-    statistics = read_netcdf(results / "past/statistics_data.nc")
-    edges = statistics["edge"]
-    np.testing.assert_array_equal(statistics["count"], np.histogram(z[:, 7:], edges)[0])
 
 
 def seen(ensemble, component):

@@ -4,7 +4,7 @@ The reductions of every series are kept apart until it is known which series cou
 step by step in the order of time, so that they do not depend on how the series are cut up.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -144,16 +144,19 @@ class SeriesAccumulator:
 
 
 def reduce_series(
-    blocks: Iterable[tuple[FloatArray, FloatArray]], edges: FloatArray
+    blocks: Iterable[FloatArray],
+    observable: Callable[[FloatArray], FloatArray],
+    edges: FloatArray,
 ) -> SeriesReductions:
     """Reduce stored series.
 
     Parameters
     ----------
     blocks
-        States ``(series, time, component)`` and their observable ``(series, time)``: read a few
-        series at a time, all need never be in the memory together. How they are grouped changes no
-        result.
+        The series, ``(series, time, component)`` each: read a few at a time, all series need never
+        be in the memory together. How they are grouped changes no result.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
     edges
         Edges of the histogram's bins, ``(bins + 1,)``.
 
@@ -163,10 +166,10 @@ def reduce_series(
         If there is no series or a value is not finite.
     """
     parts = []
-    for states, observable in blocks:
-        accumulator = SeriesAccumulator(len(states), states.shape[2], edges)
-        block = np.ascontiguousarray(states.transpose(1, 2, 0))
-        accumulator.add(np.arange(len(states)), block, np.ascontiguousarray(observable.T))
+    for block in blocks:
+        accumulator = SeriesAccumulator(len(block), block.shape[2], edges)
+        states = np.ascontiguousarray(block.transpose(1, 2, 0))
+        accumulator.add(np.arange(len(block)), states, observable(states.transpose(1, 0, 2)))
         parts.append(accumulator.reductions())
     if not parts:
         raise ValueError("there are no series to reduce")

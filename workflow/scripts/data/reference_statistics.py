@@ -31,14 +31,15 @@ def reference_statistics(
     """Write the statistics of the data and of the training set, and the floor of the measures."""
     system = system_of(settings)
     kept = read_json(summary)["series_kept"]
-    rows = [
-        (start, min(start + SERIES_AT_A_TIME, kept)) for start in range(0, kept, SERIES_AT_A_TIME)
-    ]
     blocks = (
-        (read_rows(ensemble, "state", *part), read_rows(ensemble, "observable", *part))
-        for part in rows
+        read_rows(ensemble, "state", start, min(start + SERIES_AT_A_TIME, kept))
+        for start in range(0, kept, SERIES_AT_A_TIME)
     )
-    series = reduce_series(blocks, edges_of(settings["case.density"]))
+    series = reduce_series(
+        blocks,
+        system.observable,
+        edges_of(settings["case.density"]),
+    )
     first = slice(0, settings["case.training.series"])
     write_statistics(data, series.merged(slice(None)), provenance)
     write_statistics(training, series.merged(first), provenance)
