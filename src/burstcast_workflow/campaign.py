@@ -58,27 +58,31 @@ class ControlRun:
     """One run of control: which case, who forecasts, how, and whether alarms are random instead.
 
     Random alarms belong to a forecaster, too: they come as often as its own. A strategy that does
-    not forecast belongs to none.
+    not forecast belongs to none. A committee's forecaster is what its voters have in common
+    (`Campaign.voters`).
     """
 
     case: str
     forecaster: CaseForecaster | None
     plan: ControlPlan
     random: bool = False
+    committee: bool = False
 
     @property
     def rule(self) -> str:
         """Rule that makes it."""
         if self.forecaster is None:
             return "control_without_forecast"
+        if self.committee:
+            return "control_committee"
         return "control_random" if self.random else "control"
 
     @property
     def directory(self) -> str:
         """Directory of its files below the results directory."""
-        kind = "control_random" if self.random else "control"
-        above = self.case if self.forecaster is None else self.forecaster.directory
-        return f"{above}/{kind}/{self.plan.identifier}"
+        if self.forecaster is None:
+            return f"{self.case}/control/{self.plan.identifier}"
+        return f"{self.forecaster.directory}/{self.rule}/{self.plan.identifier}"
 
     @property
     def identity(self) -> Settings:
@@ -226,12 +230,27 @@ class Campaign:
             for one in chosen
             if block.get("seeds") is None or (one.name.seed or 0) < block["seeds"]
         ]
+        committee = bool(block.get("committee"))
+        if committee:
+            common = [CaseForecaster(one.case, replace(one.name, seed=None)) for one in chosen]
+            who = [(one.case, one) for one in dict.fromkeys(common)]
         if not strategy_class(block["strategy"]).forecasts:
             who = [(case, None) for case in controlled]
         for case, forecaster in who:
             if case in wanted and case in controlled:
                 for plan in block_plans(block):
-                    yield ControlRun(case, forecaster, plan)
+                    yield ControlRun(case, forecaster, plan, committee=committee)
+
+    def voters(self, case: str, identifier: str) -> tuple[CaseForecaster, ...]:
+        """Forecasters of a committee, by the name of what they have in common.
+
+        ``esn-N2000-RV`` is all networks of that size and strategy. Where it is a single forecaster,
+        the members of its ensemble vote.
+        """
+        name = parsed(identifier)
+        return self.select(
+            case=case, kind=name.kind, neurons=name.neurons, validation=name.validation
+        )
 
     @cached_property
     def _plans(self) -> dict[str, ControlPlan]:
@@ -380,6 +399,8 @@ class Campaign:
     def _keys_of(self, run: ControlRun) -> Settings:
         name = ForecasterName("none") if run.forecaster is None else run.forecaster.name
         keys = {**self.case_keys(run.case), **name.keys}
+        if run.committee:
+            return {**keys, "forecaster": f"{name.kind}_committee"}
         return {**keys, "forecaster": "random"} if run.random else keys
 
     def case_keys(self, case: str) -> Settings:

@@ -162,6 +162,13 @@ def _test_series(campaign: Campaign, case: str) -> float:
     return float(max(0, min(record["test_series"], left)))
 
 
+def _control_committee(job: _Job) -> tuple[float, float]:
+    if job.name.kind == "esn":
+        networks = len(job.campaign.voters(job.case, job.name.identifier))
+        return job.flows, networks * job.alarms * (job.start_up + job.reach)
+    return job.flows, job.alarms * (job.start_up + job.members * job.reach)
+
+
 def _horizon(job: _Job) -> tuple[float, float]:
     # three fifths of the starts are tried, and a forecast that fails is given up on the way
     tried = 0.6 * job("horizon.longest_lead_time_lt") / job("horizon.lead_time_step_lt")
@@ -191,6 +198,7 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
     "horizon": _horizon,
     "long_term": _long_term,
     "control": lambda job: (job.flows, job.alarms * (job.start_up + job.reach)),
+    "control_committee": _control_committee,
 }
 
 # What a class takes: start-up, work, numbers held.

@@ -99,7 +99,10 @@ def _frontier_network(campaign: Campaign, case: str) -> dict[str, Any] | None:
     names = [
         run.forecaster.name
         for run in campaign.strategy_runs
-        if run.case == case and run.forecaster is not None and run.forecaster.name.kind == "esn"
+        if run.case == case
+        and run.forecaster is not None
+        and run.forecaster.name.kind == "esn"
+        and not run.committee
     ]
     name = next((name for name in names if name == campaign.example.name), next(iter(names), None))
     return None if name is None else name.keys

@@ -204,7 +204,8 @@ def frontier_rows() -> pd.DataFrame:
                 {
                     **{"case": "Re400", "forecaster": forecaster, "strategy": strategy},
                     **keys,
-                    **{"level": np.nan, **settings, "starts": "quiet", **usual},
+                    **{"level": np.nan, "vote_share": np.nan, **settings},
+                    **{"starts": "quiet", **usual},
                     **(conditions or {}),
                     **{"metric": metric, "value": value},
                     **{"low": 0.5 * value, "high": 1.5 * value if value else 0.005},
@@ -230,6 +231,13 @@ def frontier_rows() -> pd.DataFrame:
                 decision_interval_lt=0.25,
             )
         run(forecaster, "prediction_triggered", 0.2, 0.09, prediction_time_lt=1.0)
+    for horizon, left, acting in ((2.0, 5e-4, 0.045), (3.0, 0.0, 0.025)):
+        run(
+            *("esn_committee", "receding_horizon", left, acting),
+            horizon_lt=horizon,
+            decision_interval_lt=0.25,
+            vote_share=0.5,
+        )
     for level, left, acting in ((0.04, 0.01, 0.5), (0.06, 0.06, 0.24)):
         run("none", "reactive", left, acting, level=level, decision_interval_lt=0.25)
     return pd.DataFrame(rows)

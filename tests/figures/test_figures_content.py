@@ -318,6 +318,11 @@ def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_cond
     low, high = frontier.get_ylim()
     assert low < 0 < high
     assert {"receding horizon, 2 LT", "reactive", "echo state network"} <= set(texts(figure))
+    # a committee beside them, and by what share of the votes it acts
+    (voted,) = (line for line in curves if list(line.get_xdata()) == [0.045, 0.025])
+    assert list(voted.get_ydata()) == [5e-4, 0.0]
+    assert "committee of networks" in texts(figure)
+    assert "receding horizon, every 0.25 LT, 0.5 of the votes" in texts(figure)
 
 
 def test_the_frontier_leaves_out_other_spans_starts_and_spells_of_quiet() -> None:

@@ -135,6 +135,51 @@ def test_the_sweep_adds_prediction_times_for_the_first_seeds():
     assert set(PAPER.control_runs) < set(found.control_runs)
 
 
+def test_committees_control_as_one():
+    networks = {"neurons": [500, 2000], "validation": ["RV"], "seeds": 3}
+    settings = {"horizon_lt": [2], "decision_interval_lt": [0.25], "vote_share": [0.1, 1]}
+    block = {
+        "strategy": "receding_horizon",
+        "settings": settings,
+        "cases": ["Re400"],
+        "forecasters": {"esn": {"neurons": [2000]}, "quadratic_filtered": {}},
+        "committee": True,
+    }
+    forecasters = {"esn": networks, "quadratic_filtered": {}}
+    found = campaign(
+        {
+            "campaign": [{"reynolds": [400, 600], "forecasters": forecasters}],
+            "control": {"strategies": [block]},
+        }
+    )
+    runs = set(found.strategy_runs) - set(found.control_runs)
+    plan = "receding_horizon-decision_interval0.25-horizon2-vote_share"
+    assert {run.directory for run in runs} == {
+        f"Re400/{who}/control_committee/{plan}{share}"
+        for who in ("esn-N2000-RV", "quadratic_filtered")
+        for share in ("0.1", "1")
+    }
+    records = found.strategy_keys(sorted(runs, key=lambda run: run.directory))
+    assert records[0]["identity"] == {
+        "rule": "control_committee",
+        "case": "Re400",
+        "forecaster": "esn-N2000-RV",
+        "strategy": f"{plan}0.1",
+    }
+    keys = records[0]["keys"]
+    assert (keys["forecaster"], keys["neurons"], keys["seed"]) == ("esn_committee", 2000, None)
+    assert keys["vote_share"] == 0.1
+    assert records[-1]["keys"]["forecaster"] == "quadratic_filtered_committee"
+    networks = [one.name.identifier for one in found.voters("Re400", "esn-N2000-RV")]
+    assert networks == [f"esn-N2000-RV-seed{seed}" for seed in range(3)]
+    (alone,) = found.voters("Re400", "quadratic_filtered")
+    assert alone.directory == "Re400/quadratic_filtered"
+    # a job of a committee is about the kind of those who vote
+    wildcards = {"case": "Re400", "forecaster": "esn-N2000-RV", "strategy": f"{plan}0.1"}
+    assert found.modules(wildcards)["burstcast.forecasters"] == ["esn"]
+    assert found.settings(["control.run"], wildcards, {})["control.run"]["noise"] == 0.01
+
+
 def test_a_case_without_actuation_is_not_controlled():
     found = campaign({"cases": {"Re600": {"actuation": None}}})
     assert {run.case for run in found.control_runs} == {"Re400", "Re800", "Re1000"}

@@ -60,6 +60,14 @@ def reactive(**changes):
     return {"strategy": "reactive", "settings": settings, **changes}
 
 
+def voting(vote_share=(), **changes):
+    """A block of strategies of control in which networks vote."""
+    shares = {"vote_share": list(vote_share)} if vote_share else {}
+    settings = {"horizon_lt": [2], "decision_interval_lt": [0.25], **shares}
+    block = {"strategy": "receding_horizon", "settings": settings, "forecasters": {"esn": {}}}
+    return {**block, **changes}
+
+
 def only_problem(config):
     (problem,) = problems(config)
     return problem
@@ -640,6 +648,27 @@ def test_all_mistakes_are_told_at_once(config):
                 )
             ],
             ["control.strategies[0]: control is not defined", "before the alarm"],
+        ),
+        ("control.strategies", [voting(vote_share=[0.5])], ["committees; say committee: true"]),
+        (
+            "control.strategies",
+            [reactive(committee=True)],
+            ["control.strategies[0].committee: reactive lets nobody vote"],
+        ),
+        (
+            "control.strategies",
+            [voting(committee=True, vote_share=[0.5, 5])],
+            ["control.strategies[0].settings.vote_share has 5", "above 0, and 1 at most"],
+        ),
+        (
+            "control.strategies",
+            [voting(committee=True, seeds=2)],
+            ["control.strategies[0].seeds", "leave it out"],
+        ),
+        (
+            "control.strategies",
+            [voting(committee=True, forecasters={"equations": {}})],
+            ["control.strategies[0].forecasters names equations", "no members"],
         ),
         ("control.strategies", [reactive(strength=[0])], ["strength[0] is 0", "above 0"]),
         ("control.strategies", [reactive(starts="loud")], ["starts", "quiet or unselected"]),

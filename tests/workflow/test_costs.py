@@ -247,6 +247,34 @@ def test_decisions_cost_what_they_look_ahead_and_how_often():
     assert 5 < long / short < 11
 
 
+def test_committees_cost_the_forecasts_of_all_who_vote():
+    settings = {"horizon_lt": [2], "decision_interval_lt": [0.25], "vote_share": [0.5]}
+    block = {"strategy": "receding_horizon", "settings": settings, "committee": True}
+    costs = model(
+        campaign=[
+            {
+                "reynolds": [400],
+                "forecasters": {
+                    "esn": {"neurons": [2000], "validation": ["RV"], "seeds": 5},
+                    "quadratic_filtered": {},
+                },
+            }
+        ],
+        control__strategies=[{**block, "forecasters": {"esn": {}, "quadratic_filtered": {}}}],
+    )
+    strategy = {"strategy": "receding_horizon-decision_interval0.25-horizon2-vote_share0.5"}
+
+    def seconds(stage, forecaster):
+        return predicted("control", stage, costs, forecaster=forecaster, **strategy).seconds
+
+    of_five = seconds("control_committee", "esn-N2000-RV")
+    assert of_five / seconds("control", "esn-N2000-RV-seed0") == pytest.approx(5, rel=0.1)
+    # the filter of 40 members runs once, over 30 steps; all of them look 122 steps ahead
+    of_members = seconds("control_committee", "quadratic_filtered")
+    of_mean = seconds("control", "quadratic_filtered")
+    assert of_members / of_mean == pytest.approx(40 * (30 + 122) / (40 * 30 + 122), rel=0.1)
+
+
 def test_memory_holds_the_arrays():
     series_mib = 2000 * 4000 * 9 * 8 / 2**20
     assert predicted("integration", "simulate").memory_mib > 2 * series_mib

@@ -210,6 +210,19 @@ def test_classification_is_counted_from_the_series_themselves(finished):
         assert sum(counts.values()) > 20
 
 
+def test_a_committee_of_one_network_controls_as_that_network(finished):
+    case = finished.project.results / "Re400"
+    plan = "receding_horizon-decision_interval0.5-horizon1"
+    alone = case / "esn-N40-RV-seed0" / "control" / plan
+    committee = case / "esn-N40-RV" / "control_committee" / f"{plan}-vote_share0.5"
+    for name in ("flows.nc", "histograms.nc"):
+        ours, theirs = read_netcdf(committee / name), read_netcdf(alone / name)
+        assert ours.keys() == theirs.keys()
+        for variable, values in ours.items():
+            np.testing.assert_array_equal(values, theirs[variable])
+    assert read_netcdf(alone / "flows.nc")["actuated_integration_steps"].sum() > 0
+
+
 def test_noise_is_in_what_is_observed_and_not_in_the_truth(finished):
     case = finished.project.results / "Re400"
     states = read_netcdf(case / "ensemble.nc", "state")["state"]

@@ -1,4 +1,4 @@
-"""Control of extreme events: strategies with a forecaster, without one, and at random."""
+"""Control of extreme events: strategies with a forecaster, several, or none, and at random."""
 
 
 def files_of_control(directory):
@@ -11,11 +11,27 @@ def files_of_control(directory):
     return {name: f"{directory}/{{strategy}}/{file}" for name, file in names.items()}
 
 
+@of_job
+def voters_of_job(wildcards):
+    """The forecasters of a committee."""
+    voters = campaign.voters(wildcards.case, wildcards.forecaster)
+    return of_forecasters("forecaster.nc", voters)
+
+
 stage(
     "control/control",
     "control",
     inputs=files("ensemble summary time_unit forecaster"),
     outputs=files_of_control(f"{FORECASTER}/control"),
+    settings="CONTROL case.controlled_density forecaster.options",
+    cost="control",
+    cached=True,
+)
+stage(
+    "control/control_committee",
+    "control by a vote",
+    inputs={**files("ensemble summary time_unit"), "forecasters": voters_of_job},
+    outputs=files_of_control(f"{FORECASTER}/control_committee"),
     settings="CONTROL case.controlled_density forecaster.options",
     cost="control",
     cached=True,

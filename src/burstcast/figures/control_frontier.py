@@ -56,15 +56,21 @@ _STRATEGIES = {
     "reactive": _Strategy("reactive", "level", "{symbol} = {}", "^", ORANGE),
     "random_decisions": _Strategy("random", "probability", "{}", "X", GREY),
 }
-_OTHER_SETTINGS = {"decision_interval_lt": "every {} LT", "window_lt": "window of {} LT"}
+_OTHER_SETTINGS = {
+    "decision_interval_lt": "every {} LT",
+    "window_lt": "window of {} LT",
+    "vote_share": "{} of the votes",
+}
 
 # Colours and fillings of who forecasts: full, open, half.
 _FORECASTERS = {
     "esn": (BLUE, "full"),
+    "esn_committee": (BLUE, "bottom"),
     "equations": (BLACK, "none"),
     "equations_noisy": (GREEN, "left"),
     "equations_filtered": (VERMILLION, "bottom"),
     "quadratic_filtered": (PURPLE, "top"),
+    "quadratic_filtered_committee": (PURPLE, "left"),
 }
 _OTHER_FORECASTER = (GREY, "right")
 

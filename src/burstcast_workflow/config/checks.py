@@ -4,12 +4,15 @@ Bounds of one setting that are other settings stand in the model. Here are the o
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from burstcast import durations
+from burstcast.control.committee import VOTE_SHARE, votes
 from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy, strategy_class
+from burstcast.forecasters.registry import forecaster_class
+from burstcast.probability.members import has_members
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class
@@ -198,6 +201,30 @@ def _strategies(config: Settings) -> Iterator[str]:
                 make_strategy(name, dict(plan.settings))
             except ValueError as error:
                 yield f"{place}.settings: {error}"
+        yield from _votes(block, place, [kind for kind, axes in kinds.items() if axes is not None])
+
+
+def _votes(block: Settings, place: str, kinds: Sequence[str]) -> Iterator[str]:
+    """What is wrong with who votes in a block of strategies of control."""
+    shares = block.get("settings", {}).get(VOTE_SHARE)
+    if not block.get("committee"):
+        if shares:
+            yield f"{place}.settings.{VOTE_SHARE} is for committees; say committee: true as well"
+        return
+    name = block["strategy"]
+    if not votes(strategy_class(name)):
+        yield f"{place}.committee: {name} lets nobody vote; leave it out"
+    for share in shares or []:
+        if not 0 < share <= 1:
+            yield (
+                f"{place}.settings.{VOTE_SHARE} has {share}, but a share of the votes is above 0, "
+                "and 1 at most"
+            )
+    if block.get("seeds") is not None:
+        yield f"{place}.seeds: all networks of a size and strategy are a committee; leave it out"
+    for kind in kinds:
+        if kind != "esn" and not has_members(forecaster_class(kind)):
+            yield f"{place}.forecasters names {kind}, which has no members that could vote"
 
 
 def _figures(config: Settings) -> Iterator[str]:

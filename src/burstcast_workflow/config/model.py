@@ -486,6 +486,11 @@ class StrategyBlock(Section):
     seeds: Annotated[Count | None, Words("a whole number above 0, or null")] = setting(
         "networks of the first seeds; null for all", default=None
     )
+    committee: bool = setting(
+        "whether all networks of a size and validation strategy, or all members of a forecaster's "
+        "ensemble, control as one: by the share of them that votes for an alarm, vote_share",
+        default=False,
+    )
     starts: Literal["quiet", "unselected"] = setting(
         "whether flows with an event before their steps count are left out, or none is",
         default="quiet",

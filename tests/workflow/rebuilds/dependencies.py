@@ -29,6 +29,7 @@ _SPECTRUM = f"""{_LONG_RUNS} case.lyapunov.orthonormalisation_interval
 _CONTROL = f"""{_SYSTEM} {_TIME} random_seed case.training.series
     case.event_threshold case.laminarisation_threshold case.controlled_density.* case.actuation.*
     washout_lt control.window_lt control.flows control.span_lt"""
+_OTHER_CONTROL = _CONTROL.replace("control.window_lt", "")
 # A forecaster is restored with the settings of its kind; the equations have none, and see no noise.
 # Whether forecasts have diverged is asked by those who judge them as a whole.
 _NETWORK = """forecasters.esn.connectivity forecasters.esn.input_bias forecasters.esn.backend"""
@@ -72,7 +73,9 @@ READS = {
     "control/esn": f"{_CONTROL} case.training.noise {_NETWORK}",
     "control/equations": _CONTROL,
     "control_random/esn": _CONTROL,
-    "control_without_forecast": _CONTROL.replace("control.window_lt", ""),
+    "control_without_forecast": _OTHER_CONTROL,
+    "control_committee/esn": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
+    "control_committee/quadratic_filtered": f"{_OTHER_CONTROL} case.training.noise {_LEARNT}",
     "statistics_table": f"{_SYSTEM} random_seed bootstrap.* statistics.profile_points",
     "survival_table": """case.ensemble.time_step case.ensemble.sampling_stride
         statistics.duration bootstrap.confidence""",
@@ -140,6 +143,8 @@ COMES_FROM = {
     "control/esn": "simulate train",
     "control/equations": "simulate fit/equations",
     "control_random/esn": "simulate control/esn",
+    "control_committee/esn": "simulate train",
+    "control_committee/quadratic_filtered": "simulate fit/quadratic_filtered",
     "control_without_forecast": "simulate",
     "statistics_table": "reference_statistics long_term/esn",
     "survival_table": "simulate long_term/esn",
@@ -149,7 +154,7 @@ COMES_FROM = {
     "warnings_table": """simulate events reference_statistics dataset_table classification_table
         hyperparameters_table statistics_table""",
     "control_strategies_table": """control/esn control/equations control_random/esn
-        control_without_forecast""",
+        control_without_forecast control_committee/esn control_committee/quadratic_filtered""",
     "dataset_table": "simulate events lyapunov",
     "hyperparameters_table": "search",
     "horizon_table": """horizon/esn horizon/equations horizon/equations_noisy
@@ -264,6 +269,8 @@ STRATEGIES = {
     "control/equations": ("prediction_triggered",),
     "control_random/esn": ("prediction_triggered",),
     "control_without_forecast": ("reactive",),
+    "control_committee/esn": ("receding_horizon",),
+    "control_committee/quadratic_filtered": ("receding_horizon",),
 }
 # Their scripts run for one kind only, and the name of their job does not say it.
 JOBS_OF_NETWORKS = ("scan", "search", "train")

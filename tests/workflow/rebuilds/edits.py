@@ -206,11 +206,16 @@ _EXPECTED: dict[str, set[str]] = {
     "campaign.0.forecasters.esn.seeds": OF_NETWORKS
     | TABLES_OF_NETWORKS
     | TABLES_OF_LONG_RUNS
-    | OF_CONTROLLING_NETWORKS,
+    | OF_CONTROLLING_NETWORKS
+    | {"control_committee/esn"},
     "campaign.0.forecasters.esn.validation": TABLES_OF_NETWORKS,
     "campaign.0.forecasters.equations": TABLES_OF_FORECASTERS | TABLES_OF_CONTROL,
     "campaign.0.forecasters.equations_noisy": TABLES_OF_FORECASTERS,
-    "campaign.0.forecasters.quadratic_filtered": TABLES_OF_FORECASTERS,
+    # its members control, too
+    "campaign.0.forecasters.quadratic_filtered": {
+        *TABLES_OF_FORECASTERS,
+        "control_strategies_table",
+    },
     # what a network is trained with is in another file, and all that comes of it
     "search.choice": {"survival_choice", "train", "hyperparameters_table"},
     "statistics.forecasters.esn.validation": OF_LONG_RUNS | TABLES_OF_LONG_RUNS,

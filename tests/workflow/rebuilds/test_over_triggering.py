@@ -312,7 +312,8 @@ WITH_EFFECT = [
             "experiment.threshold - self.margin",
             "experiment.threshold - 2.0 * self.margin",
         ),
-        "control/*/receding_horizon-* control_strategies_table/* all_cases/control_strategies "
+        "control/*/receding_horizon-* control_committee/* control_strategies_table/* "
+        "all_cases/control_strategies "
         "latex/control_strategies figure/control_frontier",
     ),
     (
@@ -360,8 +361,9 @@ WITH_EFFECT = [
         ),
         # neither data nor the search, though it is a search for networks
         f"""train/* forecast/*/esn-* calibration_forecast/*/esn-* horizon/*/esn-* long_term/*/esn-*
-        lyapunov_spectrum/*/esn-* control/*/esn-* control_random/*/esn-* examples/* flow_event/*
-        suppressed_event/* {GATHERED} {GATHERED_CONTROL} {GATHERED_LONG_RUNS}
+        lyapunov_spectrum/*/esn-* control/*/esn-* control_random/*/esn-* control_committee/*/esn-*
+        examples/* flow_event/* suppressed_event/*
+        {GATHERED} {GATHERED_CONTROL} {GATHERED_LONG_RUNS}
         figure/long_term_density figure/profile_errors figure/midplane_* figure/prediction_*
         figure/horizon_evaluations figure/vorticity_isosurfaces figure/control_schematic
         figure/suppressed_event""",
@@ -405,7 +407,7 @@ def test_one_more_seed_in_a_block_of_its_own(project):
     block = {"reynolds": [400], "forecasters": {"esn": networks}}
     planned = project.planned(overlay={"campaign": [*tiny_config()["campaign"], block]})
     assert "Re400/esn-N40-RV-seed1/forecaster.nc" in planned
-    new = "Re400/esn-N40-RV-seed1/* Re400/scan/esn-N40-seed1-*"
+    new = "Re400/esn-N40-RV-seed1/* Re400/scan/esn-N40-seed1-* Re400/esn-N40-RV/*"
     assert beyond(planned, f"{new} {GATHERED_NETWORKS}") == set()
 
 

@@ -1,0 +1,54 @@
+"""Control by a committee: several networks, or the members of one forecaster's ensemble.
+
+The share of them that forecasts an event is its probability (`burstcast.probability.votes`), and
+the strategy's ``vote_share`` the probability at which it acts.
+"""
+
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any, cast
+
+from burstcast.control.experiment import ControlExperiment
+from burstcast.control.monitors.base import Monitor
+from burstcast.control.monitors.members import MemberForecasts, MembersMonitor
+from burstcast.control.strategies.base import ControlStrategy
+from burstcast.forecasters.base import Forecaster
+from burstcast.probability.members import EnsembleForecaster, has_members
+
+VOTE_SHARE = "vote_share"
+"""Setting of strategies that may ask several: the share of them that must forecast an event."""
+
+
+def votes(strategy: type[ControlStrategy]) -> bool:
+    """Whether a strategy may ask several."""
+    return VOTE_SHARE in (field.name for field in fields(cast(Any, strategy)))
+
+
+def committee_monitor(
+    strategy: ControlStrategy, experiment: ControlExperiment, forecasters: Sequence[Forecaster]
+) -> Monitor:
+    """Who raises alarms where a committee controls.
+
+    Parameters
+    ----------
+    strategy
+        With a ``vote_share``. One network is a committee of one: it decides, whatever the share.
+    experiment
+        What is controlled.
+    forecasters
+        Several, each with a vote of its own; or a single one whose ensemble votes.
+
+    Raises
+    ------
+    TypeError
+        If the strategy does not let anybody vote.
+    """
+    if not votes(type(strategy)):
+        raise TypeError(f"{type(strategy).__name__} has no {VOTE_SHARE}")
+    first, *others = forecasters
+    if others or not has_members(type(first)):
+        return strategy.monitor(experiment, forecasters)
+    # of a forecaster, monitors use what this has
+    members = MemberForecasts(cast(EnsembleForecaster, first))
+    monitor = strategy.monitor(experiment, [cast(Forecaster, members)])
+    return MembersMonitor(monitor, getattr(strategy, VOTE_SHARE))
