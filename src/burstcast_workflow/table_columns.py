@@ -71,6 +71,13 @@ TABLES: dict[str, TableText] = {
         "metric low high",
         "mean_horizon_lt median_horizon_lt",
     ),
+    "horizon_differences": TableText(
+        "Differences of those averages between two forecasters, on the same resamples of the "
+        "events; networks that differ by their seeds are one, by their median in each.",
+        f"compared other metric {_INTERVAL}",
+        "mean_horizon_lt median_horizon_lt",
+        keys=("case",),
+    ),
     "probability_scores": TableText(
         "Scores of the probabilities of all who raise alarms, with intervals over test series.",
         f"{_ALARM} metric {_INTERVAL}",
@@ -260,6 +267,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "median_horizon_lt": (_LT, "the same, median over the events"),
     # probabilities
     "alarm": ("", "who raises it: a forecaster, a committee, or a baseline"),
+    "compared": ("", "a forecaster, or the median of networks"),
     "other": ("", "whose score is taken away"),
     "probability": ("", "calibrated, or votes as they are; of control: the setting of its name"),
     "alarm_threshold": ("", "probability from which on an alarm is raised"),

@@ -44,6 +44,7 @@ TABLES: Mapping[str, Cases] = {
     "classification_intervals": _all,
     "horizon": _all,
     "horizon_intervals": _all,
+    "horizon_differences": _all,
     "probability_scores": _all,
     "probability_differences": _all,
     "reliability": _all,

@@ -15,6 +15,7 @@ TABLES = (
     *(
         "horizon",
         "horizon_intervals",
+        "horizon_differences",
         "statistics",
         "survival",
         "lyapunov_spectrum",

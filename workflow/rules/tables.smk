@@ -44,6 +44,7 @@ stage(
     outputs={
         "table": f"{TABLES_OF_CASE}/horizon.csv",
         "intervals": f"{TABLES_OF_CASE}/horizon_intervals.csv",
+        "differences": f"{TABLES_OF_CASE}/horizon_differences.csv",
     },
     settings="random_seed bootstrap",
     rows=in_case(campaign.forecasters, campaign.keys),

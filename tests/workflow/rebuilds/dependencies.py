@@ -196,6 +196,7 @@ _OF_CASES = {
     "survival_curve": "survival_table",
     "classification_intervals": "classification_table",
     "horizon_intervals": "horizon_table",
+    "horizon_differences": "horizon_table",
     "statistics_intervals": "statistics_table",
     "probability_scores": "probability_scores",
     "probability_differences": "probability_scores",

@@ -4,6 +4,7 @@ Nothing here comes from the workflow's own gathering: files are found by their p
 scores are scikit-learn's, percentiles pandas'.
 """
 
+import itertools
 import json
 import math
 import re
@@ -173,6 +174,47 @@ class Recomputation:
                 averages = [average(sample) for sample in drawn]
                 low, high = np.quantile(averages, [tail, 1 - tail]) if count else (np.nan, np.nan)
                 rows.append({**keys, "metric": metric, "low": low, "high": high})
+        return pd.DataFrame(rows)
+
+    def horizon_differences(self) -> pd.DataFrame:
+        """Differences of averages of the same events, of networks the median over the seeds."""
+        settings, seed = self.config["bootstrap"], self.config["random_seed"]
+        tail = (1 - settings["confidence"]) / 2
+        horizons: dict[str, dict[tuple, list[tuple[str, np.ndarray]]]] = {}
+        for keys, path in self.files("horizon.nc"):
+            kind = keys["forecaster"], keys["neurons"], keys["validation"]
+            mine = horizons.setdefault(keys["case"], {}).setdefault(kind, [])
+            mine.append((path.parent.name, variables(path)["prediction_horizon_lt"]))
+        rows = []
+        for case, kinds in horizons.items():
+            names = [members[0][0] for members in kinds.values()]
+            for place, members in enumerate(kinds.values()):
+                if len(members) > 1:
+                    names[place] = f"median of {names[place].rpartition('-seed')[0]}"
+            count = len(next(iter(kinds.values()))[0][1])
+            generator = random_streams.stream(seed, "bootstrap", case, "events")
+            drawn = [
+                np.repeat(np.arange(count), generator.multinomial(count, np.full(count, 1 / count)))
+                for _ in range(settings["resamples"] if count else 0)
+            ]
+            for metric, average in (("mean_horizon_lt", np.mean), ("median_horizon_lt", np.median)):
+                of = [
+                    [
+                        np.median([average(values[events]) for _, values in members])
+                        for events in [np.arange(count), *drawn]
+                    ]
+                    if count
+                    else [np.nan]
+                    for members in kinds.values()
+                ]
+                for i, j in itertools.combinations(range(len(of)), 2):
+                    difference = np.subtract(of[i], of[j])
+                    low, high = np.nan, np.nan
+                    if count:
+                        low, high = np.quantile(difference[1:], [tail, 1 - tail])
+                    row = {"compared": names[i], "other": names[j], "metric": metric}
+                    row |= {"value": difference[0], "low": low, "high": high}
+                    rows.append({"case": case, **row})
         return pd.DataFrame(rows)
 
     def dataset(self) -> pd.DataFrame:
@@ -364,6 +406,7 @@ class Recomputation:
         names += [
             "horizon",
             "horizon_intervals",
+            "horizon_differences",
             "statistics",
             "survival",
             "lyapunov_spectrum",
@@ -390,7 +433,8 @@ def assert_same_rows(found: pd.DataFrame, expected: pd.DataFrame) -> None:
     tables = []
     for table in (found[names], expected):
         rows = [[_cell(cell) for cell in row] for row in table.itertuples(index=False)]
-        count = sum(name in (*KEYS, "prediction_time_lt", "metric", "number") for name in names)
+        own = ("compared", "other", "prediction_time_lt", "metric", "number")
+        count = sum(name in (*KEYS, *own) for name in names)
         tables.append(sorted(rows, key=lambda row: [str(cell) for cell in row[:count]]))
     assert len(tables[0]) == len(tables[1])
     for row, other in zip(*tables, strict=True):
