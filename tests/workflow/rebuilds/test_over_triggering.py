@@ -407,7 +407,7 @@ def test_one_more_seed_in_a_block_of_its_own(project):
     block = {"reynolds": [400], "forecasters": {"esn": networks}}
     planned = project.planned(overlay={"campaign": [*tiny_config()["campaign"], block]})
     assert "Re400/esn-N40-RV-seed1/forecaster.nc" in planned
-    new = "Re400/esn-N40-RV-seed1/* Re400/scan/esn-N40-seed1-* Re400/esn-N40-RV/*"
+    new = "Re400/esn-N40-RV-seed1/* Re400/scan/esn-N40-seed1-* control_committee/*/esn-N40-RV/*"
     assert beyond(planned, f"{new} {GATHERED_NETWORKS}") == set()
 
 
