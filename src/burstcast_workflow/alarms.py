@@ -75,6 +75,18 @@ def shown_committees(campaign: Campaign, case: str) -> list[Alarm]:
     ]
 
 
+def shown_voters(
+    campaign: Campaign, case: str, by_members: bool | None = None
+) -> list[CaseForecaster]:
+    """Who votes in the committees that are shown: all, or those whose members (do not) vote."""
+    return [
+        one
+        for alarm in shown_committees(campaign, case)
+        if by_members in (None, alarm.by_members)
+        for one in alarm.members
+    ]
+
+
 def _committee(
     name: ForecasterName, members: Sequence[CaseForecaster], by_members: bool = False
 ) -> Alarm:
@@ -84,20 +96,35 @@ def _committee(
 
 
 def alarm_records(campaign: Campaign, case: str) -> list[dict[str, Any]]:
-    """Records for jobs of all alarms of a case (`records_of`)."""
-    return records_of(campaign, alarms_of(campaign, case))
+    """Records for jobs of all who raise alarms in a case, with their key columns.
 
-
-def records_of(campaign: Campaign, alarms: Iterable[Alarm]) -> list[dict[str, Any]]:
-    """Records for jobs: alarms with the forecasters that vote, and their key columns.
-
-    ``ensembles`` are forecasters all of whose members vote.
+    ``members`` are the forecasters that vote, ``ensembles`` those all of whose members vote.
     """
+    return _records(campaign, alarms_of(campaign, case))
+
+
+def committee_records(campaign: Campaign, case: str) -> list[dict[str, Any]]:
+    """The same of the committees that figures show."""
+    return _records(campaign, shown_committees(campaign, case))
+
+
+def voter_records(campaign: Campaign, case: str, by_members: bool) -> list[dict[str, Any]]:
+    """Records for jobs of one sort of those who vote in these, with the settings of their kinds."""
+    return [
+        {
+            "identity": one.identity,
+            "settings": campaign.settings(["forecaster.options"], one.identity, {}),
+        }
+        for one in shown_voters(campaign, case, by_members)
+    ]
+
+
+def _records(campaign: Campaign, alarms: Iterable[Alarm]) -> list[dict[str, Any]]:
     return [
         {
             "alarm": alarm.identifier,
-            "members": [] if alarm.by_members else _identifiers(alarm),
-            "ensembles": _identifiers(alarm) if alarm.by_members else [],
+            "members": [] if alarm.by_members else identifiers,
+            "ensembles": identifiers if alarm.by_members else [],
             "compared": alarm.compared,
             "keys": {
                 **campaign.case_keys(alarm.case),
@@ -106,8 +133,5 @@ def records_of(campaign: Campaign, alarms: Iterable[Alarm]) -> list[dict[str, An
             },
         }
         for alarm in alarms
+        for identifiers in [[one.name.identifier for one in alarm.members]]
     ]
-
-
-def _identifiers(alarm: Alarm) -> list[str]:
-    return [one.name.identifier for one in alarm.members]

@@ -8,10 +8,12 @@ import pytest
 from burstcast.forecast.examples import (
     evaluate_lead_times,
     forecast_observable,
+    forecast_outcomes,
     outcome_examples,
     stretch,
 )
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
+from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries
 from helpers_forecasters import MadeUpForecaster
 
@@ -63,21 +65,27 @@ def test_evaluations_agree_with_the_prediction_horizon(drift):
         Drift(drift), first_component, observed[np.newaxis], truth[np.newaxis, : event + 1], SEARCH
     )[0]
     found = evaluate_lead_times(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
-    success = found.horizon_lt == found.lead_time_lt
-    assert (found.lead_time_lt[success][0] if success.any() else found.horizon_lt[-1]) == horizon
+    success = found.evaluation_horizon_lt == found.evaluation_lead_time_lt
+    assert (
+        found.evaluation_lead_time_lt[success][0]
+        if success.any()
+        else found.evaluation_horizon_lt[-1]
+    ) == horizon
     # by hand: the error grows by the drift in each step and is lost at 1
     steps = np.array([15, 12, 10, 7, 5, 2])
     accurate = np.array([sum(drift * (n + 1) < 1 for n in range(count)) for count in steps])
     expected = np.where(accurate == steps, STARTS, accurate / 5)
-    np.testing.assert_allclose(found.horizon_lt, expected)
+    np.testing.assert_allclose(found.evaluation_horizon_lt, expected)
 
 
 def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
     observed, truth = ramp(after=4)
     found = evaluate_lead_times(Drift(0.5), first_component, observed, truth, [2.0], SEARCH)
     start = SEARCH.steps_before_event - 10
-    assert np.isnan(found.forecast[0, : start + 1]).all()
-    np.testing.assert_allclose(found.forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15))
+    assert np.isnan(found.evaluation_forecast[0, : start + 1]).all()
+    np.testing.assert_allclose(
+        found.evaluation_forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15)
+    )
 
 
 def test_a_truth_that_ends_early_does_not_matter_after_the_event():
@@ -85,8 +93,29 @@ def test_a_truth_that_ends_early_does_not_matter_after_the_event():
     whole = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
     truth[-3:] = np.nan
     cut = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
-    np.testing.assert_array_equal(whole.forecast, cut.forecast)
-    np.testing.assert_array_equal(whole.horizon_lt, cut.horizon_lt)
+    np.testing.assert_array_equal(whole.evaluation_forecast, cut.evaluation_forecast)
+    np.testing.assert_array_equal(whole.evaluation_horizon_lt, cut.evaluation_horizon_lt)
+
+
+def test_outcomes_are_shown_beside_the_truth():
+    truth = np.arange(20.0).reshape(2, 10)
+    washouts = np.array([[[3.0], [4.0]], [[11.0], [12.0]]])
+    points = SeriesPoints(np.array([0, 1]), np.array([4, 2]))
+    how = {"before": 3, "reach": 4, "steps_per_lyapunov_time": 2}
+    outcomes = ["false positive", "true positive"]
+    found = forecast_outcomes(Drift(1.0), first_component, washouts, truth, points, outcomes, **how)
+    np.testing.assert_array_equal(found.outcome, [1, 0])
+    np.testing.assert_array_equal(found.example_time_lt, np.arange(-3, 5) / 2)
+    np.testing.assert_array_equal(
+        found.example_truth,
+        [[1, 2, 3, 4, 5, 6, 7, 8], [np.nan, 10, 11, 12, 13, 14, 15, 16]],
+    )
+    np.testing.assert_array_equal(
+        found.example_forecast, [[np.nan] * 4 + [6, 8, 10, 12], [np.nan] * 4 + [14, 16, 18, 20]]
+    )
+    nobody = SeriesPoints(np.empty(0, dtype=int), np.empty(0, dtype=int))
+    none = forecast_outcomes(None, first_component, washouts[:0], truth, nobody, [], **how)
+    assert none.example_forecast.shape == none.example_truth.shape == (0, 8)
 
 
 def test_forecast_observable_keeps_points_apart():

@@ -8,7 +8,6 @@ import sys
 import time
 from pathlib import Path
 
-from burstcast_workflow.alarms import alarm_records, records_of, shown_committees
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.cases import realisation_of
@@ -188,18 +187,20 @@ def time_unit_of_job(wildcards):
 
 
 def in_case(chosen, function, *arguments):
-    """``function`` of those forecasters or runs of control that belong to a job's case."""
+    """``function`` of those who belong to a job's case, or of whom ``chosen`` makes of the case."""
 
     @of_job
     def found(wildcards):
-        ours = [one for one in chosen if one.case == wildcards.case]
-        return function(*arguments, ours)
+        case = wildcards.case
+        if callable(chosen):
+            return function(*arguments, chosen(campaign, case))
+        return function(*arguments, [one for one in chosen if one.case == case])
 
     return found
 
 
 def files_in_case(name, chosen=campaign.forecasters):
-    """The file called ``name`` of all forecasters, or runs of control, of a job's case."""
+    """The file called ``name`` of forecasters, or runs of control, of a job's case (`in_case`)."""
     return in_case(chosen, of_forecasters, name)
 
 
@@ -219,16 +220,9 @@ def tables_in_case(names):
     return {name: of_name(name) for name in names.split()}
 
 
-@of_job
-def keys_of_case(wildcards):
-    """Key columns of a job's case."""
-    return campaign.case_keys(wildcards.case)
-
-
-@of_job
-def alarms_of_case(wildcards):
-    """All who raise alarms in a job's case."""
-    return alarm_records(campaign, wildcards.case)
+def of_case(function):
+    """``function`` of the campaign and a job's case."""
+    return of_job(lambda wildcards: function(campaign, wildcards.case))
 
 
 # A function is asked for each job, which takes time: not where all exponents are published.

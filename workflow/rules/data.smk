@@ -39,7 +39,7 @@ stage(
     outputs={"event_threshold": f"{CASE}/event_threshold.json"},
     settings="case.training.series",
     cost="data",
-    quantile=of_job(lambda wildcards: campaign.event_quantile(wildcards["case"])),
+    quantile=of_case(Campaign.event_quantile),
 )
 stage(
     "data/lyapunov",

@@ -1,15 +1,20 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
+from functools import partial
 
-def who_votes(case, by_members=None):
-    """Forecasters that vote in the committees of a case that are shown: all, or of one sort."""
-    return [
-        one
-        for alarm in shown_committees(campaign, case)
-        if by_members in (None, alarm.by_members)
-        for one in alarm.members
-    ]
+from burstcast_workflow.alarms import (
+    alarm_records,
+    committee_records,
+    shown_voters,
+    voter_records,
+)
 
+# Who raises alarms, and whose forecasts they are made of.
+ALARMS = {
+    "rows": in_case(campaign.forecasters, campaign.keys),
+    "ensemble_rows": in_case(campaign.ensemble_forecasters, campaign.keys),
+    "alarms": of_case(alarm_records),
+}
 
 stage(
     "data/calibration_set",
@@ -55,56 +60,29 @@ stage(
     settings="TIME case.event_threshold classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt "
     "probability.prior_forecasts probability.threshold_factors",
-    rows=in_case(campaign.forecasters, campaign.keys),
-    ensemble_rows=in_case(campaign.ensemble_forecasters, campaign.keys),
-    alarms=alarms_of_case,
+    **ALARMS,
 )
-
 stage(
     # of those who are shown: members of the example's ensemble, and of other ensembles
     "probabilities/committee_event",
     "an event as committees see it",
     inputs={
         **files("ensemble evaluation_set calibration time_unit"),
-        "forecasters": of_job(
-            lambda wildcards: of_forecasters("forecaster.nc", who_votes(wildcards.case))
+        "forecasters": files_in_case("forecaster.nc", shown_voters),
+        "forecasts": files_in_case(
+            "forecast.nc", partial(shown_voters, by_members=False)
         ),
-        "forecasts": of_job(
-            lambda wildcards: of_forecasters(
-                "forecast.nc", who_votes(wildcards.case, by_members=False)
-            )
-        ),
-        "member_forecasts": of_job(
-            lambda wildcards: of_forecasters(
-                "member_forecast.nc", who_votes(wildcards.case, by_members=True)
-            )
+        "member_forecasts": files_in_case(
+            "member_forecast.nc", partial(shown_voters, by_members=True)
         ),
     },
     outputs={"committee_event": f"{CASE}/committee_event.nc"},
     settings="SYSTEM TIME WINDOWS case.event_threshold case.training.series "
     "classification.prediction_times_lt",
     cost="gather",
-    committees=of_job(
-        lambda wildcards: records_of(
-            campaign, shown_committees(campaign, wildcards["case"])
-        )
-    ),
-    rows=of_job(
-        lambda wildcards: campaign.keys(who_votes(wildcards["case"], by_members=False))
-    ),
-    ensemble_rows=of_job(
-        lambda wildcards: campaign.keys(who_votes(wildcards["case"], by_members=True))
-    ),
-    who=of_job(
-        lambda wildcards: [
-            {
-                "identity": one.identity,
-                "by_members": one in who_votes(wildcards["case"], by_members=True),
-                "settings": campaign.settings(["forecaster.options"], one.identity, {}),
-            }
-            for one in who_votes(wildcards["case"])
-        ]
-    ),
+    committees=of_case(committee_records),
+    rows=of_case(partial(voter_records, by_members=False)),
+    ensemble_rows=of_case(partial(voter_records, by_members=True)),
 )
 
 # What tables of probabilities are made from.
@@ -114,11 +92,6 @@ PROBABILITIES = {
         "member_forecast.nc", campaign.ensemble_forecasters
     ),
     **files("evaluation_set calibration"),
-}
-ALARMS = {
-    "rows": in_case(campaign.forecasters, campaign.keys),
-    "ensemble_rows": in_case(campaign.ensemble_forecasters, campaign.keys),
-    "alarms": alarms_of_case,
 }
 
 stage(

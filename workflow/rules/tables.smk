@@ -12,7 +12,7 @@ stage(
     },
     outputs={"table": f"{TABLES_OF_CASE}/dataset.csv"},
     settings="TIME",
-    keys=keys_of_case,
+    keys=of_case(Campaign.case_keys),
 )
 stage(
     "tables/hyperparameters_table",
@@ -62,7 +62,7 @@ stage(
     },
     settings="SYSTEM random_seed bootstrap statistics.profile_points",
     cost="bootstrap_runs",
-    keys=keys_of_case,
+    keys=of_case(Campaign.case_keys),
     rows=in_case(campaign.long_term_forecasters, campaign.keys),
 )
 stage(
@@ -78,7 +78,7 @@ stage(
     },
     settings="case.ensemble.time_step case.ensemble.sampling_stride "
     "statistics.duration bootstrap.confidence",
-    keys=keys_of_case,
+    keys=of_case(Campaign.case_keys),
     rows=in_case(campaign.long_term_forecasters, campaign.keys),
 )
 stage(
@@ -101,7 +101,7 @@ stage(
         "dimensions": f"{TABLES_OF_CASE}/kaplan_yorke.csv",
     },
     settings="random_seed bootstrap",
-    keys=keys_of_case,
+    keys=of_case(Campaign.case_keys),
     rows=in_case(campaign.spectrum_forecasters, campaign.keys),
 )
 stage(
@@ -145,7 +145,7 @@ stage(
     outputs={"table": f"{TABLES_OF_CASE}/warnings.csv"},
     settings="case.event_threshold case.training.series case.training.noise horizon.events "
     "search.spectral_radius search.input_scaling search.tikhonov",
-    keys=keys_of_case,
+    keys=of_case(Campaign.case_keys),
 )
 stage(
     "tables/percentiles",

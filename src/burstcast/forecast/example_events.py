@@ -6,13 +6,16 @@ slowly laminarises (t_1 to t_3) until the laminar structure suddenly breaks down
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.described import Described
 from burstcast.events import upward_crossings
 from burstcast.forecast.starting_points import SeriesPoints, segments
 from burstcast.forecasters.base import Forecaster
+from burstcast.systems.state_space import StateSpace
 
 CANDIDATES_PER_BATCH = 64
 """Events that are forecast side by side: bounds the time and memory, changes no result."""
@@ -199,3 +202,69 @@ def predicted_event(
             if best is None or share > best[0]:
                 best = (float(share), event)
     return None if best is None else best[1]
+
+
+@dataclass(frozen=True)
+class FlowEvent:
+    """An event and its forecast, with states at the event's times; without an event, no time."""
+
+    time_lt: Annotated[
+        FloatArray, Described("time", "time after the start of the forecast in Lyapunov times")
+    ]
+    true: Annotated[FloatArray, Described("time", "true observable")]
+    forecast: Annotated[FloatArray, Described("time", "forecast observable")]
+    mark: Annotated[IntArray, Described("mark", "entries of time that the states are for")]
+    true_state: Annotated[FloatArray, Described("mark component", "true states")]
+    forecast_state: Annotated[FloatArray, Described("mark component", "forecast states")]
+
+
+def forecast_event(
+    event: ExampleEvent | None,
+    forecaster: Forecaster,
+    space: StateSpace,
+    observed: FloatArray,
+    states: FloatArray,
+    *,
+    lead: int,
+    washout: int,
+    after: int,
+    steps_per_lyapunov_time: int,
+) -> FlowEvent:
+    """Forecast an event, from its washout to some steps after its breakdown.
+
+    Parameters
+    ----------
+    event
+        The event; None: there is none to show.
+    forecaster, observed, states, lead, washout
+        As in `predicted_event`.
+    space
+        What the states are of.
+    after
+        Steps that are shown after t_4.
+    steps_per_lyapunov_time
+        Steps of a forecast in a Lyapunov time.
+    """
+    if event is None:
+        nothing = np.empty((0, space.dimension))
+        time, shown, forecast, marks = np.empty(0), nothing, nothing, np.empty(0, dtype=np.int64)
+    else:
+        start = event.times[0] - lead
+        steps = np.arange(start - washout + 1, event.times[3] + after + 1)
+        time = (steps - start) / steps_per_lyapunov_time
+        shown = states[event.series, steps]
+        forecast = np.full_like(shown, np.nan)
+        # it starts from what was observed
+        forecast[washout - 1] = observed[event.series, start]
+        memory = forecaster.start(observed[event.series, steps[:washout], :, np.newaxis])
+        outputs, _ = forecaster.advance(memory, len(steps) - washout)
+        forecast[washout:] = outputs[:, :, 0]
+        marks = np.array(event.times, dtype=np.int64) - steps[0]
+    return FlowEvent(
+        time,
+        space.observable(shown.T),
+        space.observable(forecast.T),
+        marks,
+        shown[marks],
+        forecast[marks],
+    )

@@ -2,12 +2,15 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from burstcast import durations
-from burstcast.arrays import FloatArray
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.described import Described
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps
+from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.forecasters.base import Forecaster
 
@@ -66,6 +69,71 @@ def outcome_examples(
 
 
 @dataclass(frozen=True)
+class OutcomeExamples:
+    """Forecasts with each outcome that occurs, and what truly followed."""
+
+    outcome: Annotated[
+        IntArray,
+        Described(
+            "example",
+            f"outcome ({', '.join(f'{number}: {text}' for number, text in enumerate(OUTCOMES))})",
+        ),
+    ]
+    example_time_lt: Annotated[
+        FloatArray, Described("example_step", "time after the starting point in Lyapunov times")
+    ]
+    example_truth: Annotated[FloatArray, Described("example example_step", "true observable")]
+    example_forecast: Annotated[
+        FloatArray, Described("example example_step", "forecast observable")
+    ]
+
+
+def forecast_outcomes(
+    forecaster: Forecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    washouts: FloatArray,
+    truth: FloatArray,
+    points: SeriesPoints,
+    outcomes: Sequence[str],
+    *,
+    before: int,
+    reach: int,
+    steps_per_lyapunov_time: int,
+) -> OutcomeExamples:
+    """Forecast from starting points that stand for outcomes (`outcome_examples`).
+
+    Parameters
+    ----------
+    forecaster
+        Who forecasts.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
+    washouts
+        Observed states up to each starting point, ``(points, steps, dimension)``.
+    truth
+        True observable of the series, ``(series, time)``.
+    points, outcomes
+        The starting points, and the outcome of each.
+    before, reach
+        Steps that are shown before and after them.
+    steps_per_lyapunov_time
+        Steps of a forecast in a Lyapunov time.
+    """
+    true = np.full((len(outcomes), before + 1 + reach), np.nan)
+    forecasts = np.full_like(true, np.nan)
+    for number, (row, step) in enumerate(zip(points.series, points.step, strict=True)):
+        true[number] = stretch(truth[row], step - before, true.shape[1])
+    if outcomes:
+        forecasts[:, before + 1 :] = forecast_observable(forecaster, observable, washouts, reach)
+    return OutcomeExamples(
+        np.array([OUTCOMES.index(outcome) for outcome in outcomes], dtype=np.int64),
+        np.arange(-before, reach + 1) / steps_per_lyapunov_time,
+        true,
+        forecasts,
+    )
+
+
+@dataclass(frozen=True)
 class HorizonExample:
     """An event and the starts from which it was last forecast in vain, then with success.
 
@@ -116,21 +184,22 @@ def horizon_example(
 
 @dataclass(frozen=True)
 class Evaluations:
-    """Forecasts of one event from several starts.
+    """Forecasts of one event from several starts; nothing is shown where there is none."""
 
-    Attributes
-    ----------
-    lead_time_lt
-        tau_e in Lyapunov times, ``(evaluations,)``.
-    forecast
-        Forecast observable, ``(evaluations, steps)``; NaN up to the start.
-    horizon_lt
-        Prediction horizon of each forecast in Lyapunov times; tau_e where it reaches the event.
-    """
-
-    lead_time_lt: FloatArray
-    forecast: FloatArray
-    horizon_lt: FloatArray
+    evaluation_time_lt: Annotated[
+        FloatArray, Described("event_step", "time after the event in Lyapunov times")
+    ]
+    evaluation_truth: Annotated[FloatArray, Described("event_step", "true observable")]
+    evaluation_forecast: Annotated[
+        FloatArray, Described("evaluation event_step", "forecast observable")
+    ]
+    evaluation_lead_time_lt: Annotated[
+        FloatArray, Described("evaluation", "tau_e in Lyapunov times")
+    ]
+    evaluation_horizon_lt: Annotated[
+        FloatArray, Described("evaluation", "horizon in Lyapunov times")
+    ]
+    allowed_error: Annotated[float, Described("", "error at which a prediction is lost")]
 
 
 def evaluate_lead_times(
@@ -157,12 +226,16 @@ def evaluate_lead_times(
         Each tau_e.
     search
         What counts as a success.
+
+    Returns
+    -------
+    Forecasts are NaN up to their start; the horizon of one that reaches the event is its tau_e.
     """
-    event = search.steps_before_event
+    event, steps = search.steps_before_event, search.steps_per_lyapunov_time
     forecast = np.full((len(lead_times_lt), len(truth)), np.nan)
     horizon = np.full(len(lead_times_lt), np.nan)
     for number, lead_time_lt in enumerate(lead_times_lt):
-        start = event - durations.steps(lead_time_lt, search.steps_per_lyapunov_time)
+        start = event - durations.steps(lead_time_lt, steps)
         washout = observed[np.newaxis, start - search.washout + 1 : start + 1]
         forecast[number, start + 1 :] = forecast_observable(
             forecaster, observable, washout, len(truth) - 1 - start
@@ -176,8 +249,10 @@ def evaluate_lead_times(
         )[0]
         # a Lyapunov time is cut to whole steps: a success is worth all of tau_e
         reached = accurate == event - start
-        horizon[number] = lead_time_lt if reached else accurate / search.steps_per_lyapunov_time
-    return Evaluations(np.array(lead_times_lt, dtype=np.float64), forecast, horizon)
+        horizon[number] = lead_time_lt if reached else accurate / steps
+    time = (np.arange(len(truth)) - event) / steps
+    lead_times = np.array(lead_times_lt, dtype=np.float64)
+    return Evaluations(time, truth, forecast, lead_times, horizon, search.tolerance)
 
 
 def forecast_observable(

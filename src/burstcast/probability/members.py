@@ -6,20 +6,21 @@ them. The share of the members whose forecast has an event is a probability, as 
 committee of networks is (`burstcast.probability.votes`).
 """
 
-from collections.abc import Callable, Iterator
-from typing import Protocol, Self
+from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.forecast.windows import WindowSummaries, summarise
 from burstcast.forecasters.base import ForecastingCase
+from burstcast.probability.out_of_sample import Learner, without_series
 
 TRAJECTORIES_PER_BATCH = 2048
 """Forecasts of members that run side by side: bounds the memory, changes no result."""
 
 
-class EnsembleForecaster(Protocol):
+class EnsembleForecaster(Learner, Protocol):
     """A forecaster that tells an ensemble of memories, not one of them only."""
 
     def ensemble(self, washout: FloatArray) -> FloatArray:
@@ -27,11 +28,6 @@ class EnsembleForecaster(Protocol):
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Forecast the next steps (`burstcast.forecasters.base.Forecaster.advance`)."""
-
-    def leave_one_out(
-        self, training: FloatArray, case: ForecastingCase, washout: int
-    ) -> Iterator[Self]:
-        """Forecasters that have not learnt from one series each (see there)."""
 
 
 def has_members(kind: type) -> bool:
@@ -118,12 +114,10 @@ def leave_one_out_member_summaries(
     Parameters are those of `burstcast.probability.out_of_sample.leave_one_out_summaries`, which
     this is for each member.
     """
-    parts, rows = [], []
-    for row, without in enumerate(forecaster.leave_one_out(training, case, washout)):
-        here = np.flatnonzero(series == row)
-        if here.size:
-            parts.append(member_summaries(without, observable, washouts[here], boundaries))
-            rows.append(here)
+    rows, parts = [], []
+    for here, without in without_series(forecaster, training, case, washout, series):
+        rows.append(here)
+        parts.append(member_summaries(without, observable, washouts[here], boundaries))
     order = np.argsort(np.concatenate(rows))
     return [
         WindowSummaries(

@@ -13,13 +13,16 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import netCDF4
 import numpy as np
 import numpy.typing as npt
 
+from burstcast.described import descriptions
 from burstcast_workflow.harness.run import check_ownership
+
+T = TypeVar("T")
 
 PARTIAL_SUFFIX = ".partial"
 
@@ -109,6 +112,14 @@ class Variable:
     units: str
     description: str
     chunks: tuple[int, ...] | None = None
+
+
+def variables_of(record: Any) -> dict[str, Variable]:
+    """Variables of a dataclass whose fields are `burstcast.described` arrays, by their names."""
+    return {
+        name: Variable(tuple(what.axes.split()), getattr(record, name), "1", what.meaning)
+        for name, what in descriptions(type(record)).items()
+    }
 
 
 def write_netcdf(
@@ -227,6 +238,17 @@ def read_netcdf(path: str | Path, *names: str) -> dict[str, npt.NDArray[Any]]:
     """
     with netCDF4.Dataset(path, "r") as file:
         return {name: _read(_variable(file, path, name), ...) for name in (names or file.variables)}
+
+
+def read_record(path: str | Path, kind: type[T]) -> T:
+    """Read a dataclass of arrays whose `variables_of` are in a NetCDF file.
+
+    Raises
+    ------
+    KeyError
+        If one of them is not.
+    """
+    return kind(**read_netcdf(path, *descriptions(kind)))
 
 
 def read_rows(path: str | Path, name: str, start: int, stop: int) -> npt.NDArray[Any]:

@@ -12,7 +12,7 @@ from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
-from burstcast.resampling import bootstrap_weights
+from burstcast.resampling import bootstrap_weights, percentile_interval
 from burstcast_workflow.harness.storage import read_json, read_netcdf
 from burstcast_workflow.jobs.gather import gathered
 
@@ -90,31 +90,57 @@ class ForecastPoints:
 def forecast_points(
     settings: Settings,
     point_set: str,
-    forecasts: Mapping[str, str],
-    ensembles: Mapping[str, str],
+    forecasts: Sequence[str],
+    member_forecasts: Sequence[str],
 ) -> ForecastPoints:
-    """Read the points of a case, and the forecasts from them by the forecaster's identifier."""
+    """Read the points of a case, and the forecasts from them.
+
+    Parameters
+    ----------
+    settings
+        Of the job, with ``rows`` of the forecasters, and ``ensemble_rows`` of those that tell an
+        ensemble.
+    point_set, forecasts, member_forecasts
+        Inputs of the job.
+    """
     resolution = settings["classification.resolution_lt"]
+    singles = {
+        name: WindowSummaries(**read_netcdf(path, "first", "largest"))
+        for name, path in _by_forecaster(settings["rows"], forecasts)
+    }
+    ensembles = {
+        name: [
+            WindowSummaries(*pair)
+            for pair in zip(*read_netcdf(path, "first", "largest").values(), strict=True)
+        ]
+        for name, path in _by_forecaster(settings["ensemble_rows"], member_forecasts)
+    }
     names = ("series", "step", "observable_now", "washout_maximum", "first", "largest")
-    found = {name: read_netcdf(path, "first", "largest") for name, path in forecasts.items()}
-    members = {name: read_netcdf(path, "first", "largest") for name, path in ensembles.items()}
-    return ForecastPoints(
-        read_netcdf(point_set, *names),
-        {name: WindowSummaries(data["first"], data["largest"]) for name, data in found.items()},
-        {
-            name: [
-                WindowSummaries(*pair) for pair in zip(data["first"], data["largest"], strict=True)
-            ]
-            for name, data in members.items()
-        },
-        round(settings["classification.window_lt"] / resolution),
-        resolution,
-    )
+    windows = round(settings["classification.window_lt"] / resolution)
+    return ForecastPoints(read_netcdf(point_set, *names), singles, ensembles, windows, resolution)
 
 
-def forecasters_of(rows: Sequence[Record], paths: Sequence[str]) -> dict[str, str]:
-    """Files of one case by the identifier of the forecaster (`gathered`)."""
-    return {record["identity"]["forecaster"]: path for record, path in gathered(rows, paths)}
+def _by_forecaster(rows: Sequence[Record], paths: Sequence[str]) -> Iterator[tuple[str, str]]:
+    for record, path in gathered(rows, paths):
+        yield record["identity"]["forecaster"], path
+
+
+def read_rules(
+    chosen: Record, alarm: Record, prediction_time_lt: float, factor: float = 1.0
+) -> dict[str, AlarmRule]:
+    """Rules of an alarm: by `CALIBRATED` probabilities, and, if it has any, by `VOTES`.
+
+    Parameters
+    ----------
+    chosen
+        Content of ``calibration.json``.
+    alarm
+        Its record.
+    prediction_time_lt, factor
+        Prediction time, and the event threshold in those of the case.
+    """
+    found = chosen["alarms"][alarm["alarm"]][f"{factor:g}"][f"{prediction_time_lt:g}"]
+    return {name: AlarmRule.restore(record) for name, record in found.items()}
 
 
 @dataclass(frozen=True)
@@ -123,59 +149,53 @@ class CaseProbabilities:
 
     Attributes
     ----------
-    case, event_threshold
-        The case.
-    steps_per_lyapunov_time
-        Of the case.
+    settings
+        Of the job, with ``alarms``, records of all who raise them.
     points
         Of the evaluation set.
-    rules
-        Records of rules by alarm, factor of the event threshold, prediction time, calibration.
-    alarms
-        Records of all who raise alarms.
-    random_seed, resamples
-        Of the bootstrap.
+    chosen
+        Content of ``calibration.json``.
     """
 
-    case: str
-    event_threshold: float
-    steps_per_lyapunov_time: int
+    settings: Settings
     points: ForecastPoints
-    rules: Mapping[str, Mapping[str, Mapping[str, Mapping[str, Record]]]]
-    alarms: Sequence[Record]
-    random_seed: int
-    resamples: int
+    chosen: Record
 
-    def rule(self, alarm: Record, prediction_time_lt: float, factor: float = 1.0) -> AlarmRule:
-        """How an alarm is raised: by calibrated probabilities."""
-        by_name = self.rules[alarm["alarm"]][f"{factor:g}"][f"{prediction_time_lt:g}"]
-        return AlarmRule.restore(by_name[CALIBRATED])
+    @property
+    def alarms(self) -> Sequence[Record]:
+        """Records of all who raise alarms."""
+        alarms: Sequence[Record] = self.settings["alarms"]
+        return alarms
+
+    @property
+    def compared(self) -> list[Record]:
+        """Those of committees, and of all others but single networks."""
+        return [alarm for alarm in self.alarms if alarm["compared"]]
 
     def probabilities(
         self, alarm: Record, prediction_time_lt: float, factor: float = 1.0
-    ) -> Iterator[tuple[str, Outcomes, float]]:
-        """Outcomes by probability and series: of calibrated probabilities, and of votes.
+    ) -> dict[str, tuple[Outcomes, float]]:
+        """Outcomes by probability and series, and the probability from which on alarms are raised.
 
-        Yields
-        ------
-        `CALIBRATED` or `VOTES`, outcomes, and the probability from which on alarms are raised.
+        By `CALIBRATED`, and by `VOTES` where there are any.
         """
-        raw = self.points.outcomes(alarm, prediction_time_lt, factor * self.event_threshold)
-        by_name = self.rules[alarm["alarm"]][f"{factor:g}"][f"{prediction_time_lt:g}"]
-        for name, record in by_name.items():
-            rule = AlarmRule.restore(record)
-            yield name, raw.at(rule.calibration(raw.levels)), rule.threshold
+        threshold = factor * self.settings["case.event_threshold"]
+        raw = self.points.outcomes(alarm, prediction_time_lt, threshold)
+        return {
+            name: (raw.at(rule.calibration(raw.levels)), rule.threshold)
+            for name, rule in read_rules(self.chosen, alarm, prediction_time_lt, factor).items()
+        }
 
     def weights(self, prediction_time_lt: float) -> IntArray:
         """Weights of the series in each resample: the same for all who are compared."""
         generator = self.stream("bootstrap", prediction_time_lt)
-        return bootstrap_weights(self.points.series, self.resamples, generator)
+        resamples = self.settings["bootstrap.resamples"]
+        return bootstrap_weights(self.points.series, resamples, generator)
 
     def stream(self, purpose: str, prediction_time_lt: float, *names: str) -> np.random.Generator:
         """Source of random numbers for one prediction time."""
-        return random_streams.stream(
-            self.random_seed, purpose, self.case, str(float(prediction_time_lt)), *names
-        )
+        seed, case = self.settings["random_seed"], self.settings["case"]
+        return random_streams.stream(seed, purpose, case, str(float(prediction_time_lt)), *names)
 
 
 def case_probabilities(
@@ -185,29 +205,12 @@ def case_probabilities(
     evaluation_set: str,
     calibration: str,
 ) -> CaseProbabilities:
-    """Read what a case's tables of probabilities are made from.
+    """Read what a case's tables of probabilities are made from, the inputs of these jobs."""
+    points = forecast_points(settings, evaluation_set, forecasts, member_forecasts)
+    return CaseProbabilities(settings, points, read_json(calibration))
 
-    Parameters
-    ----------
-    settings
-        Of the job, with ``rows`` of the forecasters, ``ensemble_rows`` of those that tell an
-        ensemble, and ``alarms``.
-    forecasts, member_forecasts, evaluation_set, calibration
-        Inputs of the job.
-    """
-    chosen = read_json(calibration)
-    return CaseProbabilities(
-        case=settings["case"],
-        event_threshold=settings["case.event_threshold"],
-        steps_per_lyapunov_time=chosen["steps_per_lyapunov_time"],
-        points=forecast_points(
-            settings,
-            evaluation_set,
-            forecasters_of(settings["rows"], forecasts),
-            forecasters_of(settings["ensemble_rows"], member_forecasts),
-        ),
-        rules=chosen["alarms"],
-        alarms=settings["alarms"],
-        random_seed=settings["random_seed"],
-        resamples=settings["bootstrap.resamples"],
-    )
+
+def with_interval(value: FloatArray, samples: FloatArray, confidence: float) -> dict[str, float]:
+    """Cells of a score: its value, and the interval that its resamples tell."""
+    low, high = percentile_interval(samples, confidence)
+    return {"value": float(value), "low": low, "high": high}

@@ -7,12 +7,7 @@ from burstcast.probability.calibration import UNCALIBRATED, isotonic
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
-from burstcast_workflow.jobs.probabilities import (
-    CALIBRATED,
-    VOTES,
-    forecast_points,
-    forecasters_of,
-)
+from burstcast_workflow.jobs.probabilities import CALIBRATED, VOTES, forecast_points
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
@@ -27,12 +22,8 @@ def calibrate(
     provenance: Provenance,
 ) -> None:
     """Write calibrations and thresholds by alarm, event threshold and prediction time."""
-    points = forecast_points(
-        settings,
-        calibration_set,
-        forecasters_of(settings["rows"], calibration_forecasts),
-        forecasters_of(settings["ensemble_rows"], calibration_member_forecasts),
-    )
+    files = calibration_forecasts, calibration_member_forecasts
+    points = forecast_points(settings, calibration_set, *files)
     alarms: dict[str, Any] = {}
     for alarm in settings["alarms"]:
         # the sweep of the event threshold is for those who are compared

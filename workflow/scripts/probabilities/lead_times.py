@@ -13,7 +13,7 @@ from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_rows
 from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.probabilities import case_probabilities
+from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities, read_rules
 
 
 def measure_lead_times(
@@ -31,11 +31,12 @@ def measure_lead_times(
     window_lt = settings["classification.window_lt"]
     rows: list[dict[str, Any]] = []
     case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
-    points, series, steps = case.points, case.points.series, case.steps_per_lyapunov_time
+    points, series, threshold = case.points, case.points.series, settings["case.event_threshold"]
+    steps = case.chosen["steps_per_lyapunov_time"]
     first = settings["case.training.series"]
     truth = read_rows(ensemble, "observable", first, first + series)
-    events = crossing_points(truth, case.event_threshold)
-    scored, rows_of_points = points.scored(case.event_threshold), points.data["series"]
+    events = crossing_points(truth, threshold)
+    scored, rows_of_points = points.scored(threshold), points.data["series"]
     windows = [
         (durations.steps(time, steps), durations.steps(time + window_lt, steps)) for time in times
     ]
@@ -46,10 +47,10 @@ def measure_lead_times(
     for alarm in case.alarms:
         raised, false_alarms = [], []
         for time in times:
-            rule = case.rule(alarm, time)
-            values = points.values(alarm, time, case.event_threshold)
+            rule = read_rules(case.chosen, alarm, time)[CALIBRATED]
+            values = points.values(alarm, time, threshold)
             raised.append(rule.calibration(values) >= rule.threshold)
-            happened = points.happened(time, case.event_threshold)
+            happened = points.happened(time, threshold)
             counts = count_by_series(raised[-1], happened, scored, rows_of_points)
             false = counts.false_positive.astype(np.float64)
             false_alarms.append(SeriesRatio("false_alarms_per_lt", time, false, watched))

@@ -5,11 +5,10 @@ from typing import Any
 from burstcast.probability.alarms import counts_at_all_levels, false_alarm_rate
 from burstcast.probability.economic_value import economic_value
 from burstcast.probability.reliability import reliability_diagram
-from burstcast.resampling import percentile_interval
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.probabilities import case_probabilities
+from burstcast_workflow.jobs.probabilities import case_probabilities, with_interval
 
 
 def draw_up_diagrams(
@@ -31,10 +30,8 @@ def draw_up_diagrams(
     case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
     for time in settings["classification.prediction_times_lt"]:
         weights = case.weights(time)
-        for alarm in case.alarms:
-            if not alarm["compared"]:
-                continue
-            for probability, outcomes, _ in case.probabilities(alarm, time):
+        for alarm in case.compared:
+            for probability, (outcomes, _) in case.probabilities(alarm, time).items():
                 keys = {**alarm["keys"], "probability": probability, "prediction_time_lt": time}
                 diagram = reliability_diagram(
                     outcomes,
@@ -57,10 +54,9 @@ def draw_up_diagrams(
                 ]
                 whole, resampled = outcomes.total(), outcomes.resampled(weights)
                 for ratio in settings["probability.cost_loss_ratios"]:
-                    low, high = percentile_interval(economic_value(resampled, ratio), confidence)
-                    saved = float(economic_value(whole, ratio))
-                    row = {**keys, "cost_loss_ratio": ratio}
-                    ratios.append({**row, "value": saved, "low": low, "high": high})
+                    saved = economic_value(whole, ratio), economic_value(resampled, ratio)
+                    cells = with_interval(*saved, confidence)
+                    ratios.append({**keys, "cost_loss_ratio": ratio, **cells})
                 counts = counts_at_all_levels(whole)
                 points += [
                     {

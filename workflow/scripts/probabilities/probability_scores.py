@@ -7,7 +7,6 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.probability.scores import probability_scores
-from burstcast.resampling import percentile_interval
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import keyed_table, write_table
@@ -15,6 +14,7 @@ from burstcast_workflow.jobs.probabilities import (
     CALIBRATED,
     CaseProbabilities,
     case_probabilities,
+    with_interval,
 )
 
 COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
@@ -42,7 +42,8 @@ def score_probabilities(
         weights = case.weights(time)
         calibrated: dict[str, Scores] = {}
         for alarm in case.alarms:
-            for probability, outcomes, threshold in case.probabilities(alarm, time):
+            found = case.probabilities(alarm, time)
+            for probability, (outcomes, threshold) in found.items():
                 values = probability_scores(outcomes.total(), threshold, bins)
                 samples = probability_scores(outcomes.resampled(weights), threshold, bins)
                 scores = {metric: (values[metric], samples[metric]) for metric in values}
@@ -51,18 +52,18 @@ def score_probabilities(
                 keys = {**alarm["keys"], "probability": probability, "prediction_time_lt": time}
                 rows.append({**keys, "metric": "alarm_threshold", "value": threshold})
                 rows += [
-                    {**keys, "metric": metric, **_with_interval(value, sample, confidence)}
+                    {**keys, "metric": metric, **with_interval(value, sample, confidence)}
                     for metric, (value, sample) in scores.items()
                 ]
         for (one, scores), (other, others) in combinations(_compared(case, calibrated), 2):
             pairs += [
                 {
-                    "case": case.case,
+                    "case": settings["case"],
                     "alarm": one,
                     "other": other,
                     "prediction_time_lt": time,
                     "metric": metric,
-                    **_with_interval(
+                    **with_interval(
                         scores[metric][0] - others[metric][0],
                         scores[metric][1] - others[metric][1],
                         confidence,
@@ -74,15 +75,10 @@ def score_probabilities(
     write_table(differences, keyed_table(pairs))
 
 
-def _with_interval(value: FloatArray, samples: FloatArray, confidence: float) -> dict[str, float]:
-    low, high = percentile_interval(samples, confidence)
-    return {"value": float(value), "low": low, "high": high}
-
-
 def _compared(case: CaseProbabilities, scores: dict[str, Scores]) -> list[tuple[str, Scores]]:
     """Committees before the medians over their members, then all others but single networks."""
     committees = [alarm for alarm in case.alarms if len(alarm["members"]) > 1]
-    others = [alarm["alarm"] for alarm in case.alarms if alarm["compared"]]
+    others = [alarm["alarm"] for alarm in case.compared]
     others = [name for name in others if name not in {one["alarm"] for one in committees}]
     return [
         *((one["alarm"], scores[one["alarm"]]) for one in committees),

@@ -1,13 +1,13 @@
 """Score alarms for other event thresholds, which forecasts do not know of."""
 
+from itertools import product
 from typing import Any
 
 from burstcast.probability.scores import probability_scores
-from burstcast.resampling import percentile_interval
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities
+from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities, with_interval
 
 METRICS = ("base_rate", "brier_skill", "average_precision", "f_score")
 
@@ -27,30 +27,23 @@ def sweep_threshold(
     case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
     for time in settings["classification.prediction_times_lt"]:
         weights = case.weights(time)
-        for alarm in case.alarms:
-            if not alarm["compared"]:
-                continue
-            for factor in settings["probability.threshold_factors"]:
-                ((_, outcomes, threshold),) = (
-                    found
-                    for found in case.probabilities(alarm, time, factor)
-                    if found[0] == CALIBRATED
-                )
-                values = probability_scores(outcomes.total(), threshold, bins)
-                samples = probability_scores(outcomes.resampled(weights), threshold, bins)
-                for metric in METRICS:
-                    low, high = percentile_interval(samples[metric], confidence)
-                    rows.append(
-                        {
-                            **alarm["keys"],
-                            "event_threshold": factor * case.event_threshold,
-                            "prediction_time_lt": time,
-                            "metric": metric,
-                            "value": float(values[metric]),
-                            "low": low,
-                            "high": high,
-                        }
-                    )
+        for alarm, factor in product(case.compared, settings["probability.threshold_factors"]):
+            outcomes, threshold = case.probabilities(alarm, time, factor)[CALIBRATED]
+            values = probability_scores(outcomes.total(), threshold, bins)
+            samples = probability_scores(outcomes.resampled(weights), threshold, bins)
+            keys = {
+                **alarm["keys"],
+                "event_threshold": factor * settings["case.event_threshold"],
+                "prediction_time_lt": time,
+            }
+            rows += [
+                {
+                    **keys,
+                    "metric": metric,
+                    **with_interval(values[metric], samples[metric], confidence),
+                }
+                for metric in METRICS
+            ]
     write_table(table, keyed_table(rows))
 
 

@@ -1,0 +1,105 @@
+"""One event as the committees of a case see it, with the probabilities that follow from it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.described import Described
+from burstcast.probability.members import EnsembleForecaster, member_forecasts
+
+
+@dataclass(frozen=True)
+class CommitteeEvent:
+    """An event from one starting point; without one, no time and no member is shown."""
+
+    time_lt: Annotated[
+        FloatArray, Described("time", "time after the starting point in Lyapunov times")
+    ]
+    true: Annotated[FloatArray, Described("time", "true observable")]
+    observed: Annotated[FloatArray, Described("time", "observable of what was observed")]
+    prediction_time_lt: Annotated[FloatArray, Described("window", "beginning of each window")]
+    happened: Annotated[BoolArray, Described("window", "whether an event began in it")]
+    committee: Annotated[IntArray, Described("member", "committee of each member")]
+    forecast: Annotated[FloatArray, Described("member time", "forecast observable")]
+    votes: Annotated[
+        FloatArray, Described("committees window", "share of the members that forecast an event")
+    ]
+    probability: Annotated[
+        FloatArray, Described("committees window", "calibrated probability of an event")
+    ]
+    alarm_threshold: Annotated[
+        FloatArray, Described("committees window", "probability from which on an alarm is raised")
+    ]
+
+
+def see_event(
+    true: FloatArray,
+    observed: FloatArray,
+    forecasts: Sequence[FloatArray],
+    prediction_times_lt: Sequence[float],
+    happened: Sequence[bool],
+    chances: FloatArray,
+    steps_per_lyapunov_time: int,
+) -> CommitteeEvent:
+    """Lay out an event on one axis of time.
+
+    Parameters
+    ----------
+    true
+        True observable from the start of the washout to the end of the forecasts, ``(time,)``;
+        empty without an event.
+    observed
+        Observable of the washout, the last entry that of the starting point.
+    forecasts
+        By committee: forecast observables of its members after that, ``(members, steps)``.
+    prediction_times_lt, happened
+        Beginnings of windows, and whether an event began in each.
+    chances
+        Shares of votes, calibrated probabilities and thresholds of alarms,
+        ``(3, committees, windows)``.
+    steps_per_lyapunov_time
+        Steps of a forecast in a Lyapunov time.
+    """
+    length, now = len(true), len(observed)
+    seen = np.full(length, np.nan)
+    seen[:now] = observed
+    drawn = np.full((sum(map(len, forecasts)), length), np.nan)
+    if len(drawn):
+        drawn[:, now:] = np.concatenate(forecasts)
+    return CommitteeEvent(
+        np.arange(length) / steps_per_lyapunov_time - (now - 1) / steps_per_lyapunov_time,
+        true,
+        seen,
+        np.array(prediction_times_lt, dtype=np.float64),
+        np.array(happened, dtype=bool),
+        np.repeat(np.arange(len(forecasts)), [len(fan) for fan in forecasts]),
+        drawn,
+        *chances,
+    )
+
+
+def member_observables(
+    forecaster: EnsembleForecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    washout: FloatArray,
+    steps: int,
+) -> FloatArray:
+    """Observable that each member forecasts after one washout, ``(members, steps)``.
+
+    Parameters
+    ----------
+    forecaster
+        Who forecasts.
+    observable
+        From states ``(dimension, ...)`` to the observable ``(...)``.
+    washout
+        Observed states up to the starting point, ``(steps, dimension)``.
+    steps
+        How far to forecast.
+    """
+    given = np.ascontiguousarray(washout[:, :, np.newaxis])
+    states = member_forecasts(forecaster, given, steps)[..., 0]
+    return observable(states.transpose(1, 0, 2)).T
