@@ -1,13 +1,15 @@
 import signal
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Annotated
 
 import pytest
+from matplotlib.figure import Figure
 
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast_workflow.fingerprint import fingerprint
 from burstcast_workflow.harness.code_check import package_root
-from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.figures import Settings, Table, figure, run_figure
 
 
 class Files(dict):
@@ -55,6 +57,35 @@ def test_figures_are_written_as_pdf_and_png(tmp_path, job):
     assert (figures / "figure.pdf").read_bytes().startswith(b"%PDF")
     assert (figures / "figure.png").read_bytes().startswith(b"\x89PNG")
     assert sorted(path.name for path in figures.iterdir()) == ["figure.pdf", "figure.png"]
+
+
+def test_inputs_are_read_as_their_types_say(tmp_path, job):
+    Path("table.csv").write_text("case,value\nRe400,1.5\n")
+    given = {}
+
+    def draw(
+        *, table: Table, others: Annotated[int, len], settings: Settings, more: Table | None = None
+    ) -> Figure:
+        given.update(table=table, others=others, more=more)
+        return nothing_to_show("Nothing happened.")
+
+    run_figure(job, draw)
+    assert given["table"].to_dict("records") == [{"case": "Re400", "value": 1.5}]
+    assert (given["others"], given["more"]) == (2, None)
+    # an input that may be left out is read all the same
+    job.input["more"] = "table.csv"
+    run_figure(job, draw)
+    assert given["more"].equals(given["table"])
+
+
+def test_a_figure_is_drawn_where_snakemake_runs_its_script(job):
+    script = "@figure\ndef draw(*, table, others): return nothing_to_show('')"
+    names = {"figure": figure, "nothing_to_show": nothing_to_show}
+    exec(script, scope := dict(names))
+    assert not Path(job.output["png"]).exists()
+    assert scope["draw"](table=1, others=2).texts
+    exec(script, {**names, "snakemake": job})
+    assert Path(job.output["png"]).exists()
 
 
 def failure(tmp_path, job, draw):

@@ -85,8 +85,11 @@ def functions(path):
 
 
 def main_of(path):
-    """Function that a script runs, and in what: run_job or run_figure."""
+    """Function that a script runs, and in what: run_job or figure."""
     last = tree(path).body[-1]
+    if isinstance(last, ast.FunctionDef):
+        (decorator,) = last.decorator_list
+        return last, decorator.id
     assert ast.unparse(last.test) == "__name__ == '__main__'"
     (statement,) = last.body
     snakemake, function = statement.value.args
@@ -133,7 +136,7 @@ def test_every_script_belongs_to_a_rule():
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_script_of_a_figure_takes_the_files_of_the_registry(name):
     function, runner = main_of(SCRIPTS / "figures" / f"{name}.py")
-    assert runner == "run_figure"
+    assert runner == "figure"
     names, optional = parameters(function)
     figure = FIGURES[name]
     files = set(figure.files(workflow().campaign, "Re400"))

@@ -1,6 +1,7 @@
 """What figures of percentiles take from their tables."""
 
 from collections.abc import Iterable
+from typing import Annotated
 
 import pandas as pd
 
@@ -20,20 +21,19 @@ def of_data(table: str) -> pd.DataFrame:
     return data
 
 
-def published_beside(table: pd.DataFrame, published: str | None, name: str) -> pd.DataFrame | None:
-    """Published percentiles at the Reynolds number of a case; None where they are not drawn.
+OfCases = Annotated[pd.DataFrame, of_cases]
+OfData = Annotated[pd.DataFrame, of_data]
+"""Inputs of figures that are read so."""
 
-    Parameters
-    ----------
-    table
-        Rows of the case.
-    published
-        The file, if the job has it as an input.
-    name
-        Of the table.
-    """
-    if published is None:
-        return None
-    values = published_percentiles(read_table(published), name)
-    shown: pd.DataFrame = values.loc[values["reynolds"].isin(table["reynolds"])]
-    return shown
+
+def published_of(published: pd.DataFrame | None, name: str) -> pd.DataFrame | None:
+    """Published percentiles of a table; None where the figure has none as an input."""
+    return None if published is None else published_percentiles(published, name)
+
+
+def published_beside(
+    table: pd.DataFrame, published: pd.DataFrame | None, name: str
+) -> pd.DataFrame | None:
+    """Those of them at the Reynolds number of the case that the rows of ``table`` are of."""
+    values = published_of(published, name)
+    return None if values is None else values.loc[values["reynolds"].isin(table["reynolds"])]

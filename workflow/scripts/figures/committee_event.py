@@ -11,33 +11,34 @@ from matplotlib.figure import Figure
 
 from burstcast.figures.committee_event import CommitteeForecast, SeenEvent, committee_event
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_attributes, read_netcdf
+from burstcast.probability.committee_event import CommitteeEvent
+from burstcast_workflow.harness.figures import Settings, figure
+from burstcast_workflow.harness.storage import read_attributes, read_record
 from burstcast_workflow.jobs.systems import system_of
 
 
+@figure
 def draw(*, event: str, settings: Settings) -> Figure:
     """Draw the event."""
-    data, system = read_netcdf(event), system_of(settings)
-    if not data["time_lt"].size:
+    data, system = read_record(event, CommitteeEvent), system_of(settings)
+    if not data.time_lt.size:
         return nothing_to_show("No event occurred in the test set.")
     kinds = str(read_attributes(event)["committees"]).split()
     return committee_event(
         SeenEvent(
-            data["time_lt"],
-            data["true"],
-            data["observed"],
-            data["prediction_time_lt"],
-            data["happened"],
+            data.time_lt,
+            data.true,
+            data.observed,
+            data.prediction_time_lt,
+            data.happened,
         ),
         [
             CommitteeForecast(
                 kind,
-                data["forecast"][data["committee"] == number],
-                data["votes"][number],
-                data["probability"][number],
-                data["alarm_threshold"][number],
+                data.forecast[data.committee == number],
+                data.votes[number],
+                data.probability[number],
+                data.alarm_threshold[number],
             )
             for number, kind in enumerate(kinds)
         ],
@@ -46,7 +47,3 @@ def draw(*, event: str, settings: Settings) -> Figure:
         symbol=system.observable_symbol,
         observable_name=system.observable_name,
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

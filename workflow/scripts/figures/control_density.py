@@ -9,24 +9,24 @@ from matplotlib.figure import Figure
 
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_cases
+from burstcast_workflow.harness.figures import Settings, figure
+from burstcast_workflow.jobs.figures import OfCases
 from burstcast_workflow.jobs.systems import system_of
 
 
-def draw(*, densities: list[str], settings: Settings) -> Figure:
+@figure
+def draw(*, densities: OfCases, settings: Settings) -> Figure:
     """Draw one panel for each case."""
-    table, system = of_cases(densities), system_of(settings)
+    system = system_of(settings)
     panels = []
     for panel in settings["panels"]:
         case, kind = panel["identity"]["case"], panel["kind"]
-        rows = table[
-            (table["case"] == case)
-            & (table["forecaster"] == "esn")
-            & (table["neurons"] == kind["neurons"])
-            & (table["validation"] == kind["validation"])
-            & table["prediction_time_lt"].isin(settings["control.prediction_times_lt"])
+        rows = densities[
+            (densities["case"] == case)
+            & (densities["forecaster"] == "esn")
+            & (densities["neurons"] == kind["neurons"])
+            & (densities["validation"] == kind["validation"])
+            & densities["prediction_time_lt"].isin(settings["control.prediction_times_lt"])
         ]
         by_time = {
             float(time): group.sort_values("low")
@@ -56,7 +56,3 @@ def draw(*, densities: list[str], settings: Settings) -> Figure:
     if any(np.isfinite(panel.uncontrolled).all() for panel in panels):
         return control_density(panels, symbol=system.observable_symbol, name=system.observable_name)
     return nothing_to_show("No flow was free of events for long enough to be controlled.")
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

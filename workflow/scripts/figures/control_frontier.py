@@ -13,29 +13,23 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from burstcast.figures.control_frontier import control_frontier
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.harness.figures import Settings, Table, figure
 from burstcast_workflow.jobs.systems import system_of
 
 
-def draw(*, scores: str, settings: Settings) -> Figure:
+@figure
+def draw(*, scores: Table, settings: Settings) -> Figure:
     """Draw all strategies with one network, and the forecasters to compare it with."""
-    table = read_table(scores)
-    shown = ~table["forecaster"].isin(["esn", "esn_committee", "random"])
+    shown = ~scores["forecaster"].isin(["esn", "esn_committee", "random"])
     network = settings["frontier_network"]
     if network is not None:
-        shown |= (table[list(network)] == pd.Series(network)).all(axis="columns")
+        shown |= (scores[list(network)] == pd.Series(network)).all(axis="columns")
         # of committees, that of the networks of its size and strategy
         size = pd.Series(network)[["neurons", "validation"]]
-        alike = (table[list(size.index)] == size).all(axis="columns")
-        shown |= alike & (table["forecaster"] == "esn_committee")
+        alike = (scores[list(size.index)] == size).all(axis="columns")
+        shown |= alike & (scores["forecaster"] == "esn_committee")
     return control_frontier(
-        table[shown],
+        scores[shown],
         {"span_lt": settings["control.span_lt"], "noise": settings["case.training.noise"]},
         symbol=system_of(settings).observable_symbol,
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -9,32 +9,8 @@ from matplotlib.figure import Figure
 
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.harness.figures import Arrays, Settings, figure
 from burstcast_workflow.jobs.systems import system_of
-
-
-def draw(*, event: str, settings: Settings) -> Figure:
-    """Draw the event, the forecast and the parts of the strategy."""
-    data = read_netcdf(event)
-    if not data["mark"].size:
-        return nothing_to_show("No event was suppressed.")
-    start, stop = data["actuation_lt"]
-    return control_schematic(
-        data["time_lt"],
-        data["uncontrolled"],
-        data["controlled"],
-        data["forecast"],
-        settings["case.event_threshold"],
-        settings["prediction_time_lt"],
-        (start, stop),
-        window_lt=settings["control.window_lt"],
-        symbol=system_of(settings).observable_symbol,
-        actuation_label=_label(
-            settings["case.actuation.parameters"], settings["case.actuation.force"]
-        ),
-    )
 
 
 def _label(parameters: dict[str, float], force: Any) -> str:
@@ -46,5 +22,23 @@ def _label(parameters: dict[str, float], force: Any) -> str:
     return ", ".join(changes + ["added force"] * (force is not None))
 
 
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there
+@figure
+def draw(*, event: Arrays, settings: Settings) -> Figure:
+    """Draw the event, the forecast and the parts of the strategy."""
+    if not event["mark"].size:
+        return nothing_to_show("No event was suppressed.")
+    start, stop = event["actuation_lt"]
+    return control_schematic(
+        event["time_lt"],
+        event["uncontrolled"],
+        event["controlled"],
+        event["forecast"],
+        settings["case.event_threshold"],
+        settings["prediction_time_lt"],
+        (start, stop),
+        window_lt=settings["control.window_lt"],
+        symbol=system_of(settings).observable_symbol,
+        actuation_label=_label(
+            settings["case.actuation.parameters"], settings["case.actuation.force"]
+        ),
+    )

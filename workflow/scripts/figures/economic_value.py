@@ -7,20 +7,15 @@ test series. Values below -0.1 are cut off.
 from matplotlib.figure import Figure
 
 from burstcast.figures.economic_value import economic_value
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.harness.figures import Settings, Table, figure
 
 
-def draw(*, values: str, settings: Settings) -> Figure:
+@figure
+def draw(*, values: Table, settings: Settings) -> Figure:
     """Draw the values of one case."""
     return economic_value(
-        read_table(values),
+        values,
         settings["figures.reynolds_prediction_times_lt"],
         settings["figures.fixed_neurons"],
         settings["shown_validation"],
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -7,19 +7,10 @@ is the share of these networks that forecast an event. Skills below -0.1 are cut
 from matplotlib.figure import Figure
 
 from burstcast.figures.forecast_skill import forecast_skill
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.harness.figures import Settings, Table, figure
 
 
-def draw(*, scores: str, settings: Settings) -> Figure:
+@figure
+def draw(*, scores: Table, settings: Settings) -> Figure:
     """Draw the scores of one case."""
-    return forecast_skill(
-        read_table(scores),
-        settings["figures.fixed_neurons"],
-        settings["shown_validation"],
-    )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there
+    return forecast_skill(scores, settings["figures.fixed_neurons"], settings["shown_validation"])

@@ -3,11 +3,11 @@
 from matplotlib.figure import Figure
 
 from burstcast.figures.horizon_schematic import horizon_schematic
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.figures import Settings, figure
 from burstcast_workflow.jobs.systems import system_of
 
 
+@figure
 def draw(*, settings: Settings) -> Figure:
     """Draw it with the values of the configuration."""
     return horizon_schematic(
@@ -16,7 +16,3 @@ def draw(*, settings: Settings) -> Figure:
         tolerance=settings["horizon.tolerance"],
         symbol=system_of(settings).observable_symbol,
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -8,29 +8,24 @@ compare with.
 from matplotlib.figure import Figure
 
 from burstcast.figures.lyapunov_spectrum import lyapunov_spectrum
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.jobs.figures import of_data
+from burstcast_workflow.harness.figures import Settings, Table, figure
+from burstcast_workflow.jobs.figures import OfData
 
 
+@figure
 def draw(
     *,
-    exponents: str,
-    exponent_percentiles: str,
-    dimensions: str,
-    dimension_percentiles: str,
+    exponents: OfData,
+    exponent_percentiles: Table,
+    dimensions: OfData,
+    dimension_percentiles: Table,
     settings: Settings,
 ) -> Figure:
     """Draw the exponents and dimensions of one case."""
     return lyapunov_spectrum(
-        of_data(exponents),
-        read_table(exponent_percentiles),
-        of_data(dimensions),
-        read_table(dimension_percentiles),
+        exponents,
+        exponent_percentiles,
+        dimensions,
+        dimension_percentiles,
         settings["figures.fixed_neurons"],
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

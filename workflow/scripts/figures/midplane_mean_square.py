@@ -11,26 +11,23 @@ from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.flow_grid import make_flow_grid
 from burstcast.statistics import profiles
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.figures import Settings, figure
 from burstcast_workflow.jobs.best_network import best_of
-from burstcast_workflow.jobs.statistics_files import read_statistics
+from burstcast_workflow.jobs.statistics_files import Statistics
 from burstcast_workflow.jobs.systems import system_of
 
 
-def draw(*, data: str, training: str, long_term: list[str], settings: Settings) -> Figure:
+@figure
+def draw(
+    *, data: Statistics, training: Statistics, long_term: list[str], settings: Settings
+) -> Figure:
     """Draw the data, and how far the best network and the training set are from them."""
     grid = make_flow_grid(system_of(settings), settings["figures.flow_points"])
-    true = read_statistics(data)
-    best = best_of(settings, true, long_term)
+    best = best_of(settings, data, long_term)
     if best is None:
         return nothing_to_show("No network has any long-term statistics.")
     fields = [
         profiles.midplane_mean_square(grid.modes, statistics.moments, grid.x, grid.z)
-        for statistics in (true, best.statistics, read_statistics(training))
+        for statistics in (data, best.statistics, training)
     ]
     return midplane_mean_square(grid.x, grid.z, *fields, network_label=best.label)
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

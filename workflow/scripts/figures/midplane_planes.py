@@ -12,31 +12,26 @@ from matplotlib.figure import Figure
 from burstcast.figures.midplane_planes import midplane_planes
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.flow_grid import make_flow_grid
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.harness.figures import Arrays, Settings, figure
 from burstcast_workflow.jobs.systems import system_of
 
 
-def draw(*, event: str, settings: Settings) -> Figure:
+@figure
+def draw(*, event: Arrays, settings: Settings) -> Figure:
     """Draw the event."""
-    data, system = read_netcdf(event), system_of(settings)
-    if not data["mark"].size:
+    system = system_of(settings)
+    if not event["mark"].size:
         return nothing_to_show("No isolated event occurred in the test set.")
     grid = make_flow_grid(system, settings["figures.flow_points"])
     return midplane_planes(
-        data["time_lt"],
-        data["true"],
-        data["forecast"],
-        data["time_lt"][data["mark"]],
+        event["time_lt"],
+        event["true"],
+        event["forecast"],
+        event["time_lt"][event["mark"]],
         grid.x,
         grid.z,
-        grid.midplane(data["true_state"]),
-        grid.midplane(data["forecast_state"]),
+        grid.midplane(event["true_state"]),
+        grid.midplane(event["forecast_state"]),
         settings["case.event_threshold"],
         symbol=system.observable_symbol,
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

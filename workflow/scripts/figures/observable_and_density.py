@@ -7,14 +7,14 @@ from matplotlib.figure import Figure
 
 from burstcast.figures.observable_and_density import observable_and_density
 from burstcast.statistics.densities import histogram
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.figures import Settings, figure
 from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
+@figure
 def draw(*, ensemble: str, time_unit: str | list[str], settings: Settings) -> Figure:
     """Draw the first kept series and the histogram of all of them."""
     system = system_of(settings)
@@ -30,7 +30,3 @@ def draw(*, ensemble: str, time_unit: str | list[str], settings: Settings) -> Fi
         symbol=system.observable_symbol,
         name=system.observable_name,
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

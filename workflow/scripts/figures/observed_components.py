@@ -5,20 +5,16 @@ medians and quartiles over the networks of an ensemble, and forecasters to compa
 from matplotlib.figure import Figure
 
 from burstcast.figures.observed_components import observed_components
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.figures import of_cases
+from burstcast_workflow.harness.figures import Settings, figure
+from burstcast_workflow.jobs.figures import OfCases
 
 
-def draw(*, percentiles: list[str], settings: Settings) -> Figure:
+@figure
+def draw(*, percentiles: OfCases, settings: Settings) -> Figure:
     """Draw the parts of one case, and the whole."""
     return observed_components(
-        of_cases(percentiles),
+        percentiles,
         settings["observed"],
         settings["figures.fixed_neurons"],
         settings["figures.reynolds_prediction_times_lt"],
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

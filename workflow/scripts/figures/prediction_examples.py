@@ -8,23 +8,21 @@ from matplotlib.figure import Figure
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.forecast.examples import OUTCOMES
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.harness.figures import Arrays, Settings, figure
 from burstcast_workflow.jobs.systems import system_of
 
 
-def draw(*, examples: str, settings: Settings) -> Figure:
+@figure
+def draw(*, examples: Arrays, settings: Settings) -> Figure:
     """Draw the outcomes that occurred."""
-    data = read_netcdf(examples)
     shown = [
         PredictionExample(
             OUTCOMES[outcome],
-            data["example_time_lt"],
-            data["example_truth"][number],
-            data["example_forecast"][number],
+            examples["example_time_lt"],
+            examples["example_truth"][number],
+            examples["example_forecast"][number],
         )
-        for number, outcome in enumerate(data["outcome"])
+        for number, outcome in enumerate(examples["outcome"])
     ]
     if not shown:
         return nothing_to_show("No event occurred in the test set, and none was predicted.")
@@ -35,7 +33,3 @@ def draw(*, examples: str, settings: Settings) -> Figure:
         window_lt=settings["classification.window_lt"],
         symbol=system_of(settings).observable_symbol,
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -13,24 +13,23 @@ from burstcast.arrays import FloatArray
 from burstcast.figures.profile_errors import profile_errors
 from burstcast.statistics.profiles import flow_modes, velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.harness.figures import Settings, Table, figure
 from burstcast_workflow.jobs.best_network import best_of
 from burstcast_workflow.jobs.figures import published_beside
-from burstcast_workflow.jobs.statistics_files import read_statistics
+from burstcast_workflow.jobs.statistics_files import Statistics
 from burstcast_workflow.jobs.systems import system_of
 
 
+@figure
 def draw(
     *,
-    data: str,
-    training: str,
+    data: Statistics,
+    training: Statistics,
     long_term: list[str],
-    percentiles: str,
-    intervals: str,
+    percentiles: Table,
+    intervals: Table,
     settings: Settings,
-    published: str | None = None,
+    published: Table | None = None,
 ) -> Figure:
     """Draw the data, the training set and the best network, and the errors of all networks."""
     y = np.linspace(-1.0, 1.0, settings["statistics.profile_points"])
@@ -42,20 +41,14 @@ def draw(
         found = velocity_profiles(matrices, statistics.moments)
         return np.stack([found.u, found.uu, found.uv])
 
-    true = read_statistics(data)
-    table = read_table(percentiles)
-    best = best_of(settings, true, long_term)
+    best = best_of(settings, data, long_term)
     return profile_errors(
         y,
-        profiles(true),
-        profiles(read_statistics(training)),
+        profiles(data),
+        profiles(training),
         None if best is None else profiles(best.statistics),
-        table,
-        read_table(intervals),
+        percentiles,
+        intervals,
         network_label="" if best is None else best.label,
-        published=published_beside(table, published, "statistics"),
+        published=published_beside(percentiles, published, "statistics"),
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -8,20 +8,15 @@ the forecasters that tell more than two probabilities, if there are any.
 from matplotlib.figure import Figure
 
 from burstcast.figures.reliability import reliability
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.harness.figures import Settings, Table, figure
 
 
-def draw(*, bins: str, settings: Settings) -> Figure:
+@figure
+def draw(*, bins: Table, settings: Settings) -> Figure:
     """Draw the diagrams of one case."""
     return reliability(
-        read_table(bins),
+        bins,
         settings["figures.reynolds_prediction_times_lt"],
         settings["figures.fixed_neurons"],
         settings["shown_validation"],
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -7,10 +7,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from burstcast.figures.search_landscape import search_landscape
-from burstcast_workflow.harness.figures import run_figure
+from burstcast_workflow.harness.figures import figure
 from burstcast_workflow.harness.tables import read_table
 
 
+@figure
 def draw(*, traces: list[str]) -> Figure:
     """Draw the best Tikhonov parameter of each point, for each strategy."""
     shown = []
@@ -18,7 +19,3 @@ def draw(*, traces: list[str]) -> Figure:
         trace = read_table(path)
         shown.append(trace.loc[trace.groupby("evaluation")["objective"].idxmin()])
     return search_landscape(pd.concat(shown, ignore_index=True))
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -11,33 +11,28 @@ from matplotlib.figure import Figure
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.suppressed_event import suppressed_event
 from burstcast.flow_grid import make_flow_grid
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.harness.figures import Arrays, Settings, figure
 from burstcast_workflow.jobs.systems import system_of
 
 
-def draw(*, event: str, settings: Settings) -> Figure:
+@figure
+def draw(*, event: Arrays, settings: Settings) -> Figure:
     """Draw the event."""
-    data, system = read_netcdf(event), system_of(settings)
-    if not data["mark"].size:
+    system = system_of(settings)
+    if not event["mark"].size:
         return nothing_to_show("No event was suppressed.")
     grid = make_flow_grid(system, settings["figures.flow_points"])
-    start, stop = data["actuation_lt"]
+    start, stop = event["actuation_lt"]
     return suppressed_event(
-        data["time_lt"],
-        data["uncontrolled"],
-        data["controlled"],
+        event["time_lt"],
+        event["uncontrolled"],
+        event["controlled"],
         (start, stop),
-        data["time_lt"][data["mark"]],
+        event["time_lt"][event["mark"]],
         grid.x,
         grid.z,
-        grid.midplane(data["uncontrolled_state"]),
-        grid.midplane(data["controlled_state"]),
+        grid.midplane(event["uncontrolled_state"]),
+        grid.midplane(event["controlled_state"]),
         settings["case.event_threshold"],
         symbol=system.observable_symbol,
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

@@ -8,24 +8,20 @@ forecasters to compare with.
 from matplotlib.figure import Figure
 
 from burstcast.figures.survival import survival
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.jobs.figures import of_data
+from burstcast_workflow.harness.figures import Settings, Table, figure
+from burstcast_workflow.jobs.figures import OfData
 
 
+@figure
 def draw(
-    *, curves: str, curve_percentiles: str, rates: str, rate_percentiles: str, settings: Settings
+    *,
+    curves: OfData,
+    curve_percentiles: Table,
+    rates: OfData,
+    rate_percentiles: Table,
+    settings: Settings,
 ) -> Figure:
     """Draw the survival curves and escape rates of one case."""
     return survival(
-        of_data(curves),
-        read_table(curve_percentiles),
-        of_data(rates),
-        read_table(rate_percentiles),
-        settings["figures.fixed_neurons"],
+        curves, curve_percentiles, rates, rate_percentiles, settings["figures.fixed_neurons"]
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

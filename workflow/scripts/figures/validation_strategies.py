@@ -8,14 +8,14 @@ from matplotlib.figure import Figure
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.tuning.strategies.base import use_of_series
 from burstcast.tuning.strategies.registry import make_strategy
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.figures import Settings, figure
 from burstcast_workflow.harness.storage import read_rows
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 from burstcast_workflow.jobs.validation_plans import validation_plan
 
 
+@figure
 def draw(*, ensemble: str, time_unit: str | list[str], settings: Settings) -> Figure:
     """Draw where each strategy trains and validates."""
     unit = lyapunov_time(settings, time_unit)
@@ -43,7 +43,3 @@ def draw(*, ensemble: str, time_unit: str | list[str], settings: Settings) -> Fi
         settings["case.event_threshold"],
         symbol=system_of(settings).observable_symbol,
     )
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there

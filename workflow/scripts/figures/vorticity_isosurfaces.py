@@ -9,34 +9,28 @@ from matplotlib.figure import Figure
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 from burstcast.flow_grid import make_flow_grid
-from burstcast_workflow.harness.figures import run_figure
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
+from burstcast_workflow.harness.figures import Arrays, Settings, figure
 from burstcast_workflow.jobs.systems import system_of
 
 BEFORE, AFTER = 2, 3
 """Of the event's four times: the peak, and when the laminar structure has broken down."""
 
 
-def draw(*, event: str, settings: Settings) -> Figure:
+@figure
+def draw(*, event: Arrays, settings: Settings) -> Figure:
     """Draw the true flow at the event's peak and after its breakdown."""
-    data = read_netcdf(event)
-    if not data["mark"].size:
+    if not event["mark"].size:
         return nothing_to_show("No isolated event occurred in the test set.")
     grid = make_flow_grid(system_of(settings), settings["figures.flow_points"])
     axes = np.meshgrid(grid.x, grid.y, grid.z, indexing="ij", sparse=True)
     snapshots = [
         FlowSnapshot(
             f"$t_{index + 1}$, {title} the breakdown",
-            grid.modes.velocity(data["true_state"][index], *axes),
-            grid.modes.vorticity(data["true_state"][index], *axes)[0],
+            grid.modes.velocity(event["true_state"][index], *axes),
+            grid.modes.vorticity(event["true_state"][index], *axes)[0],
         )
         for index, title in ((BEFORE, "before"), (AFTER, "after"))
     ]
     largest = max(float(np.abs(snapshot.scalar).max()) for snapshot in snapshots)
     level = settings["figures.isosurface_level"] * largest
     return vorticity_isosurfaces(grid.x, grid.y, grid.z, snapshots, level)
-
-
-if __name__ == "__main__":
-    run_figure(snakemake, draw)  # noqa: F821 - Snakemake puts it there
