@@ -62,6 +62,11 @@ def write_table(path: str | Path, table: pd.DataFrame) -> None:
     write_text(path, text)
 
 
+def write_rows(path: str | Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write rows as a table: `keyed_table`, as `write_table` writes it."""
+    write_table(path, keyed_table(rows))
+
+
 def read_table(path: str | Path) -> pd.DataFrame:
     """Read a table that `write_table` wrote.
 

@@ -12,7 +12,7 @@ from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.resampling import bootstrap_weights
 from burstcast_workflow.harness.storage import read_json, read_netcdf
 from burstcast_workflow.jobs.gather import gathered
 
@@ -208,9 +208,3 @@ def case_probabilities(
     """Read what a case's tables of probabilities are made from, the inputs of these jobs."""
     points = forecast_points(settings, evaluation_set, forecasts, member_forecasts)
     return CaseProbabilities(settings, points, read_json(calibration))
-
-
-def with_interval(value: FloatArray, samples: FloatArray, confidence: float) -> dict[str, float]:
-    """Cells of a score: its value, and the interval that its resamples tell."""
-    low, high = percentile_interval(samples, confidence)
-    return {"value": float(value), "low": low, "high": high}

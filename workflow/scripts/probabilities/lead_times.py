@@ -12,7 +12,7 @@ from burstcast.probability.lead_times import SeriesRatio, lead_time_scores, lead
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_rows
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities, read_rules
 
 
@@ -75,7 +75,7 @@ def measure_lead_times(
                     "high": high,
                 }
             )
-    write_table(table, keyed_table(rows))
+    write_rows(table, rows)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,9 @@ from burstcast.probability.economic_value import economic_value
 from burstcast.probability.reliability import reliability_diagram
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.probabilities import case_probabilities, with_interval
+from burstcast_workflow.harness.tables import write_rows
+from burstcast_workflow.jobs.intervals import with_interval
+from burstcast_workflow.jobs.probabilities import case_probabilities
 
 
 def draw_up_diagrams(
@@ -74,9 +75,9 @@ def draw_up_diagrams(
                         strict=True,
                     )
                 ]
-    write_table(reliability, keyed_table(bins))
-    write_table(value, keyed_table(ratios))
-    write_table(curves, keyed_table(points))
+    write_rows(reliability, bins)
+    write_rows(value, ratios)
+    write_rows(curves, points)
 
 
 if __name__ == "__main__":

@@ -9,12 +9,12 @@ from burstcast.arrays import FloatArray
 from burstcast.probability.scores import probability_scores
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
+from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import (
     CALIBRATED,
     CaseProbabilities,
     case_probabilities,
-    with_interval,
 )
 
 COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
@@ -71,8 +71,8 @@ def score_probabilities(
                 }
                 for metric in COMPARED_METRICS
             ]
-    write_table(table, keyed_table(rows))
-    write_table(differences, keyed_table(pairs))
+    write_rows(table, rows)
+    write_rows(differences, pairs)
 
 
 def _compared(case: CaseProbabilities, scores: dict[str, Scores]) -> list[tuple[str, Scores]]:

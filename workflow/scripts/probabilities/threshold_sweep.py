@@ -6,8 +6,9 @@ from typing import Any
 from burstcast.probability.scores import probability_scores
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import keyed_table, write_table
-from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities, with_interval
+from burstcast_workflow.harness.tables import write_rows
+from burstcast_workflow.jobs.intervals import with_interval
+from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities
 
 METRICS = ("base_rate", "brier_skill", "average_precision", "f_score")
 
@@ -44,7 +45,7 @@ def sweep_threshold(
                 }
                 for metric in METRICS
             ]
-    write_table(table, keyed_table(rows))
+    write_rows(table, rows)
 
 
 if __name__ == "__main__":

@@ -6,8 +6,10 @@ from burstcast.forecast.windows import WindowSummaries
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
+
+SCORES = ("precision", "recall", "f_score")
 
 
 def classification_table(
@@ -18,10 +20,10 @@ def classification_table(
     resolution = settings["classification.resolution_lt"]
     rows, ends = [], []
     for record, path in gathered(settings["rows"], forecasts):
-        case, forecast = record["identity"]["case"], read_netcdf(path, "first", "largest")
+        forecast = WindowSummaries(**read_netcdf(path, "first", "largest"))
         for prediction_time in settings["classification.prediction_times_lt"]:
             counts = score_forecasts(
-                WindowSummaries(forecast["first"], forecast["largest"]),
+                forecast,
                 WindowSummaries(truth["first"], truth["largest"]),
                 truth["washout_maximum"],
                 truth["series"],
@@ -34,17 +36,12 @@ def classification_table(
             rows.append(
                 {
                     **row,
-                    "true_positive": int(whole.true_positive),
-                    "false_positive": int(whole.false_positive),
-                    "false_negative": int(whole.false_negative),
-                    "true_negative": int(whole.true_negative),
-                    "precision": float(whole.precision),
-                    "recall": float(whole.recall),
-                    "f_score": float(whole.f_score),
+                    **{name: int(count) for name, count in vars(whole).items()},
+                    **{name: float(getattr(whole, name)) for name in SCORES},
                 }
             )
             generator = random_streams.stream(
-                settings["random_seed"], "bootstrap", case, str(prediction_time)
+                settings["random_seed"], "bootstrap", settings["case"], str(prediction_time)
             )
             for metric, (low, high) in bootstrap_interval(
                 counts,
@@ -53,8 +50,8 @@ def classification_table(
                 generator,
             ).items():
                 ends.append({**row, "metric": metric, "low": low, "high": high})
-    write_table(table, keyed_table(rows))
-    write_table(intervals, keyed_table(ends))
+    write_rows(table, rows)
+    write_rows(intervals, ends)
 
 
 if __name__ == "__main__":

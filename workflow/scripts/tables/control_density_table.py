@@ -7,7 +7,7 @@ from burstcast.statistics.densities import Histogram, density_quartiles, mean_de
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
 
 SAMPLES = ("uncontrolled", "controlled", "free")
@@ -39,7 +39,7 @@ def control_density_table(*, histograms: list[str], table: str, settings: Settin
             }
             for index, (low, high) in enumerate(pairwise(edges))
         ]
-    write_table(table, keyed_table(rows))
+    write_rows(table, rows)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from burstcast.control.records import FlowRecords, Span, score_flows
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_attributes, read_netcdf
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
 
 
@@ -33,7 +33,7 @@ def control_strategies_table(*, flows: list[str], table: str, settings: Settings
             {**keys, "metric": name, "value": score.value, "low": score.low, "high": score.high}
             for name, score in scores.items()
         ]
-    write_table(table, keyed_table(rows))
+    write_rows(table, rows)
 
 
 if __name__ == "__main__":

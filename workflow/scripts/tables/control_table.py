@@ -4,7 +4,7 @@ from burstcast.control.scores import SCORES
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
 
 COLUMNS = (
@@ -29,7 +29,7 @@ def control_table(*, counts: list[str], table: str, settings: Settings) -> None:
         others = sorted(set(found) - set(COLUMNS) - set(SCORES))
         names = [*COLUMNS, "exceedance_free", "alarm_rate", *others]
         rows.append({**record["keys"], **{name: found[name] for name in names}})
-    write_table(table, keyed_table(rows))
+    write_rows(table, rows)
 
 
 if __name__ == "__main__":

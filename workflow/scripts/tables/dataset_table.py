@@ -3,8 +3,11 @@
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
+from burstcast_workflow.jobs.intervals import with_ends
 from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+ENDS = ("mean", "low", "high")
 
 
 def dataset_table(
@@ -20,16 +23,12 @@ def dataset_table(
         "laminarised_fraction": dataset["laminarised_fraction"],
         "mean_observable": dataset["mean_observable"],
         "events_per_series": read_json(events_summary)["events_per_series"],
-        "lyapunov_exponent": leading["mean"],
-        "lyapunov_exponent_low": leading["low"],
-        "lyapunov_exponent_high": leading["high"],
-        "lyapunov_exponent_by_growth": growth.get("mean"),
-        "lyapunov_exponent_by_growth_low": growth.get("low"),
-        "lyapunov_exponent_by_growth_high": growth.get("high"),
+        **with_ends("lyapunov_exponent", *map(leading.get, ENDS)),
+        **with_ends("lyapunov_exponent_by_growth", *map(growth.get, ENDS)),
         "lyapunov_exponent_paper": settings["case.lyapunov.published_exponent"],
         "steps_per_lyapunov_time": lyapunov_time(settings, exponents),
     }
-    write_table(table, keyed_table([row]))
+    write_rows(table, [row])
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
 
 NAMES = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
@@ -15,7 +15,7 @@ def hyperparameters_table(*, hyperparameters: list[str], table: str, settings: S
     for record, path in gathered(settings["rows"], hyperparameters):
         chosen = read_json(path)
         rows.append({**record["keys"], **{name: chosen[name] for name in NAMES}})
-    write_table(table, keyed_table(rows))
+    write_rows(table, rows)
 
 
 if __name__ == "__main__":

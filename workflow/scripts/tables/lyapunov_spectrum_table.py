@@ -4,8 +4,9 @@ from burstcast import random_streams
 from burstcast.statistics.lyapunov_spectrum import summarise
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.intervals import with_ends
 from burstcast_workflow.jobs.spectrum_files import read_exponents
 
 
@@ -35,23 +36,20 @@ def lyapunov_spectrum_table(
             {
                 **keys,
                 "number": number,
-                "lyapunov_exponent": found.mean[number - 1],
-                "lyapunov_exponent_low": found.low[number - 1],
-                "lyapunov_exponent_high": found.high[number - 1],
+                **with_ends("lyapunov_exponent", *ends),
             }
-            for number in range(1, len(found.mean) + 1)
+            for number, ends in enumerate(zip(found.mean, found.low, found.high, strict=True), 1)
         ]
+        dimension = found.dimension, found.dimension_low, found.dimension_high
         of_dimensions.append(
             {
                 **keys,
                 "runs": len(exponents),
-                "kaplan_yorke_dimension": found.dimension,
-                "kaplan_yorke_dimension_low": found.dimension_low,
-                "kaplan_yorke_dimension_high": found.dimension_high,
+                **with_ends("kaplan_yorke_dimension", *dimension),
             }
         )
-    write_table(table, keyed_table(rows))
-    write_table(dimensions, keyed_table(of_dimensions))
+    write_rows(table, rows)
+    write_rows(dimensions, of_dimensions)
 
 
 if __name__ == "__main__":

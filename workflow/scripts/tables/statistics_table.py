@@ -1,7 +1,7 @@
 """Measure how far the statistics of forecasters and of the training set are from the data's."""
 
 from burstcast import random_streams
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.resampling import bootstrap_weights
 from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.measures import compare
@@ -9,9 +9,10 @@ from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.harness.tables import OF_SOME_CASES, keyed_table, write_table
+from burstcast_workflow.harness.tables import OF_SOME_CASES, keyed_table, write_rows, write_table
 from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.intervals import between
 from burstcast_workflow.jobs.statistics_files import read_reductions, read_statistics
 from burstcast_workflow.jobs.systems import system_of
 
@@ -54,8 +55,9 @@ def statistics_table(
         shares = {name: float((fates == fate).mean()) for name, fate in SHARES.items()}
         discarded = {"discarded_fraction": float((fates != Fate.KEPT).mean()), **shares}
         rows.append({**record["keys"], **discarded, **measures})
-        case = record["identity"]["case"]
-        generator = random_streams.stream(settings["random_seed"], "bootstrap", case, "long runs")
+        generator = random_streams.stream(
+            settings["random_seed"], "bootstrap", settings["case"], "long runs"
+        )
         weights = bootstrap_weights(len(fates), settings["bootstrap.resamples"], generator)
         samples = {
             "discarded_fraction": weights @ (fates != Fate.KEPT) / len(fates),
@@ -64,16 +66,20 @@ def statistics_table(
                 reference, read_reductions(path), fates == Fate.KEPT, matrices, weights
             ),
         }
-        for metric, values in samples.items():
-            if metric in OF_SOME_CASES and matrices is None:
-                continue
-            low, high = percentile_interval(values, settings["bootstrap.confidence"])
-            ends.append({**record["keys"], "metric": metric, "low": low, "high": high})
+        ends += [
+            {
+                **record["keys"],
+                "metric": metric,
+                **between(values, settings["bootstrap.confidence"]),
+            }
+            for metric, values in samples.items()
+            if not (metric in OF_SOME_CASES and matrices is None)
+        ]
     found = keyed_table(rows)
     for position, name in enumerate(("discarded_fraction", *SHARES), len(KEYS)):
         found.insert(position, name, found.pop(name))
     write_table(table, found)
-    write_table(intervals, keyed_table(ends))
+    write_rows(intervals, ends)
 
 
 if __name__ == "__main__":

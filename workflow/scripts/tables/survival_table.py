@@ -9,8 +9,9 @@ from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.intervals import with_ends
 from burstcast_workflow.jobs.lifetimes import (
     lifetimes_of_data,
     lifetimes_of_runs,
@@ -39,19 +40,11 @@ def survival_table(
         times = np.unique(np.linspace(0, lifetimes.length, POINTS).astype(np.int64))
         curve = survival_curve(lifetimes, times, settings["bootstrap.confidence"])
         points += [
-            {
-                **keys,
-                "time": time * interval,
-                "survival": share,
-                "survival_low": low,
-                "survival_high": high,
-            }
-            for time, share, low, high in zip(
-                times, curve.share, curve.low, curve.high, strict=True
-            )
+            {**keys, "time": time * interval, **with_ends("survival", *ends)}
+            for time, *ends in zip(times, curve.share, curve.low, curve.high, strict=True)
         ]
-    write_table(table, keyed_table(rows))
-    write_table(curves, keyed_table(points))
+    write_rows(table, rows)
+    write_rows(curves, points)
 
 
 def _rate(lifetimes: Lifetimes, interval: float, confidence: float) -> Mapping[str, Any]:
@@ -61,9 +54,7 @@ def _rate(lifetimes: Lifetimes, interval: float, confidence: float) -> Mapping[s
         "survived_fraction": float((~lifetimes.escaped).mean()),
         "escapes": rate.escapes,
         "time_at_risk": rate.time_at_risk,
-        "escape_rate": rate.rate,
-        "escape_rate_low": rate.low,
-        "escape_rate_high": rate.high,
+        **with_ends("escape_rate", rate.rate, rate.low, rate.high),
     }
 
 

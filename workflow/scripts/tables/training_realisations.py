@@ -7,7 +7,7 @@ import numpy as np
 from burstcast.training_realisations import variance_components
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import keyed_table, read_table, write_table
+from burstcast_workflow.harness.tables import read_table, write_rows
 from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.table_metrics import SUMMARIES
 
@@ -41,7 +41,7 @@ def separate_scatter(*, tables: list[str], table: str, settings: Settings) -> No
                             "networks": scatter.values,
                         }
                     )
-    write_table(table, keyed_table(rows))
+    write_rows(table, rows)
 
 
 if __name__ == "__main__":
