@@ -455,6 +455,11 @@ class Campaign:
         unknown = self.steps_per_lyapunov_time(case) is None
         return unknown and not self.has_equations(self.source_case(case))
 
+    def time_unit(self, case: str) -> str | list[str]:
+        """File of the computed Lyapunov exponents, where they set a case's unit of time."""
+        known = self.steps_per_lyapunov_time(case) is not None
+        return [] if known else f"{self.source_case(case)}/lyapunov.json"
+
     def sampling_interval(self, case: str) -> float:
         """Time between two steps of a forecast, in time units."""
         ensemble = self.cases[case]["ensemble"]

@@ -16,7 +16,7 @@ a rule that made it would run again after every other job.
 """
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
@@ -71,16 +71,27 @@ def _jobs(workflow: Any, seconds_per: Mapping[str, float] = SECONDS_PER) -> list
     """All jobs of a plan."""
     campaign = names_of_rules(workflow)["campaign"]
     model = CostModel(campaign, seconds_per)
-    found = []
-    for job in workflow.dag.jobs:
-        # a target has no output, and nothing is known of another workflow's own rules
-        if job.output and job.rule.module_globals.get("campaign") is campaign:
-            memory = job.rule.ruleinfo.resources[1]["mem_mb"]
-            cost = model.predicted(memory.cost_class, memory.stage, job.wildcards_dict)
-            record = Path(workflow.overwrite_workdir or "", job.benchmark)
-            found.append(PredictedJob(job.rule.name, job.wildcards_dict, cost, record))
+    above = Path(workflow.overwrite_workdir or "")
+    found = [
+        PredictedJob(job.rule.name, job.wildcards_dict, cost, above / job.benchmark)
+        for job, cost in costs_of_jobs(workflow.dag.jobs, campaign, model)
+    ]
     rules = [rule.name for rule in workflow.rules]
     return sorted(found, key=lambda job: (rules.index(job.rule), job.record))
+
+
+def costs_of_jobs(
+    jobs: Iterable[Any], campaign: Campaign, model: CostModel
+) -> Iterator[tuple[Any, Cost]]:
+    """Those jobs of Snakemake that are of a campaign, with what they cost.
+
+    A target has no output, and nothing is known of the rules of a workflow that has this one as a
+    module.
+    """
+    for job in jobs:
+        if job.output and job.rule.module_globals.get("campaign") is campaign:
+            memory = job.rule.ruleinfo.resources[1]["mem_mb"]
+            yield job, model.predicted(memory.cost_class, memory.stage, job.wildcards_dict)
 
 
 def report(jobs: Sequence[PredictedJob]) -> str:

@@ -145,12 +145,7 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "panels": lambda campaign, case: [
         panel["identity"]["case"] for panel in _panels(campaign, case)
     ],
-    # the computed Lyapunov exponents, where they set the unit of time
-    "time_unit": lambda campaign, case: (
-        []
-        if campaign.steps_per_lyapunov_time(case) is not None
-        else f"{campaign.source_case(case)}/lyapunov.json"
-    ),
+    "time_unit": Campaign.time_unit,
     "example": lambda campaign, case: campaign.example.directory,
     "example_hyperparameters": lambda campaign, case: (
         f"{campaign.example.directory}/{campaign.hyperparameters_file}"

@@ -37,15 +37,21 @@ class TableText:
 _INTERVAL = "value low high"
 _ALARM = "alarm probability prediction_time_lt"
 _ENSEMBLE = KEYS[:-1]
+_STATISTICS = " ".join(SUMMARIES["statistics"].metrics)
+
+
+def _ends(name: str) -> str:
+    """Columns of a value and of its interval."""
+    return f"{name} {name}_low {name}_high"
+
 
 TABLES: dict[str, TableText] = {
     "dataset": TableText(
         "The ensemble of each case: series kept, extreme events, and the leading Lyapunov exponent "
         "with its confidence interval beside the published one.",
         "series_generated series_kept laminarised_fraction mean_observable events_per_series "
-        "lyapunov_exponent lyapunov_exponent_low lyapunov_exponent_high "
-        "lyapunov_exponent_by_growth lyapunov_exponent_by_growth_low "
-        "lyapunov_exponent_by_growth_high lyapunov_exponent_paper steps_per_lyapunov_time",
+        f"{_ends('lyapunov_exponent')} {_ends('lyapunov_exponent_by_growth')} "
+        "lyapunov_exponent_paper steps_per_lyapunov_time",
         keys=KEYS[:2],
     ),
     "hyperparameters": TableText(
@@ -118,32 +124,29 @@ TABLES: dict[str, TableText] = {
     "statistics": TableText(
         "Long-term statistics of each forecaster's own flow against those of the data; forecaster "
         "training: of the training series; floor: of random halves of the data (seed: the split).",
-        "discarded_fraction laminarised_fraction fixed_point_fraction diverged_fraction "
-        "kantorovich mean_log_error nrmse_u nrmse_uu nrmse_uv",
+        _STATISTICS,
     ),
     "statistics_intervals": TableText(
         "Bootstrap confidence intervals of those statistics, over the long runs.",
         "metric low high",
-        "discarded_fraction laminarised_fraction fixed_point_fraction diverged_fraction "
-        "kantorovich mean_log_error nrmse_u nrmse_uu nrmse_uv",
+        _STATISTICS,
     ),
     "survival": TableText(
         "Escapes of the data and of the forecasters' long runs from the chaotic phase, counted "
         "after the first quarter of each run.",
-        "series survived_fraction escapes time_at_risk escape_rate escape_rate_low "
-        "escape_rate_high",
+        f"series survived_fraction escapes time_at_risk {_ends('escape_rate')}",
     ),
     "survival_curve": TableText(
         "Share of the series, and of the long runs, that are still in the chaotic phase.",
-        "time survival survival_low survival_high",
+        f"time {_ends('survival')}",
     ),
     "lyapunov_spectrum": TableText(
         "Lyapunov exponents of the data and of each network's own flow.",
-        "number lyapunov_exponent lyapunov_exponent_low lyapunov_exponent_high",
+        f"number {_ends('lyapunov_exponent')}",
     ),
     "kaplan_yorke": TableText(
         "Kaplan-Yorke dimension of the data and of each network's own flow.",
-        "runs kaplan_yorke_dimension kaplan_yorke_dimension_low kaplan_yorke_dimension_high",
+        f"runs {_ends('kaplan_yorke_dimension')}",
     ),
     "training_realisations": TableText(
         "Scatter of scores over choices of the training series, and over seeds that share one.",
@@ -240,11 +243,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "mean_observable": ("observable", "mean of the observable over all data"),
     "events_per_series": ("", "extreme events, per kept series"),
     "lyapunov_exponent": (_RATE, "by QR factorisation: of the data the leading one in dataset"),
-    "lyapunov_exponent_low": (_RATE, "lower end of its confidence interval"),
-    "lyapunov_exponent_high": (_RATE, "upper end of its confidence interval"),
     "lyapunov_exponent_by_growth": (_RATE, "leading one, by the growth of perturbations"),
-    "lyapunov_exponent_by_growth_low": (_RATE, "lower end of its confidence interval"),
-    "lyapunov_exponent_by_growth_high": (_RATE, "upper end of its confidence interval"),
     "lyapunov_exponent_paper": (_RATE, "published one, if the config has it"),
     "steps_per_lyapunov_time": ("", "steps of a forecast in a Lyapunov time"),
     # hyperparameters
@@ -311,17 +310,11 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "escapes": ("", "that are counted"),
     "time_at_risk": (_TIME, "spent in the chaotic phase while escapes are counted"),
     "escape_rate": (_RATE, "escapes / time_at_risk"),
-    "escape_rate_low": (_RATE, "lower end of its confidence interval"),
-    "escape_rate_high": (_RATE, "upper end of its confidence interval"),
     "time": (_TIME, "since the start of a run"),
     "survival": ("", "share still in the chaotic phase"),
-    "survival_low": ("", "lower end of its confidence interval"),
-    "survival_high": ("", "upper end of its confidence interval"),
     "number": ("", "of the exponent, from the largest, 1"),
     "runs": ("", "that are averaged over"),
     "kaplan_yorke_dimension": ("", "of the mean spectrum"),
-    "kaplan_yorke_dimension_low": ("", "lower end of its confidence interval"),
-    "kaplan_yorke_dimension_high": ("", "upper end of its confidence interval"),
     # scatter
     "mean": ("", "over all of them"),
     "standard_deviation_over_training_sets": ("", "beyond what seeds explain"),
@@ -400,6 +393,16 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "Value": ("", "one column for each case where they differ"),
 }
 """Unit and meaning of every column and metric; shares, counts and names have no unit."""
+
+_INTERVALS = (
+    *("lyapunov_exponent", "lyapunov_exponent_by_growth", "kaplan_yorke_dimension"),
+    *("survival", "escape_rate"),
+)
+COLUMNS |= {
+    f"{name}_{end}": (COLUMNS[name][0], f"{which} end of its confidence interval")
+    for name in _INTERVALS
+    for end, which in (("low", "lower"), ("high", "upper"))
+}
 
 
 def table_text(name: str) -> TableText:

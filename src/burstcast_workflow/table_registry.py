@@ -4,9 +4,9 @@ Each case has tables of its own, made by a stage of ``workflow/rules/tables.smk`
 ``probabilities.smk``; those of the campaign have the rows of all cases.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.table_metrics import SUMMARIES
 from burstcast_workflow.table_texts import LAYOUTS, source_of
 
@@ -17,25 +17,16 @@ def _all(campaign: Campaign) -> Sequence[str]:
     return campaign.case_names
 
 
-def _with_networks(campaign: Campaign) -> Sequence[str]:
-    return list(dict.fromkeys(one.case for one in campaign.networks))
+def _cases_of(whose: Callable[[Campaign], Iterable[CaseForecaster | ControlRun]]) -> Cases:
+    """Cases of some forecasters, or of some runs of control."""
+    return lambda campaign: list(dict.fromkeys(one.case for one in whose(campaign)))
 
 
-def _with_long_runs(campaign: Campaign) -> Sequence[str]:
-    return list(dict.fromkeys(one.case for one in campaign.long_term_forecasters))
-
-
-def _with_spectra(campaign: Campaign) -> Sequence[str]:
-    return list(dict.fromkeys(one.case for one in campaign.spectrum_forecasters))
-
-
-def _controlled(campaign: Campaign) -> Sequence[str]:
-    return list(dict.fromkeys(run.case for run in campaign.control_runs))
-
-
-def _controlled_in_any_way(campaign: Campaign) -> Sequence[str]:
-    return list(dict.fromkeys(run.case for run in campaign.strategy_runs))
-
+_with_networks = _cases_of(lambda campaign: campaign.networks)
+_with_long_runs = _cases_of(lambda campaign: campaign.long_term_forecasters)
+_with_spectra = _cases_of(lambda campaign: campaign.spectrum_forecasters)
+_controlled = _cases_of(lambda campaign: campaign.control_runs)
+_controlled_in_any_way = _cases_of(lambda campaign: campaign.strategy_runs)
 
 TABLES: Mapping[str, Cases] = {
     "dataset": _all,

@@ -13,7 +13,7 @@ from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.cases import realisation_of
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF, data_files
-from burstcast_workflow.cost_report import write_forecaster_costs
+from burstcast_workflow.cost_report import costs_of_jobs, write_forecaster_costs
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.figure_registry import (
     FIGURES,
@@ -110,14 +110,8 @@ wildcard_constraints:
 
 
 onstart:
-    expect(
-        {
-            job.jobid: costs.predicted(*cost_of(job), job.wildcards_dict).seconds
-            for job in workflow.dag.needrun_jobs()
-            # a workflow that has this one as a module may have rules of its own
-            if job.output and job.rule.module_globals.get("campaign") is campaign
-        }
-    )
+    found = costs_of_jobs(workflow.dag.needrun_jobs(), campaign, costs)
+    expect({job.jobid: cost.seconds for job, cost in found})
 
 
 onsuccess:
@@ -141,15 +135,16 @@ onerror:
         )
 
 
-def cost_of(job):
-    """Class of a job's cost, and its stage."""
-    memory = job.rule.ruleinfo.resources[1]["mem_mb"]
-    return memory.cost_class, memory.stage
+def in_results(paths):
+    """Paths below the results directory, or one of them."""
+    if isinstance(paths, str):
+        return f"{RESULTS}/{paths}"
+    return [f"{RESULTS}/{path}" for path in paths]
 
 
 def of_cases(name, cases=campaign.case_names):
     """The file called ``name`` of every case, of the whole campaign unless told otherwise."""
-    return [f"{RESULTS}/{case}/{name}" for case in cases]
+    return in_results(f"{case}/{name}" for case in cases)
 
 
 def of_forecasters(name, forecasters=campaign.forecasters):
@@ -157,17 +152,10 @@ def of_forecasters(name, forecasters=campaign.forecasters):
 
     They are the forecasters of the whole campaign unless told otherwise.
     """
-    return [f"{RESULTS}/{one.directory}/{name}" for one in forecasters]
+    return in_results(f"{one.directory}/{name}" for one in forecasters)
 
 
 # -- what a stage depends on and needs ---------------------------------------------------------------
-
-
-def time_unit_of(case):
-    """The computed Lyapunov exponents of a case, where they set the unit of time."""
-    if campaign.steps_per_lyapunov_time(case) is None:
-        return f"{RESULTS}/{campaign.source_case(case)}/lyapunov.json"
-    return []
 
 
 def of_job(function):
@@ -178,12 +166,6 @@ def of_job(function):
     """
     function.__signature__ = inspect.signature(function)
     return function
-
-
-@of_job
-def time_unit_of_job(wildcards):
-    """The computed Lyapunov exponents of a job's case, where they set the unit of time."""
-    return time_unit_of(wildcards.case)
 
 
 def in_case(chosen, function, *arguments):
@@ -209,13 +191,13 @@ def tables_in_case(names):
 
     def of_name(name):
         cases = cases_of_tables(campaign).get(name, [])
-
-        @of_job
-        def path(wildcards):
-            found = f"{RESULTS}/{wildcards.case}/tables/{name}.csv"
-            return found if wildcards.case in cases else []
-
-        return path
+        return of_job(
+            lambda wildcards: (
+                f"{RESULTS}/{wildcards.case}/tables/{name}.csv"
+                if wildcards.case in cases
+                else []
+            )
+        )
 
     return {name: of_name(name) for name in names.split()}
 
@@ -225,14 +207,11 @@ def of_case(function):
     return of_job(lambda wildcards: function(campaign, wildcards.case))
 
 
-# A function is asked for each job, which takes time: not where all exponents are published.
-time_unit = time_unit_of_job if any(map(time_unit_of, campaign.cases)) else []
-
-
 def thresholds_of(settings):
     """Files of the event thresholds that settings of a job only know as quantiles."""
-    cases = dict.fromkeys(cases_of_thresholds(settings))
-    return [f"{RESULTS}/{case}/event_threshold.json" for case in cases]
+    return of_cases(
+        "event_threshold.json", dict.fromkeys(cases_of_thresholds(settings))
+    )
 
 
 # Settings are gone through for each job: not where no threshold is a quantile.
@@ -284,8 +263,13 @@ def needs(stage, cost_class, cached=False):
 
 # -- stages ------------------------------------------------------------------------------------------
 
-# Outputs of stages by their names, which are those of the arguments of scripts.
-FILES = {"time_unit": time_unit}
+# Outputs of stages by their names, which are those of the arguments of scripts. A function is asked
+# for each job, which takes time: not for the unit of time where all exponents are published.
+FILES = {"time_unit": []}
+if any(map(campaign.time_unit, campaign.cases)):
+    FILES["time_unit"] = of_job(
+        lambda wildcards: in_results(campaign.time_unit(wildcards.case))
+    )
 # Slurm's groups of jobs (profiles/slurm), by the folder of the script.
 JOB_GROUPS = {
     "data": "case",
@@ -351,6 +335,7 @@ def stage(
     # A rule sees the arguments of its own call, also when its job runs; in a loop over stages, all
     # jobs would run the script of the last one. (What Snakemake itself calls script and the like
     # must keep its name here.)
+
     rule:
         name:
             rule_name
@@ -461,15 +446,8 @@ def case_of_figure(wildcards):
 def files_of_figure(wildcards):
     """What a figure is drawn from."""
     figure = FIGURES[wildcards.figure]
-    files = figure.files(campaign, case_of_figure(wildcards))
-    found = {
-        name: (
-            f"{RESULTS}/{paths}"
-            if isinstance(paths, str)
-            else [f"{RESULTS}/{path}" for path in paths]
-        )
-        for name, paths in files.items()
-    }
+    paths = figure.files(campaign, case_of_figure(wildcards))
+    found = {name: in_results(path) for name, path in paths.items()}
     if QUANTILES:
         found[THRESHOLDS] = thresholds_of(settings_of_figure(wildcards))
     overlay = figure.published and config["figures"]["published_overlay"]
