@@ -1,7 +1,10 @@
 import numpy as np
 import pytest
+from test_control_strategies import EQUATIONS, experiment
 
-from burstcast.control.example import suppressed_event_times
+from burstcast.control.example import follow_event, suppressed_event_times
+from burstcast.control.outcome import largest_suppressed_event
+from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 
 THRESHOLD = 1.0
 
@@ -25,3 +28,37 @@ def test_an_event_that_is_under_way_at_the_end() -> None:
 def test_an_event_outside_the_window_is_refused(observable: list[float]) -> None:
     with pytest.raises(ValueError, match="does not cross"):
         suppressed_event_times(np.array(observable), THRESHOLD, 0, (1, 2))
+
+
+def test_an_event_is_followed_again_as_it_was_found():
+    strategy, found = PredictionTriggered(1.0, 1.0), None
+    flows = experiment(30)
+    timing = strategy.timing(flows.schedule)
+    followed = strategy.follow(
+        flows, strategy.monitor(flows, [EQUATIONS]), noise=None, keep_states=True
+    )
+    chosen = largest_suppressed_event(followed, None)
+    assert chosen is not None
+    found = follow_event(chosen, strategy, flows, EQUATIONS, None)
+    steps = np.rint(found.time_lt * timing.steps_per_lyapunov_time).astype(int)
+    shown = chosen.alarm_step + steps
+    np.testing.assert_array_equal(np.diff(shown), 1)
+    assert steps[0] == max(-20, -chosen.alarm_step)
+    np.testing.assert_allclose(found.uncontrolled, followed.uncontrolled[chosen.flow, shown])
+    np.testing.assert_allclose(found.controlled, followed.controlled[chosen.flow, shown])
+    # the equations, from the true state: what happens if nobody acts
+    ahead = (steps > 0) & (steps <= timing.window_end)
+    np.testing.assert_array_equal(np.isfinite(found.forecast), ahead)
+    np.testing.assert_allclose(found.forecast[ahead], found.uncontrolled[ahead], rtol=1e-6)
+    np.testing.assert_allclose(found.actuation_lt, [0.0, 1.5])
+    states = followed.uncontrolled_states[chosen.flow, shown[found.mark]]
+    np.testing.assert_allclose(found.uncontrolled_state, states)
+    assert found.uncontrolled[found.mark[2]] == found.uncontrolled[found.mark[1] :].max()
+    assert found.controlled_state.shape == (4, 9)
+
+
+def test_without_an_event_nothing_is_followed():
+    flows = experiment(2)
+    found = follow_event(None, PredictionTriggered(1.0, 1.0), flows, EQUATIONS, None)
+    assert found.time_lt.size == found.mark.size == found.uncontrolled_state.size == 0
+    np.testing.assert_allclose(found.actuation_lt, [0.0, 1.5])

@@ -2,19 +2,24 @@ import math
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import netCDF4
 import numpy as np
 import pytest
 
+from burstcast.described import Described
 from burstcast_workflow.harness import storage
 from burstcast_workflow.harness.storage import (
     Variable,
     read_attributes,
     read_json,
     read_netcdf,
+    read_record,
     read_rows,
+    variables_of,
     write_json,
     write_netcdf,
     write_text,
@@ -196,3 +201,21 @@ def test_storage_does_not_load_pandas_or_matplotlib():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert result.stdout.strip() == "[]"
+
+
+@dataclass(frozen=True)
+class Seen:
+    time: Annotated[np.ndarray, Described("time", "time of each step")]
+    state: Annotated[np.ndarray, Described("time component", "states")]
+    error: Annotated[float, Described("", "largest error")]
+
+
+def test_a_dataclass_of_arrays_is_written_with_what_it_says_of_them(tmp_path):
+    seen = Seen(np.arange(3.0), np.ones((3, 2)), 0.25)
+    write_netcdf(tmp_path / "seen.nc", variables_of(seen), {})
+    with netCDF4.Dataset(tmp_path / "seen.nc") as file:
+        assert file["state"].dimensions == ("time", "component")
+        assert (file["state"].long_name, file["state"].units) == ("states", "1")
+    found = read_record(tmp_path / "seen.nc", Seen)
+    np.testing.assert_array_equal(found.state, seen.state)
+    assert found.error == 0.25

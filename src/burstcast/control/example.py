@@ -1,12 +1,126 @@
-"""A suppressed event as it is shown: the times of the flow fields.
+"""A suppressed event as it is shown: both flows, the forecast, the times of the flow fields.
 
 Source: section "Control of extreme events" of the paper, figure of a suppressed event.
 """
 
+from dataclasses import dataclass, replace
+from typing import Annotated
+
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.control.experiment import ControlExperiment
+from burstcast.control.outcome import SuppressedEvent
+from burstcast.control.strategies.prediction_triggered import PredictionTriggered
+from burstcast.control.timing import Timing
+from burstcast.described import Described
 from burstcast.events import upward_crossings
+from burstcast.forecasters.base import Forecaster
+
+BEFORE_LT = 1.0
+AFTER_LT = 0.5
+"""What is shown before the alarm and after the last of the event's times, if there is as much."""
+
+
+@dataclass(frozen=True)
+class EventUnderControl:
+    """An event that control suppressed; where there is none, nothing has a time.
+
+    Times are in Lyapunov times after the alarm.
+    """
+
+    time_lt: Annotated[FloatArray, Described("time", "time after the alarm in Lyapunov times")]
+    uncontrolled: Annotated[FloatArray, Described("time", "observable without control")]
+    controlled: Annotated[FloatArray, Described("time", "observable with control")]
+    forecast: Annotated[FloatArray, Described("time", "observable forecast")]
+    actuation_lt: Annotated[FloatArray, Described("end", "start and end of the actuation")]
+    mark: Annotated[IntArray, Described("mark", "entries of time that the states are for")]
+    uncontrolled_state: Annotated[FloatArray, Described("mark component", "states without control")]
+    controlled_state: Annotated[FloatArray, Described("mark component", "states with control")]
+
+
+def follow_event(
+    chosen: SuppressedEvent | None,
+    strategy: PredictionTriggered,
+    experiment: ControlExperiment,
+    forecaster: Forecaster,
+    noise: FloatArray | None,
+) -> EventUnderControl:
+    """Follow a flow of an experiment once more, and keep its states around a suppressed event.
+
+    Parameters
+    ----------
+    chosen
+        The event (`burstcast.control.outcome.largest_suppressed_event`); None: there is none.
+    strategy, experiment
+        What the flows of the experiment were controlled by.
+    forecaster
+        Who raised the alarms.
+    noise
+        Of what it observes, ``(flows, steps, dimension)``; None for none.
+    """
+    timing, observable = strategy.timing(experiment.schedule), experiment.system.observable
+    start, stop = strategy.actuation(experiment).interval(timing)
+    if chosen is None:
+        steps = marks = np.empty(0, dtype=np.int64)
+        uncontrolled = controlled = forecast = np.empty((0, experiment.system.dimension))
+    else:
+        only = slice(chosen.row, chosen.row + 1)
+        flow_noise = None if noise is None else noise[only]
+        flow = strategy.follow(
+            replace(experiment, washouts=experiment.washouts[only]),
+            strategy.monitor(experiment, [forecaster]),
+            noise=flow_noise,
+            keep_states=True,
+        )
+        times = suppressed_event_times(
+            flow.uncontrolled[0, chosen.alarm_step :],
+            experiment.threshold,
+            start // timing.sampling_stride,
+            (timing.window_start, timing.window_end),
+        )
+        lyapunov_time = timing.steps_per_lyapunov_time
+        first = max(0, chosen.alarm_step - round(BEFORE_LT * lyapunov_time))
+        last = chosen.alarm_step + max(times[-1], timing.window_end + timing.window_start)
+        last = min(last + round(AFTER_LT * lyapunov_time), timing.counted_until)
+        steps = np.arange(first, last + 1) - chosen.alarm_step
+        marks = np.array(times) - steps[0]
+        assert flow.uncontrolled_states is not None
+        assert flow.controlled_states is not None
+        uncontrolled = flow.uncontrolled_states[0, first : last + 1]
+        controlled = flow.controlled_states[0, first : last + 1]
+        forecast = np.full_like(controlled, np.nan)
+        ahead = slice(1 - steps[0], 1 - steps[0] + timing.window_end)
+        forecast[ahead] = _forecast(
+            forecaster, timing, flow.controlled_states[0], flow_noise, chosen.alarm_step
+        )
+    # of the actuation in integration steps
+    unit = timing.steps_per_lyapunov_time * timing.sampling_stride
+    return EventUnderControl(
+        steps / timing.steps_per_lyapunov_time,
+        observable(uncontrolled.T),
+        observable(controlled.T),
+        observable(forecast.T),
+        np.array([start, stop]) / unit,
+        marks,
+        uncontrolled[marks],
+        controlled[marks],
+    )
+
+
+def _forecast(
+    forecaster: Forecaster,
+    timing: Timing,
+    states: FloatArray,
+    noise: FloatArray | None,
+    now: int,
+) -> FloatArray:
+    """Forecast of one flow that was made at a step, up to the end of its window."""
+    washout = slice(now + 1 - timing.washout, now + 1)
+    observed = states[washout] if noise is None else states[washout] + noise[0, washout]
+    memory = forecaster.start(np.ascontiguousarray(observed[:, :, np.newaxis]))
+    forecast, _ = forecaster.advance(memory, timing.window_end)
+    return forecast[:, :, 0]
 
 
 def suppressed_event_times(
