@@ -1,6 +1,6 @@
 """All scores of probabilities at one prediction time, by name."""
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import FloatArray, IntArray
 from burstcast.probability.alarms import average_precision, counts_at, roc_area
 from burstcast.probability.brier import (
     base_rate,
@@ -10,6 +10,7 @@ from burstcast.probability.brier import (
     decomposition,
 )
 from burstcast.probability.outcomes import Outcomes
+from burstcast.resampled_score import ResampledScore
 
 
 def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[str, FloatArray]:
@@ -43,3 +44,22 @@ def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[
         "recall": counts.recall,
         "f_score": counts.f_score,
     }
+
+
+def resampled_scores(
+    outcomes: Outcomes, weights: IntArray, threshold: float, bins: int
+) -> dict[str, ResampledScore]:
+    """`probability_scores` of all series, and of resamples.
+
+    Parameters
+    ----------
+    outcomes
+        By series, ``(series, levels)``.
+    weights
+        How often each series is in each resample, ``(resamples, series)``.
+    threshold, bins
+        As in `probability_scores`.
+    """
+    values = probability_scores(outcomes.total(), threshold, bins)
+    samples = probability_scores(outcomes.resampled(weights), threshold, bins)
+    return {name: ResampledScore(value, samples[name]) for name, value in values.items()}

@@ -3,6 +3,7 @@
 from typing import Any
 
 from burstcast.arrays import FloatArray
+from burstcast.resampled_score import ResampledScore
 from burstcast.resampling import percentile_interval
 
 
@@ -12,9 +13,9 @@ def between(samples: FloatArray, confidence: float) -> dict[str, float]:
     return {"low": low, "high": high}
 
 
-def with_interval(value: FloatArray, samples: FloatArray, confidence: float) -> dict[str, float]:
+def with_interval(score: ResampledScore, confidence: float) -> dict[str, float]:
     """A score, and `between`."""
-    return {"value": float(value), **between(samples, confidence)}
+    return {"value": float(score.value), **between(score.samples, confidence)}
 
 
 def with_ends(name: str, value: Any, low: Any, high: Any) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from typing import Any
 from burstcast.probability.alarms import counts_at_all_levels, false_alarm_rate
 from burstcast.probability.economic_value import economic_value
 from burstcast.probability.reliability import reliability_diagram
+from burstcast.resampled_score import ResampledScore
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import write_rows
@@ -55,8 +56,10 @@ def draw_up_diagrams(
                 ]
                 whole, resampled = outcomes.total(), outcomes.resampled(weights)
                 for ratio in settings["probability.cost_loss_ratios"]:
-                    saved = economic_value(whole, ratio), economic_value(resampled, ratio)
-                    cells = with_interval(*saved, confidence)
+                    saved = ResampledScore(
+                        economic_value(whole, ratio), economic_value(resampled, ratio)
+                    )
+                    cells = with_interval(saved, confidence)
                     ratios.append({**keys, "cost_loss_ratio": ratio, **cells})
                 counts = counts_at_all_levels(whole)
                 points += [

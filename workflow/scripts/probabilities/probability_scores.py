@@ -3,10 +3,8 @@
 from itertools import combinations
 from typing import Any
 
-import numpy as np
-
-from burstcast.arrays import FloatArray
-from burstcast.probability.scores import probability_scores
+from burstcast.probability.scores import resampled_scores
+from burstcast.resampled_score import ResampledScore, median_score
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import write_rows
@@ -19,8 +17,7 @@ from burstcast_workflow.jobs.probabilities import (
 
 COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
 
-# By metric: the value, and those of the resamples.
-Scores = dict[str, tuple[FloatArray, FloatArray]]
+Scores = dict[str, ResampledScore]
 
 
 def score_probabilities(
@@ -44,16 +41,14 @@ def score_probabilities(
         for alarm in case.alarms:
             found = case.probabilities(alarm, time)
             for probability, (outcomes, threshold) in found.items():
-                values = probability_scores(outcomes.total(), threshold, bins)
-                samples = probability_scores(outcomes.resampled(weights), threshold, bins)
-                scores = {metric: (values[metric], samples[metric]) for metric in values}
+                scores = resampled_scores(outcomes, weights, threshold, bins)
                 if probability == CALIBRATED:
                     calibrated[alarm["alarm"]] = scores
                 keys = {**alarm["keys"], "probability": probability, "prediction_time_lt": time}
                 rows.append({**keys, "metric": "alarm_threshold", "value": threshold})
                 rows += [
-                    {**keys, "metric": metric, **with_interval(value, sample, confidence)}
-                    for metric, (value, sample) in scores.items()
+                    {**keys, "metric": metric, **with_interval(score, confidence)}
+                    for metric, score in scores.items()
                 ]
         for (one, scores), (other, others) in combinations(_compared(case, calibrated), 2):
             pairs += [
@@ -63,11 +58,7 @@ def score_probabilities(
                     "other": other,
                     "prediction_time_lt": time,
                     "metric": metric,
-                    **with_interval(
-                        scores[metric][0] - others[metric][0],
-                        scores[metric][1] - others[metric][1],
-                        confidence,
-                    ),
+                    **with_interval(scores[metric] - others[metric], confidence),
                 }
                 for metric in COMPARED_METRICS
             ]
@@ -91,13 +82,8 @@ def _compared(case: CaseProbabilities, scores: dict[str, Scores]) -> list[tuple[
 
 
 def _median(members: list[Scores]) -> Scores:
-    """Median over the members of a committee, in each resample."""
     return {
-        metric: (
-            np.median([member[metric][0] for member in members], axis=0),
-            np.median([member[metric][1] for member in members], axis=0),
-        )
-        for metric in COMPARED_METRICS
+        metric: median_score([member[metric] for member in members]) for metric in COMPARED_METRICS
     }
 
 

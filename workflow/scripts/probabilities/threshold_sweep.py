@@ -3,7 +3,7 @@
 from itertools import product
 from typing import Any
 
-from burstcast.probability.scores import probability_scores
+from burstcast.probability.scores import resampled_scores
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import write_rows
@@ -30,19 +30,14 @@ def sweep_threshold(
         weights = case.weights(time)
         for alarm, factor in product(case.compared, settings["probability.threshold_factors"]):
             outcomes, threshold = case.probabilities(alarm, time, factor)[CALIBRATED]
-            values = probability_scores(outcomes.total(), threshold, bins)
-            samples = probability_scores(outcomes.resampled(weights), threshold, bins)
+            scores = resampled_scores(outcomes, weights, threshold, bins)
             keys = {
                 **alarm["keys"],
                 "event_threshold": factor * settings["case.event_threshold"],
                 "prediction_time_lt": time,
             }
             rows += [
-                {
-                    **keys,
-                    "metric": metric,
-                    **with_interval(values[metric], samples[metric], confidence),
-                }
+                {**keys, "metric": metric, **with_interval(scores[metric], confidence)}
                 for metric in METRICS
             ]
     write_rows(table, rows)

@@ -1,0 +1,28 @@
+"""A score with what resamples make of it, so that scores are compared on the same resamples."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class ResampledScore:
+    """A score of all data, ``()``, and of each resample of them, ``(resamples,)``."""
+
+    value: FloatArray
+    samples: FloatArray
+
+    def __sub__(self, other: "ResampledScore") -> "ResampledScore":
+        """Difference on the same resamples: what both share cancels."""
+        return ResampledScore(self.value - other.value, self.samples - other.samples)
+
+
+def median_score(scores: Sequence[ResampledScore]) -> ResampledScore:
+    """Median over the members of a committee, in each resample."""
+    return ResampledScore(
+        np.median([score.value for score in scores], axis=0),
+        np.median([score.samples for score in scores], axis=0),
+    )
