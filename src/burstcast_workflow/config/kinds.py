@@ -49,18 +49,14 @@ def _threshold(value: Any) -> Any:
     return value
 
 
-def _strategy(name: str) -> str:
-    if name not in available_strategies():
-        text = f"is {name}; the validation strategies are {', '.join(available_strategies())}"
-        raise PydanticCustomError("between", text)
-    return name
+def _among(several: str, names: list[str]) -> AfterValidator:
+    def check(name: str) -> str:
+        if name not in names:
+            text = f"is {name}; the {several} are {', '.join(names)}"
+            raise PydanticCustomError("between", text)
+        return name
 
-
-def _control_strategy(name: str) -> str:
-    if name not in control_strategies():
-        text = f"is {name}; the strategies of control are {', '.join(control_strategies())}"
-        raise PydanticCustomError("between", text)
-    return name
+    return AfterValidator(check)
 
 
 _THRESHOLD = "a number, or {quantile: <a number between 0 and 1>}"
@@ -71,6 +67,8 @@ Whole = Annotated[int, BeforeValidator(_whole)]
 Count = Annotated[Whole, Field(ge=1)]
 Size = Annotated[Whole, Field(ge=2, le=100_000)]
 Positive = Annotated[float, Field(gt=0)]
+CountOrNull = Annotated[Count | None, Words("a whole number above 0, or null")]
+PositiveOrNull = Annotated[Positive | None, Words("a number above 0, or null")]
 Distinct = Annotated[list[T], AfterValidator(_distinct)]
 Some = Annotated[list[T], Field(min_length=1), AfterValidator(_distinct)]
 Range = Annotated[
@@ -82,12 +80,12 @@ PositiveRange = Annotated[
 Threshold = Annotated[Any, AfterValidator(_threshold), Words(_THRESHOLD)]
 Strategy = Annotated[
     str,
-    AfterValidator(_strategy),
+    _among("validation strategies", available_strategies()),
     Words(f"a validation strategy: {', '.join(available_strategies())}"),
 ]
 ControlStrategyName = Annotated[
     str,
-    AfterValidator(_control_strategy),
+    _among("strategies of control", control_strategies()),
     Words(f"a strategy of control: {', '.join(control_strategies())}"),
 ]
 NetworkName = Annotated[

@@ -12,11 +12,13 @@ from burstcast_workflow.config.kinds import (
     CaseName,
     ControlStrategyName,
     Count,
+    CountOrNull,
     Directory,
     Distinct,
     NetworkName,
     ParameterName,
     Positive,
+    PositiveOrNull,
     PositiveRange,
     Range,
     Section,
@@ -118,10 +120,10 @@ class Ensemble(Section):
     initial_state: Annotated[
         list[float] | None, Words("a list of numbers, or null: the system draws initial states")
     ] = setting("initial state that all series share, one number per component")
-    perturbed_component: Annotated[Count | None, Words("a whole number above 0, or null")] = (
-        setting("perturbed component of the initial state, counted from 1")
+    perturbed_component: CountOrNull = setting(
+        "perturbed component of the initial state, counted from 1"
     )
-    perturbation: Annotated[Positive | None, Words("a number above 0, or null")] = setting(
+    perturbation: PositiveOrNull = setting(
         "largest perturbation; each series draws its own from [0, perturbation]",
         "units of the component",
     )
@@ -448,7 +450,7 @@ class Statistics(Section):
     forecasters: Choice = setting("forecasters that are run freely")
     starting_points: Count = setting("long runs of each forecaster, started in the training series")
     start_spacing_lt: Positive = setting("time between two starting points")
-    duration: Annotated[Positive | None, Words("a number above 0, or null")] = setting(
+    duration: PositiveOrNull = setting(
         "length of each long run; null: that of the case's series, ensemble.duration", TIME
     )
     fixed_point_interval_lt: Positive = setting("end of a long run, which shows whether it settled")
@@ -483,9 +485,7 @@ class StrategyBlock(Section):
     forecasters: Choice | None = setting(
         "forecasters that control so; none for a strategy that asks none", default=None
     )
-    seeds: Annotated[Count | None, Words("a whole number above 0, or null")] = setting(
-        "networks of the first seeds; null for all", default=None
-    )
+    seeds: CountOrNull = setting("networks of the first seeds; null for all", default=None)
     committee: bool = setting(
         "whether all networks of a size and validation strategy, or all members of a forecaster's "
         "ensemble, control as one: by the share of them that votes for an alarm, vote_share",
@@ -496,7 +496,7 @@ class StrategyBlock(Section):
         default="quiet",
     )
     quiet_lt: float = setting("the least time before the steps of a flow count", ge=0, default=0)
-    span_lt: Annotated[Positive | None, Words("a number above 0, or null")] = setting(
+    span_lt: PositiveOrNull = setting(
         "how long each flow counts; null for control.span_lt", default=None
     )
     delay_lt: Some[Annotated[float, Field(ge=0)]] = setting(
