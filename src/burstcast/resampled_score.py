@@ -12,7 +12,7 @@ from burstcast.arrays import FloatArray
 class ResampledScore:
     """A score of all data, ``()``, and of each resample of them, ``(resamples,)``."""
 
-    value: FloatArray
+    value: float | FloatArray
     samples: FloatArray
 
     def __sub__(self, other: "ResampledScore") -> "ResampledScore":

@@ -1,27 +1,27 @@
 """Average the prediction horizons of each forecaster over the events."""
 
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from burstcast import random_streams
-from burstcast.arrays import FloatArray, IntArray
+from burstcast.arrays import IntArray
 from burstcast.forecast.horizon_intervals import resampled_averages
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.resampled_score import ResampledScore, median_score
+from burstcast.resampling import bootstrap_weights
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
-from burstcast_workflow.harness.tables import keyed_table, write_table
+from burstcast_workflow.harness.tables import write_rows, write_table
 from burstcast_workflow.identifiers import ForecasterName
 from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.intervals import between, with_interval
 
 METRICS = ("mean_horizon_lt", "median_horizon_lt")
 DIFFERENCES = ("case", "compared", "other", "metric", "value", "low", "high")
 
-# By metric: the average over all events, and those of the bootstrap samples.
-Averages = dict[str, tuple[float, FloatArray]]
+Averages = dict[str, ResampledScore]
 
 
 def horizon_table(
@@ -32,65 +32,58 @@ def horizon_table(
     The averages are undefined where there is no event. All forecasters of a case have the same
     events, and the same bootstrap samples of them.
     """
-    rows, ends = [], []
-    confidence = settings["bootstrap.confidence"]
-    weights_of: dict[str, IntArray] = {}
-    # by case, and by what networks that differ by their seeds have in common
-    found: dict[str, dict[ForecasterName, list[tuple[str, Averages]]]] = {}
-    for record, path in gathered(settings["rows"], horizons):
-        values, keys = read_netcdf(path)["prediction_horizon_lt"], record["keys"]
-        events = pd.Series(values)
+    rows, ends, confidence = [], [], settings["bootstrap.confidence"]
+    files = gathered(settings["rows"], horizons)
+    found = [(record, read_netcdf(path)["prediction_horizon_lt"]) for record, path in files]
+    weights = _weights(settings, len(found[0][1]))
+    # by what networks that differ by their seeds have in common
+    alike: dict[ForecasterName, list[tuple[str, Averages]]] = {}
+    for record, values in found:
+        events, keys = pd.Series(values), record["keys"]
         averages = dict(zip(METRICS, (events.mean(), events.median()), strict=True))
         rows.append({**keys, "events": len(events), **averages})
-        case, forecaster = (record["identity"][name] for name in ("case", "forecaster"))
-        if case not in weights_of:
-            weights_of[case] = _weights(settings, case, len(values))
-        samples = dict(zip(METRICS, resampled_averages(values, weights_of[case]), strict=True))
-        for metric in METRICS:
-            low, high = percentile_interval(samples[metric], confidence)
-            ends.append({**keys, "metric": metric, "low": low, "high": high})
+        scores = {
+            metric: ResampledScore(averages[metric], samples)
+            for metric, samples in zip(METRICS, resampled_averages(values, weights), strict=True)
+        }
+        ends += [
+            {**keys, "metric": metric, **between(score.samples, confidence)}
+            for metric, score in scores.items()
+        ]
         common = ForecasterName(keys["forecaster"], keys["neurons"], keys["validation"])
-        pair = {metric: (averages[metric], samples[metric]) for metric in METRICS}
-        found.setdefault(case, {}).setdefault(common, []).append((forecaster, pair))
-    pairs = [row for case, who in found.items() for row in _differences(case, who, confidence)]
-    write_table(table, keyed_table(rows))
-    write_table(intervals, keyed_table(ends))
+        alike.setdefault(common, []).append((record["identity"]["forecaster"], scores))
+    compared = [_compared(common, members) for common, members in alike.items()]
+    pairs = [
+        {
+            **{"case": settings["case"], "compared": one, "other": other, "metric": metric},
+            **with_interval(scores[metric] - others[metric], confidence),
+        }
+        for (one, scores), (other, others) in combinations(compared, 2)
+        for metric in METRICS
+    ]
+    write_rows(table, rows)
+    write_rows(intervals, ends)
     write_table(differences, pd.DataFrame(pairs, columns=list(DIFFERENCES)))
 
 
-def _differences(
-    case: str, who: dict[ForecasterName, list[tuple[str, Averages]]], confidence: float
-) -> list[dict[str, Any]]:
-    """Differences between any two, networks that differ by their seeds being one: their median."""
-    compared = [
-        (
-            members[0][0] if len(members) == 1 else f"median of {common.identifier}",
-            {metric: _median([averages[metric] for _, averages in members]) for metric in METRICS},
-        )
-        for common, members in who.items()
-    ]
-    rows = []
-    for (one, averages), (other, others) in combinations(compared, 2):
-        for metric in METRICS:
-            (value, samples), (less, fewer) = averages[metric], others[metric]
-            low, high = percentile_interval(samples - fewer, confidence)
-            row = (case, one, other, metric, value - less, low, high)
-            rows.append(dict(zip(DIFFERENCES, row, strict=True)))
-    return rows
+def _compared(common: ForecasterName, members: list[tuple[str, Averages]]) -> tuple[str, Averages]:
+    """Who is compared: one forecaster, or the median of networks that differ by their seeds."""
+    if len(members) == 1:
+        return members[0]
+    medians = {
+        metric: median_score([averages[metric] for _, averages in members]) for metric in METRICS
+    }
+    return f"median of {common.identifier}", medians
 
 
-def _median(members: list[tuple[float, FloatArray]]) -> tuple[float, FloatArray]:
-    """Median over networks, in each sample."""
-    values, samples = zip(*members, strict=True)
-    return float(np.median(values)), np.median(samples, axis=0)
-
-
-def _weights(settings: Settings, case: str, events: int) -> IntArray:
-    """How often each event of a case is in each bootstrap sample, ``(resamples, events)``."""
+def _weights(settings: Settings, events: int) -> IntArray:
+    """How often each event is in each bootstrap sample, ``(resamples, events)``."""
     resamples = settings["bootstrap.resamples"]
     if events == 0:
         return np.empty((resamples, 0), dtype=np.int64)
-    generator = random_streams.stream(settings["random_seed"], "bootstrap", case, "events")
+    generator = random_streams.stream(
+        settings["random_seed"], "bootstrap", settings["case"], "events"
+    )
     return bootstrap_weights(events, resamples, generator)
 
 
