@@ -1,4 +1,4 @@
-"""What figures of percentiles take from their tables."""
+"""What figures take from their inputs."""
 
 from collections.abc import Iterable
 from typing import Annotated
@@ -6,7 +6,9 @@ from typing import Annotated
 import pandas as pd
 
 from burstcast.published import published_percentiles
+from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.statistics_files import read_statistics
 
 
 def of_cases(tables: Iterable[str]) -> pd.DataFrame:
@@ -23,6 +25,7 @@ def of_data(table: str) -> pd.DataFrame:
 
 OfCases = Annotated[pd.DataFrame, of_cases]
 OfData = Annotated[pd.DataFrame, of_data]
+Statistics = Annotated[LongTermStatistics, read_statistics]
 """Inputs of figures that are read so."""
 
 

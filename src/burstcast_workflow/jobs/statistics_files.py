@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
 
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.moments import StateMoments
@@ -53,10 +52,6 @@ def read_statistics(path: str | Path) -> LongTermStatistics:
             count=int(data["states"]), mean=data["mean"], mean_product=data["mean_product"]
         ),
     )
-
-
-Statistics = Annotated[LongTermStatistics, read_statistics]
-"""An input of a figure that is read so."""
 
 
 def described_reductions(runs: SeriesReductions) -> dict[str, Variable]:

@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from burstcast.figures.long_term_density import long_term_density
 from burstcast_workflow.harness.figures import Settings, Table, figure
 from burstcast_workflow.jobs.best_network import best_of
-from burstcast_workflow.jobs.figures import published_beside
-from burstcast_workflow.jobs.statistics_files import Statistics
+from burstcast_workflow.jobs.figures import Statistics, published_beside
 from burstcast_workflow.jobs.systems import system_of
 
 

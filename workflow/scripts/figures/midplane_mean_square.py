@@ -13,7 +13,7 @@ from burstcast.flow_grid import make_flow_grid
 from burstcast.statistics import profiles
 from burstcast_workflow.harness.figures import Settings, figure
 from burstcast_workflow.jobs.best_network import best_of
-from burstcast_workflow.jobs.statistics_files import Statistics
+from burstcast_workflow.jobs.figures import Statistics
 from burstcast_workflow.jobs.systems import system_of
 
 

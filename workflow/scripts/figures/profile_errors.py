@@ -15,8 +15,7 @@ from burstcast.statistics.profiles import flow_modes, velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.harness.figures import Settings, Table, figure
 from burstcast_workflow.jobs.best_network import best_of
-from burstcast_workflow.jobs.figures import published_beside
-from burstcast_workflow.jobs.statistics_files import Statistics
+from burstcast_workflow.jobs.figures import Statistics, published_beside
 from burstcast_workflow.jobs.systems import system_of
 
 
