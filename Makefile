@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 # What `make` and `make help` say: the words after ##.
-.PHONY: help demo test test-long test-slurm paper why prune archive bench slurm check clean
+.PHONY: help demo test test-long test-slurm paper why prune report archive bench slurm check clean
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -17,13 +17,9 @@ help:
 
 demo: $(VENV)/installed ## networks of two sizes, learnt equations, control: a few minutes
 	$(SNAKEMAKE) --configfile workflow/presets/quick.yaml $(ARGS)
-	@echo
-	@echo "The results are in results/quick: tables/*.csv and *.tex, figures/*.pdf and *.png."
 
 paper: $(VENV)/installed ## the paper's whole campaign: hours
 	$(SNAKEMAKE) $(ARGS)
-	@echo
-	@echo "The results are in results/paper."
 
 # Two processes, each of which takes a file of tests at a time: what they share is made once.
 test: $(VENV)/installed check ## linters, types, tests
@@ -42,6 +38,10 @@ why: $(VENV)/installed ## what would run again, and why
 # What results are not of this campaign any more; ARGS=--remove removes them
 prune: $(VENV)/installed ## results that are not of the campaign any more
 	@$(BIN)/burstcast prune $(ARGS)
+
+# Of the demo: make report ARGS="--configfile workflow/presets/quick.yaml"
+report: $(VENV)/installed ## tables and figures of a finished campaign as one page, report.html
+	$(SNAKEMAKE) --report report.html $(ARGS)
 
 archive: $(VENV)/installed ## tables, figures, config, versions and why in one zip
 	@$(BIN)/burstcast archive $(ARGS)
