@@ -41,3 +41,14 @@ def test_seeds_tell_networks_apart_also_after_a_case_without_networks():
     assert [len(texts) for texts in found.values()] == [1, 3]
     assert "seed" not in found["alpha"]
     assert list(found["Zeta"]["seed"]) == ["0", "1", ""]
+
+
+def test_what_no_case_has_is_no_column():
+    layout = LAYOUTS["dataset"]
+    names = [name for name in layout.metrics if name != "lyapunov_exponent_paper"]
+    table = pd.DataFrame({"case": ["lab"], **{name: [1.5] for name in names}})
+    ((_, texts, _),) = wide_tables(table, layout)
+    assert len(texts.columns) == 1 + len(names)
+    with_published = table.assign(lyapunov_exponent_paper=0.9)
+    ((_, texts, _),) = wide_tables(with_published, layout)
+    assert len(texts.columns) == 2 + len(names)

@@ -70,6 +70,7 @@ def _long_form(rows: pd.DataFrame, metrics: tuple[str, ...]) -> pd.DataFrame:
                 high=rows.get(f"{metric}_high", float("nan")),
             )
             for metric in metrics
+            if metric in rows.columns  # a table has no column of what nobody knows
         ],
         ignore_index=True,
     )
