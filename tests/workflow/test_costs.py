@@ -379,6 +379,7 @@ def test_jobs_are_listed_rule_by_rule_each_once(paper):
     assert len({job.record for job in paper}) == len(paper)
 
 
+@pytest.mark.long
 def test_every_preset_and_every_job_has_a_prediction_and_small_campaigns_cost_less(
     paper, directory
 ):

@@ -149,8 +149,8 @@ RENAMED = {
     "results": "results/renamed",
     "campaign": [
         {"cases": ["alpha"], "forecasters": forecasters([30], ["RV"], 1)},
-        {"cases": ["Zeta"], "forecasters": forecasters([40, 30], ["SSV", "RV"], 1)},
-        {"reynolds": [1000, 400], "forecasters": forecasters([40], ["RV"])},
+        {"cases": ["Zeta"], "forecasters": forecasters([40], ["SSV", "RV"], 1)},
+        {"reynolds": [400], "forecasters": forecasters([40], ["RV"], 1)},
     ],
     "cases": {
         "alpha": {
@@ -174,7 +174,7 @@ def test_names_that_sort_otherwise(miniature, tmp_path):
     outcome = project.snakemake("tables", overlay=RENAMED)
     assert outcome.status == 0, outcome.text[-3000:]
     again = recomputation(project.directory / "results/renamed", RENAMED)
-    again.records = {name: again.records[name] for name in ("alpha", "Zeta", "Re400", "Re1000")}
+    again.records = {name: again.records[name] for name in ("alpha", "Zeta", "Re400")}
     for name, expected in again.tables().items():
         assert_table(again.results, name, expected)
 

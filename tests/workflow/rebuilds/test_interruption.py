@@ -96,6 +96,7 @@ def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbe
     assert project.dry_run(*TARGETS) == {}
 
 
+@pytest.mark.long
 def test_what_an_orphan_finishes_before_the_next_run_is_kept(project, undisturbed):
     workflow = start(project, *TARGETS)
     wait_for_log(project, "simulate")

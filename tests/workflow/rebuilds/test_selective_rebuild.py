@@ -96,6 +96,7 @@ def test_why_says_it_in_words(sample_lab):
     assert "classification_table (1), " in code
 
 
+@pytest.mark.long
 def test_another_campaign_takes_from_the_cache_what_it_shares(sample_lab, tmp_path):
     network = "Re400/esn-N30-RV-seed0/forecaster.nc"
     first, second = (

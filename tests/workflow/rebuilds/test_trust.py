@@ -157,6 +157,7 @@ def prune(project: Project, *arguments: str, overlay: dict | None = None) -> tup
     return result.returncode, (result.stdout + result.stderr).splitlines()
 
 
+@pytest.mark.long
 def test_results_of_a_former_campaign_are_listed_and_removed(project, finished):
     status, said = prune(project)
     assert (status, said) == (
