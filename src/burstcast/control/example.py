@@ -12,9 +12,9 @@ from burstcast.arrays import FloatArray, IntArray
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.outcome import SuppressedEvent
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
-from burstcast.control.timing import Timing
 from burstcast.described import Described
 from burstcast.events import upward_crossings
+from burstcast.forecast.examples import forecast_observable
 from burstcast.forecasters.base import Forecaster
 
 BEFORE_LT = 1.0
@@ -63,7 +63,8 @@ def follow_event(
     start, stop = strategy.actuation(experiment).interval(timing)
     if chosen is None:
         steps = marks = np.empty(0, dtype=np.int64)
-        uncontrolled = controlled = forecast = np.empty((0, experiment.system.dimension))
+        uncontrolled = controlled = np.empty((0, experiment.system.dimension))
+        forecast = np.empty(0)
     else:
         only = slice(chosen.row, chosen.row + 1)
         flow_noise = None if noise is None else noise[only]
@@ -89,38 +90,27 @@ def follow_event(
         assert flow.controlled_states is not None
         uncontrolled = flow.uncontrolled_states[0, first : last + 1]
         controlled = flow.controlled_states[0, first : last + 1]
-        forecast = np.full_like(controlled, np.nan)
+        washout = slice(chosen.alarm_step + 1 - timing.washout, chosen.alarm_step + 1)
+        observed = flow.controlled_states[:, washout]
+        if flow_noise is not None:
+            observed = observed + flow_noise[:, washout]
+        forecast = np.full(len(steps), np.nan)
         ahead = slice(1 - steps[0], 1 - steps[0] + timing.window_end)
-        forecast[ahead] = _forecast(
-            forecaster, timing, flow.controlled_states[0], flow_noise, chosen.alarm_step
-        )
+        forecast[ahead] = forecast_observable(forecaster, observable, observed, timing.window_end)[
+            0
+        ]
     # of the actuation in integration steps
     unit = timing.steps_per_lyapunov_time * timing.sampling_stride
     return EventUnderControl(
         steps / timing.steps_per_lyapunov_time,
         observable(uncontrolled.T),
         observable(controlled.T),
-        observable(forecast.T),
+        forecast,
         np.array([start, stop]) / unit,
         marks,
         uncontrolled[marks],
         controlled[marks],
     )
-
-
-def _forecast(
-    forecaster: Forecaster,
-    timing: Timing,
-    states: FloatArray,
-    noise: FloatArray | None,
-    now: int,
-) -> FloatArray:
-    """Forecast of one flow that was made at a step, up to the end of its window."""
-    washout = slice(now + 1 - timing.washout, now + 1)
-    observed = states[washout] if noise is None else states[washout] + noise[0, washout]
-    memory = forecaster.start(np.ascontiguousarray(observed[:, :, np.newaxis]))
-    forecast, _ = forecaster.advance(memory, timing.window_end)
-    return forecast[:, :, 0]
 
 
 def suppressed_event_times(

@@ -6,7 +6,7 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.monitors.base import Monitor
-from burstcast.control.monitors.vote import VoteMonitor
+from burstcast.control.monitors.vote import check_share, enough
 from burstcast.probability.members import EnsembleForecaster
 
 FLOWS_PER_CALL = 64
@@ -37,17 +37,6 @@ class MemberForecasts:
 
 
 @dataclass(frozen=True)
-class _Raised(Monitor):
-    """Alarms that were raised already, ``(batch,)``."""
-
-    raised: BoolArray
-
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
-        """Repeat them (see `Monitor.alarms`)."""
-        return self.raised
-
-
-@dataclass(frozen=True)
 class MembersMonitor(Monitor):
     """Raises an alarm if a share of an ensemble's members does: the alarm probability of a filter.
 
@@ -56,11 +45,15 @@ class MembersMonitor(Monitor):
     monitor
         Of `MemberForecasts`: raises alarms of all members of all flows.
     share
-        Of the members, as of `VoteMonitor`.
+        Of the members, as of `burstcast.control.monitors.vote.VoteMonitor`.
     """
 
     monitor: Monitor
     share: float
+
+    def __post_init__(self) -> None:
+        """Raise ValueError if the share is not in (0, 1]."""
+        check_share(self.share)
 
     def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
         """Count the members' alarms (see `Monitor.alarms`)."""
@@ -69,7 +62,5 @@ class MembersMonitor(Monitor):
             flows = slice(start, start + FLOWS_PER_CALL)
             given = rows[flows], forecast_number[flows], washout[:, :, flows]
             members = self.monitor.alarms(*given).reshape(-1, len(rows[flows]))
-            raised[flows] = VoteMonitor([_Raised(one) for one in members], self.share).alarms(
-                *given
-            )
+            raised[flows] = enough(members.sum(axis=0), len(members), self.share)
         return raised

@@ -9,6 +9,18 @@ from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.monitors.base import Monitor
 
 
+def check_share(share: float) -> None:
+    """Raise ValueError if a share of a vote is not in (0, 1]."""
+    if not 0 < share <= 1:
+        raise ValueError(f"the share of a vote must lie in (0, 1], not {share}")
+
+
+def enough(votes: IntArray, members: int, share: float) -> BoolArray:
+    """Whether each of these numbers of votes, ``(batch,)``, is such a share of the members."""
+    # a share such as 0.7 of ten misses seven by rounding error only
+    return np.asarray(votes >= share * members - 1e-9)
+
+
 @dataclass(frozen=True)
 class VoteMonitor(Monitor):
     """Raises an alarm if a share of its members does: the alarm probability of a committee.
@@ -34,14 +46,11 @@ class VoteMonitor(Monitor):
         """
         if not self.members:
             raise ValueError("a vote needs one member at least")
-        if not 0 < self.share <= 1:
-            raise ValueError(f"the share of a vote must lie in (0, 1], not {self.share}")
+        check_share(self.share)
 
     def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
         """Count the members' alarms (see `Monitor.alarms`)."""
         votes = np.zeros(len(rows), dtype=np.int64)
         for member in self.members:
             votes += member.alarms(rows, forecast_number, washout)
-        # a share such as 0.7 of ten misses seven by rounding error only
-        alarms: BoolArray = votes >= self.share * len(self.members) - 1e-9
-        return alarms
+        return enough(votes, len(self.members), self.share)
