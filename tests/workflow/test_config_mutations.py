@@ -27,7 +27,7 @@ from burstcast_workflow.table_registry import latex_names, table_names
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))
 SEED = int(os.environ.get("BURSTCAST_SEED", "2026"))
 PLANNED_BY_SNAKEMAKE = 12  # of each 500
-PRESETS = ("tiny", "miniature", "quick", "control_frontier")
+PRESETS = ("tiny", "miniature", "quick", "beyond_the_paper")
 
 # of all types, in and out of range, as YAML reads them
 VALUES = [

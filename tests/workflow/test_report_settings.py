@@ -84,7 +84,7 @@ def test_no_figure_over_one_reynolds_number():
 
 
 def test_the_frontier_is_made_where_other_strategies_control():
-    overlay = yaml.safe_load((WORKFLOW / "presets" / "control_frontier.yaml").read_text())
+    overlay = yaml.safe_load((WORKFLOW / "presets" / "beyond_the_paper.yaml").read_text())
     frontier = campaign(overlay)
     assert figure_names(frontier)[-1] == "control_frontier"
     shown = settings(frontier, "control_frontier")["frontier_network"]
