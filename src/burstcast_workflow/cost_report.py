@@ -9,15 +9,15 @@ Where results have ``benchmark:`` records, the median of their times and the lar
 compared with the predictions for the same jobs: ``!`` marks what is beyond a factor of two. Where
 forecasts have records, what each kind of forecaster took follows.
 
-What forecasters took is also a table, ``benchmarks/forecaster_costs.csv`` below the results, which
-every run makes at its end. It lies beside the records, not among the campaign's tables: those are
-the same bits wherever and whenever they are made, while times are those of one machine and one day;
-a rule that made it would run again after every other job.
+Both are also tables, ``benchmarks/rule_costs.csv`` and ``benchmarks/forecaster_costs.csv`` below
+the results, which every run makes at its end. They lie beside the records, not among the campaign's
+tables: those are the same bits wherever and whenever they are made, while times are those of one
+machine and one day; a rule that made them would run again after every other job.
 """
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from statistics import median
@@ -28,8 +28,11 @@ from burstcast_workflow.costs import SECONDS_PER, Cost, CostModel
 from burstcast_workflow.identifiers import ForecasterName
 from burstcast_workflow.why import names_of_rules, planned
 
-TABLE = "forecaster_costs.csv"
+FORECASTER_COSTS = "forecaster_costs.csv"
 """Table of what forecasters took, beside the records."""
+
+RULE_COSTS = "rule_costs.csv"
+"""Table of what the jobs of each rule took, beside the records."""
 
 
 @dataclass(frozen=True)
@@ -48,16 +51,21 @@ class Measured(Cost):
 
 @dataclass(frozen=True)
 class PredictedJob:
-    """A job of the campaign; the file of its record is there if it has run."""
+    """A job of the campaign; the file of its record and its outputs are there if it has run."""
 
     rule: str
     wildcards: Mapping[str, str]
     cost: Cost
     record: Path
+    outputs: tuple[Path, ...] = ()
 
     def measured(self) -> Measured:
         """What Snakemake measured: wall time, time of the processor, largest resident set."""
         return _measured(self.record)
+
+    def disk_mib(self) -> float:
+        """Size of those of its outputs that are there."""
+        return sum(path.stat().st_size for path in self.outputs if path.is_file()) / 2**20
 
 
 def predicted_jobs(
@@ -70,13 +78,35 @@ def predicted_jobs(
 def _jobs(workflow: Any, seconds_per: Mapping[str, float] = SECONDS_PER) -> list[PredictedJob]:
     """All jobs of a plan."""
     campaign = names_of_rules(workflow)["campaign"]
-    model = CostModel(campaign, seconds_per)
     above = Path(workflow.overwrite_workdir or "")
+    return jobs_with_costs(workflow, campaign, CostModel(campaign, seconds_per), above)
+
+
+def jobs_with_costs(
+    workflow: Any, campaign: Campaign, model: CostModel, above: Path = Path()
+) -> list[PredictedJob]:
+    """Those jobs of a workflow of Snakemake that are of a campaign, with their costs, rule by rule.
+
+    Parameters
+    ----------
+    workflow
+        As Snakemake has planned it.
+    campaign, model
+        Whose jobs, and what predicts their costs.
+    above
+        Directory that the jobs' paths start from.
+    """
+    rules = [rule.name for rule in workflow.rules]
     found = [
-        PredictedJob(job.rule.name, job.wildcards_dict, cost, above / job.benchmark)
+        PredictedJob(
+            job.rule.name,
+            job.wildcards_dict,
+            cost,
+            above / job.benchmark,
+            tuple(above / path for path in job.output),
+        )
         for job, cost in costs_of_jobs(workflow.dag.jobs, campaign, model)
     ]
-    rules = [rule.name for rule in workflow.rules]
     return sorted(found, key=lambda job: (rules.index(job.rule), job.record))
 
 
@@ -94,30 +124,91 @@ def costs_of_jobs(
             yield job, model.predicted(memory.cost_class, memory.stage, job.wildcards_dict)
 
 
-def report(jobs: Sequence[PredictedJob]) -> str:
+@dataclass(frozen=True)
+class RuleCost:
+    """What the jobs of a rule take by prediction, and what those took that have records.
+
+    Attributes
+    ----------
+    rule, jobs
+        How many jobs the campaign has of it.
+    predicted_longest_seconds, predicted_memory_mib
+        The most of any job.
+    predicted_minutes
+        Of all jobs, one after the other.
+    records
+        How many have run. What follows is of these, and None without any.
+    median_seconds, predicted_median_seconds
+        Wall times, measured and predicted.
+    minutes, processor_minutes
+        Of all that have run: wall and processor time.
+    memory_mib
+        Largest resident set of any.
+    disk_mib
+        Size of all of their outputs.
+    """
+
+    rule: str
+    jobs: int
+    predicted_longest_seconds: float
+    predicted_memory_mib: float
+    predicted_minutes: float
+    records: int
+    median_seconds: float | None = None
+    predicted_median_seconds: float | None = None
+    minutes: float | None = None
+    processor_minutes: float | None = None
+    memory_mib: float | None = None
+    disk_mib: float | None = None
+
+
+def rule_costs(jobs: Sequence[PredictedJob]) -> list[RuleCost]:
+    """Costs rule by rule: `RuleCost` for each, in the order of the jobs."""
+    return [_rule_cost(rule, list(group)) for rule, group in groupby(jobs, lambda job: job.rule)]
+
+
+def _rule_cost(rule: str, jobs: Sequence[PredictedJob]) -> RuleCost:
+    run = [job for job in jobs if job.record.exists()]
+    predicted = RuleCost(
+        rule,
+        len(jobs),
+        max(job.cost.seconds for job in jobs),
+        max(job.cost.memory_mib for job in jobs),
+        sum(job.cost.seconds for job in jobs) / 60,
+        len(run),
+    )
+    if not run:
+        return predicted
+    measured = [job.measured() for job in run]
+    return replace(
+        predicted,
+        median_seconds=median(cost.seconds for cost in measured),
+        predicted_median_seconds=median(job.cost.seconds for job in run),
+        minutes=sum(cost.seconds for cost in measured) / 60,
+        processor_minutes=sum(cost.processor_seconds for cost in measured) / 60,
+        memory_mib=max(cost.memory_mib for cost in measured),
+        disk_mib=sum(job.disk_mib() for job in run),
+    )
+
+
+def report(costs: Sequence[RuleCost]) -> str:
     """Predicted costs rule by rule, what the jobs took where that is known, and the total."""
     lines = [
         f"{'rule':<26} {'jobs':>5} {'longest [s]':>11} {'MiB':>5} {'all [min]':>9}"
         f"  {'records':>7} {'median [s]':>10} {'ratio':>6} {'MiB':>5} {'ratio':>6}"
     ]
-    for rule, group in groupby(jobs, lambda job: job.rule):
-        of_rule = list(group)
-        costs = [job.cost for job in of_rule]
+    for cost in costs:
         line = (
-            f"{rule:<26} {len(costs):>5} {max(cost.seconds for cost in costs):>11.1f}"
-            f" {max(cost.memory_mib for cost in costs):>5.0f}"
-            f" {sum(cost.seconds for cost in costs) / 60:>9.1f}"
+            f"{cost.rule:<26} {cost.jobs:>5} {cost.predicted_longest_seconds:>11.1f}"
+            f" {cost.predicted_memory_mib:>5.0f} {cost.predicted_minutes:>9.1f}"
         )
-        if run := [job for job in of_rule if job.record.exists()]:
-            measured = [job.measured() for job in run]
-            seconds = median(cost.seconds for cost in measured)
-            memory = max(cost.memory_mib for cost in measured)
-            line += f"  {len(run):>7} {seconds:>10.1f}"
-            line += _ratio(seconds, median(job.cost.seconds for job in run))
-            line += f" {memory:>5.0f}" + _ratio(memory, max(job.cost.memory_mib for job in run))
+        if cost.median_seconds and cost.predicted_median_seconds and cost.memory_mib is not None:
+            line += f"  {cost.records:>7} {cost.median_seconds:>10.1f}"
+            line += _ratio(cost.median_seconds, cost.predicted_median_seconds)
+            line += f" {cost.memory_mib:>5.0f}" + _ratio(cost.memory_mib, cost.predicted_memory_mib)
         lines.append(line)
-    minutes = sum(job.cost.seconds for job in jobs) / 60
-    return "\n".join([*lines, f"total of {len(jobs)} jobs, in minutes on one core: {minutes:.1f}"])
+    total = f"total of {sum(cost.jobs for cost in costs)} jobs, in minutes on one core"
+    return "\n".join([*lines, f"{total}: {sum(cost.predicted_minutes for cost in costs):.1f}"])
 
 
 @dataclass(frozen=True)
@@ -235,11 +326,18 @@ def forecasters_report(costs: Sequence[ForecasterCost]) -> str:
     )
 
 
-def write_forecaster_costs(campaign: Campaign, records: Path) -> None:
-    """Write `forecaster_costs` as a table beside the records (CSV); nothing without any."""
-    rows = [cost.row for cost in forecaster_costs(campaign, records)]
+def write_costs(jobs: Sequence[PredictedJob], campaign: Campaign, records: Path) -> None:
+    """Write `rule_costs` and `forecaster_costs` as tables beside the records (CSV).
+
+    A table that would have no row is not written.
+    """
+    _write(records / RULE_COSTS, [asdict(cost) for cost in rule_costs(jobs)])
+    _write(records / FORECASTER_COSTS, [cost.row for cost in forecaster_costs(campaign, records)])
+
+
+def _write(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     if rows:
-        with (records / TABLE).open("w", encoding="utf-8", newline="") as file:
+        with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
@@ -254,7 +352,7 @@ def main(arguments: Sequence[str]) -> int:
     """Print the reports of a campaign."""
     workflow = planned([*arguments, "--forceall"])
     names = names_of_rules(workflow)
-    print(report(_jobs(workflow)))
+    print(report(rule_costs(_jobs(workflow))))
     records = Path(workflow.overwrite_workdir or "", names["TIMES"])
     if text := forecasters_report(forecaster_costs(names["campaign"], records)):
         print(f"\n{text}")

@@ -17,11 +17,12 @@ from burstcast_workflow.cost_report import (
     main,
     predicted_jobs,
     report,
-    write_forecaster_costs,
+    rule_costs,
+    write_costs,
 )
 from burstcast_workflow.costs import SAFETY, SECONDS_PER, SNAKEMAKE_MIB, Cost, CostModel
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.why import planned
+from burstcast_workflow.why import names_of_rules, planned
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
@@ -341,7 +342,7 @@ def test_totals_of_the_papers_campaign_are_those_of_the_documentation(paper, dir
     measured = {unit: float(rate) for unit, rate, _ in units}
     jobs = predicted_jobs(options(directory), {**SECONDS_PER, **measured})
     (documented,) = re.findall(r"in minutes on one core: ([\d.]+)$", section, re.M)
-    assert report(jobs).split()[-1] == documented
+    assert report(rule_costs(jobs)).split()[-1] == documented
     equations = ("equations", "equations_noisy")
     probabilities = [job for job in jobs if job.rule in PROBABILITIES]
     of_equations = [
@@ -391,7 +392,7 @@ def test_every_preset_and_every_job_has_a_prediction_and_small_campaigns_cost_le
             assert 0 < job.cost.seconds < math.inf
             assert 0 < job.cost.memory_mib < math.inf
         totals[preset] = sum(job.cost.seconds for job in jobs)
-        assert f"{totals[preset] / 60:.1f}" == report(jobs).split()[-1]
+        assert f"{totals[preset] / 60:.1f}" == report(rule_costs(jobs)).split()[-1]
     assert totals["tiny"] < totals["quick"] / 2 < totals["paper"] / 9
 
 
@@ -441,6 +442,26 @@ def test_records_are_compared_with_the_predictions_of_their_jobs(tmp_path, capsy
     assert lines["classification_table"][7] == "0.00!"
     assert lines["classification_table"][9].endswith("!")
     assert len(lines["scan"]) == 5
+    # the same as a table, with sums and the size of what is there
+    (output,) = of_rule["train"][0].outputs
+    output.parent.mkdir(parents=True)
+    output.write_bytes(bytes(3 * 2**20))
+    write_costs(jobs, names_of_rules(planned(arguments))["campaign"], root)
+    rows = read_table(root / "rule_costs.csv").set_index("rule")
+    assert rows.index.tolist() == list(dict.fromkeys(job.rule for job in jobs))
+    assert rows["jobs"].sum() == len(jobs)
+    assert rows.loc["search", "minutes"] == pytest.approx(
+        sum(f * job.cost.seconds for f, job in zip((1, 3, 1), of_rule["search"], strict=False)) / 60
+    )
+    assert rows.loc["search", "processor_minutes"] == rows.loc["search", "minutes"] / 2
+    assert rows.loc["train", ["records", "median_seconds", "disk_mib"]].tolist() == [1, 1000, 3]
+    assert rows.loc["scan"].dropna().index.tolist() == [
+        "jobs",
+        "predicted_longest_seconds",
+        "predicted_memory_mib",
+        "predicted_minutes",
+        "records",
+    ]
 
 
 def test_training_and_forecasting_are_told_by_kind_of_forecaster(tmp_path):
@@ -450,7 +471,7 @@ def test_training_and_forecasting_are_told_by_kind_of_forecaster(tmp_path):
     config["campaign"] = [{"reynolds": [400], "forecasters": forecasters}]
     found = Campaign(config)
     assert forecaster_costs(found, tmp_path) == []
-    write_forecaster_costs(found, tmp_path)
+    write_costs([], found, tmp_path)
     assert not any(tmp_path.iterdir())
 
     seconds = {"search": 5.0, "train": 1.0, "forecast": 4.0}
@@ -472,7 +493,7 @@ def test_training_and_forecasting_are_told_by_kind_of_forecaster(tmp_path):
     assert quadratic.split() == ["Re400", "quadratic", "1", "0.5", "60", "3.0", "0"]
     assert forecasters_report([]) == ""
     # the same as a table, with the time of the processor
-    write_forecaster_costs(found, tmp_path)
+    write_costs([], found, tmp_path)
     rows = read_table(tmp_path / "forecaster_costs.csv").set_index("forecaster")
     assert rows.index.tolist() == ["esn", "quadratic"]
     assert rows.loc["esn", ["neurons", "forecasters", "training_seconds"]].tolist() == [30, 3, 32]

@@ -13,7 +13,7 @@ from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.cases import realisation_of
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF, data_files
-from burstcast_workflow.cost_report import costs_of_jobs, write_forecaster_costs
+from burstcast_workflow.cost_report import costs_of_jobs, jobs_with_costs, write_costs
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.figure_registry import (
     FIGURES,
@@ -116,7 +116,7 @@ onstart:
 
 onsuccess:
     if workflow.is_main_process:
-        write_forecaster_costs(campaign, Path(TIMES))
+        write_costs(jobs_with_costs(workflow, campaign, costs), campaign, Path(TIMES))
     found = [
         campaign_summary(Path(TABLES)),
         warnings_summary(Path(TABLES)),
