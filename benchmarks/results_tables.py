@@ -1,0 +1,532 @@
+"""Tables of campaigns that were run, and Markdown tables made of them for docs/results.md."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+PUBLISHED_TABLES = (
+    *("dataset", "hyperparameters", "warnings"),
+    *("classification", "classification_intervals"),
+    *("horizon", "horizon_intervals"),
+    *("statistics", "statistics_intervals", "survival", "kaplan_yorke", "lyapunov_spectrum"),
+    *("control", "control_strategies", "training_realisations"),
+    *(
+        f"{name}_percentiles"
+        for name in (
+            *("hyperparameters", "classification", "horizon", "statistics", "survival"),
+            *("kaplan_yorke", "lyapunov_spectrum", "control"),
+        )
+    ),
+)
+"""Tables of a campaign that the repository keeps: a row for each network, and percentiles."""
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Quartiles over the networks of an ensemble, and the interval of one of them.
+
+    Attributes
+    ----------
+    p25, p50, p75
+        Quartiles over networks; all the same for a forecaster without seeds.
+    low, high
+        Medians over networks of the ends of each one's 95 % bootstrap interval over test series,
+        events, runs or flows: what the data leave open, which all networks share. NaN if there is
+        no such interval.
+    networks
+        How many.
+    """
+
+    p25: float
+    p50: float
+    p75: float
+    low: float
+    high: float
+    networks: int
+
+    @property
+    def has_interval(self) -> bool:
+        """Whether the tables have an interval for it."""
+        return bool(np.isfinite(self.low))
+
+
+class Tables:
+    """The tables of one campaign, by name; empty where there is none.
+
+    Parameters
+    ----------
+    directory
+        Where its CSV files lie.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self._read = cache(self._from_file)
+
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return any(self.directory.glob("*.csv"))
+
+    def _from_file(self, name: str) -> pd.DataFrame:
+        path = self.directory / f"{name}.csv"
+        return pd.read_csv(path) if path.exists() and path.stat().st_size else pd.DataFrame()
+
+    def rows(self, name: str, **where: Any) -> pd.DataFrame:
+        """Rows of a table whose columns have these values.
+
+        Parameters
+        ----------
+        name
+            Of the table.
+        where
+            Values by column; None stands for an empty cell.
+        """
+        table = self._read(name)
+        for column, value in where.items():
+            if column not in table:
+                return table.iloc[:0]
+            cells = table[column]
+            table = table[cells.isna() if value is None else cells == value]
+        return table
+
+    def number(self, name: str, column: str, **where: Any) -> float:
+        """The one number in a column of those rows.
+
+        Raises
+        ------
+        LookupError
+            If no row or more than one fits.
+        """
+        rows = self.rows(name, **where)
+        if len(rows) != 1:
+            raise LookupError(f"{self.directory}/{name}: {len(rows)} rows with {where}, not one")
+        return float(rows[column].iloc[0])
+
+    def ensemble(self, table: str, metric: str, **where: Any) -> Ensemble | None:
+        """An ensemble's quartiles and interval of a metric; None if the campaign has none of it."""
+        rows = self.rows(f"{table}_percentiles", metric=metric, **where)
+        if len(rows) != 1 or rows["p50"].isna().any():
+            return None
+        ends = self.rows(f"{table}_intervals", metric=metric, **where)
+        low, high = (
+            (float(ends[end].median()) for end in ("low", "high"))
+            if len(ends)
+            else (np.nan, np.nan)
+        )
+        row = rows.iloc[0]
+        return Ensemble(row["p25"], row["p50"], row["p75"], low, high, int(row["networks"]))
+
+    def sizes(self, case: str) -> list[int]:
+        """Numbers of neurons of a case's networks, ascending."""
+        found = self.rows("horizon_percentiles", case=case, forecaster="esn")
+        return sorted(int(size) for size in found["neurons"].unique()) if len(found) else []
+
+    def cases(self) -> list[str]:
+        """The campaign's cases, in its order."""
+        return [str(case) for case in self.rows("dataset")["case"]]
+
+
+# -- numbers as text -------------------------------------------------------------------------------
+
+
+def fixed(value: float | None, digits: int = 3) -> str:
+    """A number with that many decimals; "" for none."""
+    return "" if value is None or np.isnan(value) else f"{value:.{digits}f}"
+
+
+def significant(value: float | None, digits: int = 3) -> str:
+    """A number with that many significant digits; "" for none."""
+    return "" if value is None or np.isnan(value) else f"{value:.{digits}g}"
+
+
+def quartiles(found: Ensemble | None, text: Callable[[float], str] = fixed) -> str:
+    """Median, and quartiles in parentheses where there are several networks."""
+    if found is None:
+        return ""
+    middle = text(found.p50)
+    if found.networks < 2:
+        return middle
+    return f"{middle} ({text(found.p25)} to {text(found.p75)})"
+
+
+def interval(found: Ensemble | None, text: Callable[[float], str] = fixed) -> str:
+    """Median, and the interval of one network in parentheses."""
+    if found is None:
+        return ""
+    if not found.has_interval:
+        return text(found.p50)
+    return f"{text(found.p50)} ({text(found.low)} to {text(found.high)})"
+
+
+def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def name_of(forecaster: str, neurons: float | None = None, validation: str | None = None) -> str:
+    """A forecaster as people call it."""
+    names = {
+        "equations": "equations, from the true state",
+        "equations_noisy": "equations, from the noisy state",
+        "equations_filtered": "equations, filtered",
+        "quadratic": "learnt equations, from the noisy state",
+        "quadratic_filtered": "learnt equations, filtered",
+        "linear_inverse": "linear inverse model",
+        "analogues": "ten nearest analogues, mean",
+    }
+    if forecaster == "esn":
+        return f"{neurons:g} neurons, {validation}"
+    return names.get(forecaster, forecaster.replace("_", " "))
+
+
+# -- tables of the page ----------------------------------------------------------------------------
+
+TIMES_LT = (1.0, 2.0, 3.0, 4.0, 5.0)
+"""Prediction times that tables show, of those of the campaign."""
+
+VALIDATIONS = ("SSV", "RV")
+
+
+def datasets(tables: Tables) -> str:
+    """Series that were kept, and leading Lyapunov exponents beside the published ones."""
+    rows = []
+    for row in tables.rows("dataset").to_dict("records"):
+        ours, theirs = row["lyapunov_exponent"], row["lyapunov_exponent_paper"]
+        low, high = row["lyapunov_exponent_low"], row["lyapunov_exponent_high"]
+        growth = [row[f"lyapunov_exponent_by_growth{end}"] for end in ("", "_low", "_high")]
+        rows.append(
+            [
+                f"{row['reynolds']:g}",
+                f"{row['series_kept']} of {row['series_generated']}",
+                fixed(row["mean_observable"], 4),
+                fixed(row["events_per_series"], 2),
+                fixed(theirs, 4),
+                f"{fixed(ours, 4)} ({fixed(low, 4)} to {fixed(high, 4)})",
+                "{} ({} to {})".format(*(fixed(value, 4) for value in growth)),
+                f"{100 * (ours / theirs - 1):+.0f} %",
+            ]
+        )
+    head = ["Re", "series kept", "mean k", "events per series", "exponent, paper"]
+    return markdown([*head, "ours, by QR", "ours, by growth", "difference"], rows)
+
+
+def scores_by_size(tables: Tables, case: str, metric: str) -> str:
+    """Quartiles of a score of each ensemble against prediction time; the equations below."""
+    groups: list[dict[str, Any]] = [
+        {"forecaster": "esn", "neurons": size, "validation": validation}
+        for size in tables.sizes(case)
+        for validation in VALIDATIONS
+    ]
+    return _scores(tables, case, metric, [*groups, {"forecaster": "equations_noisy"}])
+
+
+def scores_of_forecasters(tables: Tables, case: str, metric: str) -> str:
+    """The same of all forecasters of a case, the best first."""
+    found = tables.rows("horizon_percentiles", case=case, metric="mean_horizon_lt")
+    found = found.sort_values("p50", ascending=False)
+    groups = [
+        {key: row[key] for key in ("forecaster", "neurons", "validation") if pd.notna(row[key])}
+        for row in found.to_dict("records")
+    ]
+    return _scores(tables, case, metric, groups)
+
+
+def _scores(tables: Tables, case: str, metric: str, groups: Sequence[dict[str, Any]]) -> str:
+    rows = []
+    for group in groups:
+        scores = [
+            tables.ensemble("classification", metric, case=case, prediction_time_lt=time, **group)
+            for time in TIMES_LT
+        ]
+        if any(scores):
+            horizon = tables.ensemble("horizon", "mean_horizon_lt", case=case, **group)
+            cells = [*map(quartiles, scores), quartiles(horizon, lambda value: fixed(value, 2))]
+            rows.append([name_of(**group), *cells])
+    return markdown(["", *(f"{time:g} LT" for time in TIMES_LT), "mean PH_ee [LT]"], rows)
+
+
+def horizons_by_size(tables: Tables, case: str) -> str:
+    """Mean prediction horizons by size and validation, with the interval over events."""
+    rows = []
+    for size in tables.sizes(case):
+        row = [str(size)]
+        for validation in VALIDATIONS:
+            group = {"case": case, "forecaster": "esn", "neurons": size, "validation": validation}
+            found = tables.ensemble("horizon", "mean_horizon_lt", **group)
+            two = quartiles(found, lambda value: fixed(value, 2))
+            ends = "" if found is None else f"{fixed(found.low, 2)} to {fixed(found.high, 2)}"
+            row += [two, ends]
+        rows.append(row)
+    head = ["neurons", "SSV", "95 % of one network, over events", "RV", "95 % of one network"]
+    return markdown(head, rows)
+
+
+def scores_by_reynolds(tables: Tables, neurons: int) -> str:
+    """F-scores and prediction horizons of networks of one size, by case."""
+    rows = []
+    for row in tables.rows("dataset").to_dict("records"):
+        for validation in VALIDATIONS:
+            group = {"forecaster": "esn", "neurons": neurons, "validation": validation}
+            cells = [
+                quartiles(
+                    tables.ensemble(
+                        "classification",
+                        "f_score",
+                        case=row["case"],
+                        prediction_time_lt=time,
+                        **group,
+                    )
+                )
+                for time in TIMES_LT
+            ]
+            horizon = tables.ensemble("horizon", "mean_horizon_lt", case=row["case"], **group)
+            cells.append(quartiles(horizon, lambda value: fixed(value, 2)))
+            if any(cells):
+                rows.append([f"{row['reynolds']:g}", validation, *cells])
+    times = [f"F, {time:g} LT" for time in TIMES_LT]
+    return markdown(["Re", "", *times, "mean PH_ee [LT]"], rows)
+
+
+STATISTICS = {
+    "kantorovich": "Kantorovich metric",
+    "mean_log_error": "mean logarithmic error",
+    "nrmse_u": "NRMSE u",
+    "nrmse_uu": "NRMSE u^2",
+    "nrmse_uv": "NRMSE uv",
+    "discarded_fraction": "discarded",
+}
+
+
+def long_term(tables: Tables, case: str) -> str:
+    """Errors of long-term statistics: every ensemble, the training set, halves of the data."""
+    groups = _forecasters_of(tables, "statistics_percentiles", case)
+    rows = []
+    for group in groups:
+        cells = [
+            quartiles(tables.ensemble("statistics", metric, case=case, **group), significant)
+            for metric in STATISTICS
+        ]
+        names = {"training": "training set", "floor": "halves of the data: the floor"}
+        rows.append([names.get(group["forecaster"], name_of(**group)), *cells])
+    return markdown(["", *STATISTICS.values()], rows)
+
+
+def own_flow(tables: Tables, case: str, leading: int = 4) -> str:
+    """Escape rate, Kaplan-Yorke dimension and leading Lyapunov exponents of each one's own flow."""
+    rows = []
+    for group in _forecasters_of(tables, "survival_percentiles", case):
+        where = {"case": case, **group}
+        escape = tables.ensemble("survival", "escape_rate", **where)
+        dimension = tables.ensemble("kaplan_yorke", "kaplan_yorke_dimension", **where)
+        exponents = [
+            tables.ensemble("lyapunov_spectrum", "lyapunov_exponent", number=number, **where)
+            for number in range(1, leading + 1)
+        ]
+        rows.append(
+            [
+                "the flow" if group["forecaster"] == "data" else name_of(**group),
+                quartiles(escape, lambda value: fixed(1e4 * value, 2)),
+                quartiles(dimension, lambda value: fixed(value, 2)),
+                *(quartiles(found, lambda value: fixed(value, 4)) for found in exponents),
+            ]
+        )
+    head = ["", "escape rate per 1e4 time units", "Kaplan-Yorke dimension"]
+    return markdown([*head, *(f"exponent {n}" for n in range(1, leading + 1))], rows)
+
+
+def _forecasters_of(tables: Tables, name: str, case: str) -> list[dict[str, Any]]:
+    """Who has rows in a percentile table, as its cells name them."""
+    keys = ["forecaster", "neurons", "validation"]
+    found = tables.rows(name, case=case)
+    if found.empty:
+        return []
+    return [
+        {key: value for key, value in row.items() if pd.notna(value)}
+        for row in found[keys].drop_duplicates().to_dict("records")
+    ]
+
+
+def control_of_the_paper(tables: Tables) -> str:
+    """Exceedance with and without control, by Reynolds number and prediction time."""
+    rows = []
+    for case in tables.rows("dataset").to_dict("records"):
+        found = tables.rows("control_percentiles", case=case["case"], forecaster="esn")
+        if found.empty:
+            continue
+        for time in sorted(found["prediction_time_lt"].unique()):
+            where = {"case": case["case"], "prediction_time_lt": time}
+            esn = {**where, "forecaster": "esn"}
+            ends = flow_interval(tables, "exceedance_controlled", **esn)
+            rows.append(
+                [
+                    f"{case['reynolds']:g}",
+                    f"{time:g}",
+                    quartiles(tables.ensemble("control", "exceedance_uncontrolled", **esn), _k),
+                    quartiles(tables.ensemble("control", "exceedance_controlled", **esn), _k),
+                    f"{_k(ends[0])} to {_k(ends[1])}",
+                    *(
+                        quartiles(tables.ensemble("control", "exceedance_controlled", **who), _k)
+                        for who in (
+                            {**where, "forecaster": "equations"},
+                            {**where, "forecaster": "random"},
+                        )
+                    ),
+                    quartiles(tables.ensemble("control", "control_fraction", **esn), _k),
+                ]
+            )
+    head = ["Re", "prediction time [LT]", "without control", "networks", "95 % over flows"]
+    return markdown([*head, "equations", "random alarms", "share of time under actuation"], rows)
+
+
+def _k(value: float) -> str:
+    return fixed(value, 4)
+
+
+def flow_interval(tables: Tables, metric: str, **where: Any) -> tuple[float, float]:
+    """Ends of the 95 % interval over flows of control by the paper's strategy, median network."""
+    rows = tables.rows(
+        "control_strategies", strategy="prediction_triggered", metric=metric, **where
+    )
+    rows = rows[(rows["delay_lt"] == 0) & (rows["strength"] == 1) & (rows["quiet_lt"] == 0)]
+    return float(rows["low"].median()), float(rows["high"].median())
+
+
+_CONDITIONS = ("starts", "span_lt", "delay_lt", "strength", "noise")
+_NOT_SETTINGS = ("case", "reynolds", "metric", "value", "low", "high", "seed", *_CONDITIONS)
+_UNITS = {"_lt": " LT"}
+
+
+def strategies(tables: Tables, case: str, **conditions: Any) -> str:
+    """What strategies of control leave, against what they spend, under one set of conditions.
+
+    Parameters
+    ----------
+    conditions
+        Columns of `control_strategies` and their values; the others have all that there are.
+    """
+    found = tables.rows("control_strategies", case=case, **conditions)
+    found = found[found["forecaster"] != "random"]
+    rows = []
+    for keys, part in found.groupby(list(_settings(found)), dropna=False, sort=False):
+        values = part.set_index("metric")
+        setting = dict(zip(_settings(found), keys, strict=True))
+        rows.append(
+            [
+                _setting(setting, conditions),
+                _who(setting),
+                _percent(values.loc["relative_exceedance"]),
+                _percent(values.loc["control_fraction"]),
+                fixed(values.loc["switchings_per_lyapunov_time", "value"]),
+            ]
+        )
+    head = ["strategy", "forecaster", "left [%]", "time under actuation [%]"]
+    return markdown([*head, "switched on per LT"], rows)
+
+
+def _settings(found: pd.DataFrame) -> list[str]:
+    keys = [name for name in found if name not in ("metric", "value", "low", "high")]
+    return [name for name in keys if name not in ("case", "reynolds")]
+
+
+def _setting(setting: dict[str, Any], conditions: dict[str, Any]) -> str:
+    """Strategy and settings in words, without what the conditions say already."""
+    usual = {"delay_lt": 0, "strength": 1, "noise": 0.01, "span_lt": 20, "starts": "quiet"}
+    who = ("strategy", "forecaster", "neurons", "validation", "seed", "quiet_lt")
+    parts = [
+        f"{name.removesuffix('_lt').replace('_', ' ')} {value:g}"
+        + (" LT" if name.endswith("_lt") else "")
+        if not isinstance(value, str)
+        else f"{name.replace('_', ' ')} {value}"
+        for name, value in setting.items()
+        if name not in who
+        and name not in conditions
+        and pd.notna(value)
+        and value != usual.get(name)
+    ]
+    return ", ".join([str(setting["strategy"]).replace("_", " "), *parts])
+
+
+def _who(setting: dict[str, Any]) -> str:
+    if setting["strategy"] in ("reactive", "random_decisions"):
+        return ""
+    keys = ("forecaster", "neurons", "validation")
+    return name_of(**{key: setting[key] for key in keys if pd.notna(setting[key])})
+
+
+def _percent(row: "pd.Series[Any]") -> str:
+    value, low, high = (f"{100 * row[name]:.2g}" for name in ("value", "low", "high"))
+    return f"{value} ({low} to {high})"
+
+
+def probabilities(tables: Tables, case: str) -> str:
+    """Brier skill and calibration error of committees and of the best single forecasters."""
+    found = tables.rows("probability_scores", case=case, probability="calibrated")
+    rows = []
+    for alarm in found.loc[found["seed"].isna(), "alarm"].unique() if len(found) else ():
+        part = found[found["alarm"] == alarm]
+        for metric, text in (("brier_skill", "Brier skill"), ("calibration_error", "calibration")):
+            values = part[part["metric"] == metric].set_index("prediction_time_lt")
+            rows.append([alarm, text, *(_with_ends(values, time) for time in TIMES_LT)])
+    return markdown(["", "", *(f"{time:g} LT" for time in TIMES_LT)], rows)
+
+
+def _with_ends(values: pd.DataFrame, time: float) -> str:
+    if time not in values.index:
+        return ""
+    row = values.loc[time]
+    ends = "" if np.isnan(row["low"]) else f" ({fixed(row['low'])} to {fixed(row['high'])})"
+    return fixed(row["value"]) + ends
+
+
+def sweep(tables: Tables, metric: str = "f_score") -> str:
+    """A score at all prediction times, one row for each case, one column for each forecaster."""
+    names = tables.rows("classification_percentiles", metric=metric)
+    keys = ["forecaster", "neurons", "validation"]
+    groups = [
+        {key: value for key, value in row.items() if pd.notna(value)}
+        for row in names[keys].drop_duplicates().to_dict("records")
+    ]
+    rows = [
+        [
+            case.replace("_", " "),
+            *(
+                " ".join(
+                    fixed(None if found is None else found.p50, 2).replace("0.", ".")
+                    for time in TIMES_LT
+                    for found in [
+                        tables.ensemble(
+                            "classification", metric, case=case, prediction_time_lt=time, **group
+                        )
+                    ]
+                )
+                for group in groups
+            ),
+        ]
+        for case in tables.cases()
+    ]
+    return markdown(["", *(name_of(**group) for group in groups)], rows)
+
+
+def costs(tables: Tables) -> str:
+    """What the jobs of each rule took, beside the prediction, the most expensive first."""
+    found = tables.rows("rule_costs").sort_values("minutes", ascending=False)
+    shown = found[found["minutes"] >= 1.0]
+    rest = found[~(found["minutes"] >= 1.0)]
+    rows = [_cost(row["rule"], row) for row in shown.to_dict("records")]
+    sums = ["jobs", "predicted_minutes", "minutes", "processor_minutes", "disk_mib"]
+    for name, part in ((f"{len(rest)} other rules", rest), ("**all**", found)):
+        row = {**part[sums].sum().to_dict(), "memory_mib": part["memory_mib"].max()}
+        rows.append(_cost(name, row))
+    head = ["rule", "jobs", "predicted [min]", "took [min]", "of processor [min]"]
+    return markdown([*head, "largest memory [MiB]", "disk [MiB]"], rows)
+
+
+def _cost(name: str, row: dict[Any, Any]) -> list[str]:
+    minutes = [fixed(row[k], 1) for k in ("predicted_minutes", "minutes", "processor_minutes")]
+    return [name, f"{row['jobs']:.0f}", *minutes, fixed(row["memory_mib"], 0), fixed(row["disk_mib"], 0)]
