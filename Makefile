@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 
 # What `make` and `make help` say: the words after ##.
-.PHONY: help demo test test-long test-slurm paper why prune report archive bench slurm check clean
+.PHONY: help demo test test-long test-slurm paper why prune report archive results bench slurm check clean
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -45,6 +45,10 @@ report: $(VENV)/installed ## tables and figures of a finished campaign as one pa
 
 archive: $(VENV)/installed ## tables, figures, config, versions and why in one zip
 	@$(BIN)/burstcast archive $(ARGS)
+
+# make results ARGS="collect results/paper" takes a campaign's tables first
+results: $(VENV)/installed ## docs/results.md, from the tables in docs/results
+	$(BIN)/python benchmarks/results_page.py $(ARGS)
 
 bench: $(VENV)/installed ## time what the work is made of
 	$(BIN)/python benchmarks/bench.py $(ARGS)

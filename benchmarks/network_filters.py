@@ -9,7 +9,7 @@ next prediction. The model error is either multiplicative (inflation) or additiv
 each prediction, whose variance makes the innovations on the training series consistent: mean square
 innovation = spread of the members + model error + noise). `choose` scores filters on series that
 are neither for training nor for the test, `test` the chosen ones on the first test series. The
-results that we rely on are in docs/results.md.
+results that we rely on are in docs/studies.md.
 """
 
 import argparse

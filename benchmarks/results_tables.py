@@ -9,6 +9,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from burstcast.published import intervals_of_control, published_percentiles
+from burstcast_workflow.harness.tables import read_table
+
+PUBLISHED = Path(__file__).resolve().parent.parent / "resources" / "published_percentiles.csv"
+"""Published values of the paper."""
+
 PUBLISHED_TABLES = (
     *("dataset", "hyperparameters", "warnings"),
     *("classification", "classification_intervals"),
@@ -73,8 +79,11 @@ class Tables:
         return any(self.directory.glob("*.csv"))
 
     def _from_file(self, name: str) -> pd.DataFrame:
+        if name == "control_intervals":
+            both = self._read("control_strategies"), self._read("control")
+            return pd.DataFrame() if any(one.empty for one in both) else intervals_of_control(*both)
         path = self.directory / f"{name}.csv"
-        return pd.read_csv(path) if path.exists() and path.stat().st_size else pd.DataFrame()
+        return read_table(path) if path.exists() and path.stat().st_size else pd.DataFrame()
 
     def rows(self, name: str, **where: Any) -> pd.DataFrame:
         """Rows of a table whose columns have these values.
@@ -131,6 +140,27 @@ class Tables:
         return [str(case) for case in self.rows("dataset")["case"]]
 
 
+@cache
+def _published(table: str) -> pd.DataFrame:
+    return published_percentiles(read_table(PUBLISHED), table)
+
+
+def published_value(table: str, metric: str, **where: Any) -> float:
+    """A median that the paper published, in our definitions.
+
+    Raises
+    ------
+    LookupError
+        If no published row or more than one fits.
+    """
+    rows = _published(table)
+    for column, value in {"metric": metric, **where}.items():
+        rows = rows[rows[column] == value]
+    if len(rows) != 1:
+        raise LookupError(f"{len(rows)} published rows of {table}, {metric}, {where}")
+    return float(rows["p50"].iloc[0])
+
+
 # -- numbers as text -------------------------------------------------------------------------------
 
 
@@ -170,7 +200,7 @@ def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def name_of(forecaster: str, neurons: float | None = None, validation: str | None = None) -> str:
-    """A forecaster as people call it."""
+    """A forecaster, an alarm or a committee as people call it."""
     names = {
         "equations": "equations, from the true state",
         "equations_noisy": "equations, from the noisy state",
@@ -178,11 +208,16 @@ def name_of(forecaster: str, neurons: float | None = None, validation: str | Non
         "quadratic": "learnt equations, from the noisy state",
         "quadratic_filtered": "learnt equations, filtered",
         "linear_inverse": "linear inverse model",
-        "analogues": "ten nearest analogues, mean",
+        "analogues": "nearest analogues, mean",
+        "climatology": "climatology: the base rate",
+        "observable_now": "threshold on k now",
     }
-    if forecaster == "esn":
-        return f"{neurons:g} neurons, {validation}"
-    return names.get(forecaster, forecaster.replace("_", " "))
+    kind = forecaster.removesuffix("_committee")
+    network = kind == "esn"
+    name = f"{neurons:g} neurons, {validation}" if network else names.get(kind, kind)
+    if kind == forecaster:
+        return name.replace("_", " ")
+    return f"committee of the networks: {name}" if network else f"members of {name}"
 
 
 # -- tables of the page ----------------------------------------------------------------------------
@@ -229,11 +264,7 @@ def scores_by_size(tables: Tables, case: str, metric: str) -> str:
 def scores_of_forecasters(tables: Tables, case: str, metric: str) -> str:
     """The same of all forecasters of a case, the best first."""
     found = tables.rows("horizon_percentiles", case=case, metric="mean_horizon_lt")
-    found = found.sort_values("p50", ascending=False)
-    groups = [
-        {key: row[key] for key in ("forecaster", "neurons", "validation") if pd.notna(row[key])}
-        for row in found.to_dict("records")
-    ]
+    groups = _groups(found.sort_values("p50", ascending=False))
     return _scores(tables, case, metric, groups)
 
 
@@ -305,7 +336,7 @@ STATISTICS = {
 
 def long_term(tables: Tables, case: str) -> str:
     """Errors of long-term statistics: every ensemble, the training set, halves of the data."""
-    groups = _forecasters_of(tables, "statistics_percentiles", case)
+    groups = _groups(tables.rows("statistics_percentiles", case=case))
     rows = []
     for group in groups:
         cells = [
@@ -320,7 +351,7 @@ def long_term(tables: Tables, case: str) -> str:
 def own_flow(tables: Tables, case: str, leading: int = 4) -> str:
     """Escape rate, Kaplan-Yorke dimension and leading Lyapunov exponents of each one's own flow."""
     rows = []
-    for group in _forecasters_of(tables, "survival_percentiles", case):
+    for group in _groups(tables.rows("survival_percentiles", case=case)):
         where = {"case": case, **group}
         escape = tables.ensemble("survival", "escape_rate", **where)
         dimension = tables.ensemble("kaplan_yorke", "kaplan_yorke_dimension", **where)
@@ -340,15 +371,12 @@ def own_flow(tables: Tables, case: str, leading: int = 4) -> str:
     return markdown([*head, *(f"exponent {n}" for n in range(1, leading + 1))], rows)
 
 
-def _forecasters_of(tables: Tables, name: str, case: str) -> list[dict[str, Any]]:
-    """Who has rows in a percentile table, as its cells name them."""
+def _groups(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Who has rows in a table, as its cells name them, in its order."""
     keys = ["forecaster", "neurons", "validation"]
-    found = tables.rows(name, case=case)
-    if found.empty:
-        return []
+    found = table.reindex(columns=keys).drop_duplicates()
     return [
-        {key: value for key, value in row.items() if pd.notna(value)}
-        for row in found[keys].drop_duplicates().to_dict("records")
+        {key: row[key] for key in keys if pd.notna(row[key])} for row in found.to_dict("records")
     ]
 
 
@@ -362,14 +390,16 @@ def control_of_the_paper(tables: Tables) -> str:
         for time in sorted(found["prediction_time_lt"].unique()):
             where = {"case": case["case"], "prediction_time_lt": time}
             esn = {**where, "forecaster": "esn"}
-            ends = flow_interval(tables, "exceedance_controlled", **esn)
+            networks = tables.ensemble("control", "exceedance_controlled", **esn)
+            if networks is None:
+                continue
             rows.append(
                 [
                     f"{case['reynolds']:g}",
                     f"{time:g}",
                     quartiles(tables.ensemble("control", "exceedance_uncontrolled", **esn), _k),
-                    quartiles(tables.ensemble("control", "exceedance_controlled", **esn), _k),
-                    f"{_k(ends[0])} to {_k(ends[1])}",
+                    quartiles(networks, _k),
+                    f"{_k(networks.low)} to {_k(networks.high)}",
                     *(
                         quartiles(tables.ensemble("control", "exceedance_controlled", **who), _k)
                         for who in (
@@ -388,20 +418,6 @@ def _k(value: float) -> str:
     return fixed(value, 4)
 
 
-def flow_interval(tables: Tables, metric: str, **where: Any) -> tuple[float, float]:
-    """Ends of the 95 % interval over flows of control by the paper's strategy, median network."""
-    rows = tables.rows(
-        "control_strategies", strategy="prediction_triggered", metric=metric, **where
-    )
-    rows = rows[(rows["delay_lt"] == 0) & (rows["strength"] == 1) & (rows["quiet_lt"] == 0)]
-    return float(rows["low"].median()), float(rows["high"].median())
-
-
-_CONDITIONS = ("starts", "span_lt", "delay_lt", "strength", "noise")
-_NOT_SETTINGS = ("case", "reynolds", "metric", "value", "low", "high", "seed", *_CONDITIONS)
-_UNITS = {"_lt": " LT"}
-
-
 def strategies(tables: Tables, case: str, **conditions: Any) -> str:
     """What strategies of control leave, against what they spend, under one set of conditions.
 
@@ -411,45 +427,52 @@ def strategies(tables: Tables, case: str, **conditions: Any) -> str:
         Columns of `control_strategies` and their values; the others have all that there are.
     """
     found = tables.rows("control_strategies", case=case, **conditions)
+    if found.empty:
+        return ""
     found = found[found["forecaster"] != "random"]
+    settings = [name for name in map(str, found) if name not in _NO_SETTINGS]
     rows = []
-    for keys, part in found.groupby(list(_settings(found)), dropna=False, sort=False):
-        values = part.set_index("metric")
-        setting = dict(zip(_settings(found), keys, strict=True))
+    for _, part in found.groupby(settings, dropna=False, sort=False):
+        setting = dict(zip(settings, part[settings].to_numpy()[0], strict=True))
+        values = {row["metric"]: row for row in part.to_dict("records")}
         rows.append(
             [
                 _setting(setting, conditions),
                 _who(setting),
-                _percent(values.loc["relative_exceedance"]),
-                _percent(values.loc["control_fraction"]),
-                fixed(values.loc["switchings_per_lyapunov_time", "value"]),
+                _percent(values["relative_exceedance"]),
+                _percent(values["control_fraction"]),
+                fixed(values["switchings_per_lyapunov_time"]["value"]),
             ]
         )
     head = ["strategy", "forecaster", "left [%]", "time under actuation [%]"]
     return markdown([*head, "switched on per LT"], rows)
 
 
-def _settings(found: pd.DataFrame) -> list[str]:
-    keys = [name for name in found if name not in ("metric", "value", "low", "high")]
-    return [name for name in keys if name not in ("case", "reynolds")]
+_NO_SETTINGS = ("case", "reynolds", "metric", "value", "low", "high")
+_USUAL = {"delay_lt": 0, "strength": 1, "noise": 0.01, "span_lt": 20, "starts": "quiet"}
+_TOLD_ELSEWHERE = (
+    *("strategy", "forecaster", "neurons", "validation", "seed"),
+    *("quiet_lt", "window_lt"),
+)
 
 
 def _setting(setting: dict[str, Any], conditions: dict[str, Any]) -> str:
-    """Strategy and settings in words, without what the conditions say already."""
-    usual = {"delay_lt": 0, "strength": 1, "noise": 0.01, "span_lt": 20, "starts": "quiet"}
-    who = ("strategy", "forecaster", "neurons", "validation", "seed", "quiet_lt")
+    """Strategy and settings in words, without what is usual or what the conditions say."""
     parts = [
-        f"{name.removesuffix('_lt').replace('_', ' ')} {value:g}"
-        + (" LT" if name.endswith("_lt") else "")
-        if not isinstance(value, str)
-        else f"{name.replace('_', ' ')} {value}"
+        _words(name, value)
         for name, value in setting.items()
-        if name not in who
-        and name not in conditions
+        if name not in (*_TOLD_ELSEWHERE, *conditions)
         and pd.notna(value)
-        and value != usual.get(name)
+        and value != _USUAL.get(name)
     ]
     return ", ".join([str(setting["strategy"]).replace("_", " "), *parts])
+
+
+def _words(name: str, value: Any) -> str:
+    text = name.removesuffix("_lt").replace("_", " ")
+    if isinstance(value, str):
+        return f"{text} {value}"
+    return f"{text} {value:g}" + (" LT" if name.endswith("_lt") else "")
 
 
 def _who(setting: dict[str, Any]) -> str:
@@ -459,7 +482,7 @@ def _who(setting: dict[str, Any]) -> str:
     return name_of(**{key: setting[key] for key in keys if pd.notna(setting[key])})
 
 
-def _percent(row: "pd.Series[Any]") -> str:
+def _percent(row: dict[Any, Any]) -> str:
     value, low, high = (f"{100 * row[name]:.2g}" for name in ("value", "low", "high"))
     return f"{value} ({low} to {high})"
 
@@ -468,30 +491,29 @@ def probabilities(tables: Tables, case: str) -> str:
     """Brier skill and calibration error of committees and of the best single forecasters."""
     found = tables.rows("probability_scores", case=case, probability="calibrated")
     rows = []
-    for alarm in found.loc[found["seed"].isna(), "alarm"].unique() if len(found) else ():
-        part = found[found["alarm"] == alarm]
+    for group in _groups(found[found["seed"].isna()]) if len(found) else ():
+        part = found
+        for column, value in group.items():
+            part = part[part[column] == value]
         for metric, text in (("brier_skill", "Brier skill"), ("calibration_error", "calibration")):
-            values = part[part["metric"] == metric].set_index("prediction_time_lt")
-            rows.append([alarm, text, *(_with_ends(values, time) for time in TIMES_LT)])
+            of_metric = part[part["metric"] == metric].to_dict("records")
+            values = {row["prediction_time_lt"]: row for row in of_metric}
+            rows.append(
+                [name_of(**group), text, *(_with_ends(values.get(time)) for time in TIMES_LT)]
+            )
     return markdown(["", "", *(f"{time:g} LT" for time in TIMES_LT)], rows)
 
 
-def _with_ends(values: pd.DataFrame, time: float) -> str:
-    if time not in values.index:
+def _with_ends(row: dict[Any, Any] | None) -> str:
+    if row is None:
         return ""
-    row = values.loc[time]
     ends = "" if np.isnan(row["low"]) else f" ({fixed(row['low'])} to {fixed(row['high'])})"
     return fixed(row["value"]) + ends
 
 
 def sweep(tables: Tables, metric: str = "f_score") -> str:
     """A score at all prediction times, one row for each case, one column for each forecaster."""
-    names = tables.rows("classification_percentiles", metric=metric)
-    keys = ["forecaster", "neurons", "validation"]
-    groups = [
-        {key: value for key, value in row.items() if pd.notna(value)}
-        for row in names[keys].drop_duplicates().to_dict("records")
-    ]
+    groups = _groups(tables.rows("classification_percentiles", metric=metric))
     rows = [
         [
             case.replace("_", " "),
@@ -529,4 +551,10 @@ def costs(tables: Tables) -> str:
 
 def _cost(name: str, row: dict[Any, Any]) -> list[str]:
     minutes = [fixed(row[k], 1) for k in ("predicted_minutes", "minutes", "processor_minutes")]
-    return [name, f"{row['jobs']:.0f}", *minutes, fixed(row["memory_mib"], 0), fixed(row["disk_mib"], 0)]
+    return [
+        name,
+        f"{row['jobs']:.0f}",
+        *minutes,
+        fixed(row["memory_mib"], 0),
+        fixed(row["disk_mib"], 0),
+    ]

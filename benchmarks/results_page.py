@@ -1,0 +1,197 @@
+"""docs/results.md, made of the tables of campaigns that were run.
+
+::
+
+    python benchmarks/results_page.py                   # the page, from docs/results
+    python benchmarks/results_page.py collect RESULTS   # a campaign's tables into docs/results
+    python benchmarks/results_page.py same RESULTS      # whether those of another run are in it
+
+The page is docs/results/page.md.jinja with tables and numbers in it: nobody types a number. A
+campaign of which there are no tables is left out of it.
+"""
+
+import argparse
+import json
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import jinja2
+import pandas as pd
+import results_tables
+from paper_claims import findings
+from results_tables import PUBLISHED, PUBLISHED_TABLES, Tables, markdown, significant
+
+from burstcast.published import compare
+from burstcast_workflow.archive import versions
+from burstcast_workflow.cost_report import RULE_COSTS
+from burstcast_workflow.harness.tables import read_table
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+KEPT = DOCS / "results"
+TEMPLATE = "page.md.jinja"
+
+# Probabilities of single networks are many, and nobody asks for them: those of committees are kept
+# where a campaign is about them.
+WITH_PROBABILITIES = ("beyond_the_paper",)
+
+
+def collect(results: Path) -> None:
+    """Copy a campaign's tables to docs/results, with what made them.
+
+    Parameters
+    ----------
+    results
+        Results directory of a campaign that has run whole; its last name is the campaign's.
+    """
+    target = KEPT / results.name
+    shutil.rmtree(target, ignore_errors=True)
+    target.mkdir(parents=True)
+    names = [*PUBLISHED_TABLES]
+    if results.name in WITH_PROBABILITIES:
+        names.append("probability_scores")
+    for name in names:
+        path = results / "tables" / f"{name}.csv"
+        if path.exists() and path.stat().st_size:
+            shutil.copyfile(path, target / path.name)
+    costs = results / "benchmarks" / RULE_COSTS
+    if costs.exists():
+        shutil.copyfile(costs, target / costs.name)
+    made_by = versions(results)
+    del made_by["revision"]  # that of who collects
+    text = json.dumps(made_by, indent=2, sort_keys=True)
+    (target / "versions.json").write_text(f"{text}\n", encoding="utf-8")
+
+
+def differences(results: Path) -> list[str]:
+    """Rows of another run's tables that the kept ones of the same campaign do not have.
+
+    Parameters
+    ----------
+    results
+        Results directory of a campaign that is part of the kept one: the same cases, fewer
+        networks. Only tables with a row for each network are compared, as text, to the last digit.
+    """
+    kept = KEPT / results.name
+    found = []
+    for name in ("hyperparameters", "classification", "horizon", "statistics", "control"):
+        theirs = results / "tables" / f"{name}.csv"
+        if not theirs.exists() or not theirs.stat().st_size:
+            continue
+        head, *rows = theirs.read_text(encoding="utf-8").splitlines()
+        ours = (kept / f"{name}.csv").read_text(encoding="utf-8").splitlines()
+        if head != ours[0]:
+            found.append(f"{name}: other columns")
+        found += [f"{name}: {row}" for row in rows if row not in set(ours)]
+        print(f"{name}: {len(rows)} rows looked up", file=sys.stderr)
+    return found
+
+
+def claims_table(tables: Tables) -> str:
+    """The paper's claims, its numbers, ours, and whether they agree."""
+    return markdown(
+        ["claim", "section", "paper", "ours", "agrees", "why not, or what to know"],
+        findings(tables).astype(str).to_numpy().tolist(),
+    )
+
+
+def comparison(tables: Tables) -> pd.DataFrame:
+    """What of a campaign is published, too: `burstcast.published.compare`."""
+    names = ("classification", "horizon", "hyperparameters", "statistics", "control")
+
+    def parts(ending: str) -> dict[str, pd.DataFrame]:
+        found = {name: tables.rows(f"{name}_{ending}") for name in names}
+        return {name: rows for name, rows in found.items() if len(rows)}
+
+    return compare(read_table(PUBLISHED), parts("percentiles"), parts("intervals"))
+
+
+def outside_table(compared: pd.DataFrame) -> str:
+    """Every published value that lies outside our interval."""
+    rows = []
+    for row in compared[compared["inside"].eq(False).fillna(False)].to_dict("records"):
+        network = (
+            f"{row['neurons']:g} {row['validation']}"
+            if row["forecaster"] == "esn"
+            else row["forecaster"]
+        )
+        time = row["prediction_time_lt"]
+        ends, quartiles = (
+            " to ".join(filter(None, (significant(row[end]) for end in both)))
+            for both in (("low", "high"), ("p25", "p75"))
+        )
+        rows.append(
+            [
+                f"{row['reynolds']:g}",
+                network,
+                str(row["metric"]).replace("_", " "),
+                "" if pd.isna(time) else f"{time:g}",
+                significant(row["published_p50"]),
+                f"{significant(row['p50'])} ({quartiles})",
+                ends,
+            ]
+        )
+    head = ["Re", "network", "metric", "LT ahead", "paper", "ours (quartiles)"]
+    return markdown([*head, "95 % of one network"], rows)
+
+
+def agreement_table(compared: pd.DataFrame) -> str:
+    """How many published values lie inside our intervals, by kind."""
+    known = compared[compared["inside"].notna()]
+    rows = [
+        [str(kind), str(len(part)), str(int(part["inside"].sum()))]
+        for kind, part in known.groupby("kind", sort=False)
+    ]
+    rows.append(["all", str(len(known)), str(int(known["inside"].sum()))])
+    return markdown(["", "published values", "inside our interval"], rows)
+
+
+def page(kept: Path = KEPT) -> str:
+    """The text of docs/results.md.
+
+    Parameters
+    ----------
+    kept
+        Directory with the template, and a directory of tables for each campaign.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(kept),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    names = [line for line in dir(results_tables) if not line.startswith("_")]
+    functions = {name: getattr(results_tables, name) for name in names}
+    return environment.get_template(TEMPLATE).render(
+        functions,
+        claims_table=claims_table,
+        outside_table=outside_table,
+        agreement_table=agreement_table,
+        comparison=comparison,
+        tables=lambda name: Tables(kept / name),
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Make the page, collect tables, or compare another run's with them."""
+    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
+    commands = parser.add_subparsers(dest="command")
+    for name in ("collect", "same"):
+        commands.add_parser(name).add_argument("results", type=Path, nargs="+")
+    chosen = parser.parse_args(arguments)
+    if chosen.command == "collect":
+        for results in chosen.results:
+            collect(results)
+    elif chosen.command == "same":
+        found = [line for results in chosen.results for line in differences(results)]
+        print("\n".join(found) or "the same")
+        return 1 if found else 0
+    else:
+        (DOCS / "results.md").write_text(page(), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

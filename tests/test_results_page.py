@@ -1,0 +1,216 @@
+"""docs/results.md: made of the kept tables, and judged like the paper by its own numbers."""
+
+import itertools
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import results_page
+from paper_claims import CLAIMS, all_of, findings, verdict
+from results_tables import PUBLISHED, Tables, quartiles, sweep
+
+from burstcast.published import published_percentiles
+
+ROOT = Path(__file__).parents[1]
+SIZES = (500, 1000, 1500, 2000, 2500, 3000)
+CASES = {400: "Re400", 600: "Re600", 800: "Re800", 1000: "Re1000"}
+TIMES = np.arange(0.5, 5.5, 0.5)
+HALF_WIDTH = 0.02  # of all intervals, relative
+
+
+def test_the_page_is_that_of_the_kept_tables():
+    page = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    assert page == results_page.page(), "make results"
+
+
+# -- the paper's numbers as if they were ours ------------------------------------------------------
+
+
+def published(table):
+    """Percentiles that the paper published, with the sizes and cases that are not published.
+
+    What is missing is like the nearest that is there: 2500 and 3000 neurons like 2000 (but what
+    the text says of 2500 and 3000), other Reynolds numbers like 600, later ones a little better in
+    the horizon as the text says.
+    """
+    found = published_percentiles(pd.read_csv(PUBLISHED), table)
+    networks = found[found["forecaster"] == "esn"]
+    parts = [found]
+    for size in (2500, 3000):
+        like = networks[(networks["reynolds"] == 400) & (networks["neurons"] == 2000)]
+        keys = ["reynolds", "neurons", "validation", "prediction_time_lt", "metric"]
+        new = like.assign(neurons=float(size))
+        there = set(map(str, found[keys].to_numpy().tolist()))
+        parts.append(new[[str(row) not in there for row in new[keys].to_numpy().tolist()]])
+    for number, reynolds in enumerate((800, 1000), 1):
+        like = networks[networks["reynolds"] == 600].assign(reynolds=reynolds)
+        later = 1 + 0.01 * number * (like["metric"] == "mean_horizon_lt")
+        parts.append(like.assign(**{p: like[p] * later for p in ("p25", "p50", "p75")}))
+    return pd.concat(parts, ignore_index=True)
+
+
+def write(directory, name, rows):
+    """Percentile table of a campaign, and intervals of one network, of published rows."""
+    rows = rows.assign(case=rows["reynolds"].map(CASES), networks=10)
+    rows[["p25", "p75"]] = rows[["p25", "p75"]].apply(lambda column: column.fillna(rows["p50"]))
+    rows.to_csv(directory / f"{name}_percentiles.csv", index=False)
+    ends = rows.assign(
+        seed=0, low=rows["p50"] * (1 - HALF_WIDTH), high=rows["p50"] * (1 + HALF_WIDTH)
+    )
+    ends.drop(columns=["p25", "p50", "p75", "networks"]).to_csv(
+        directory / f"{name}_intervals.csv", index=False
+    )
+    return ends
+
+
+@pytest.fixture
+def like_the_paper(tmp_path):
+    exponents = (0.0163, 0.0135, 0.0126, 0.0121)
+    dataset = pd.DataFrame(
+        {
+            "case": CASES.values(),
+            "reynolds": CASES.keys(),
+            "series_generated": 2000,
+            "series_kept": [1436, 1900, 1980, 1998],
+            "mean_observable": 0.06,
+            "events_per_series": 2.4,
+            **{
+                f"lyapunov_exponent{way}{end}": np.array(exponents) * factor
+                for way in ("", "_by_growth")
+                for end, factor in (("", 1.0), ("_low", 0.99), ("_high", 1.01))
+            },
+            "lyapunov_exponent_paper": exponents,
+        }
+    )
+    dataset.to_csv(tmp_path / "dataset.csv", index=False)
+    for name in ("classification", "horizon", "statistics", "hyperparameters"):
+        write(tmp_path, name, published(name))
+    control = published("control")
+    without = control.assign(metric="exceedance_uncontrolled", p25=0.13, p50=0.13, p75=0.13)
+    ends = write(tmp_path, "control", pd.concat([control, without]))
+    (tmp_path / "control_intervals.csv").unlink()
+    ours = ends[ends["metric"] == "exceedance_controlled"].reset_index(drop=True)
+    ours["value"] = published("control")["p50"].to_numpy()
+    ours.assign(strategy="prediction_triggered").to_csv(
+        tmp_path / "control_strategies.csv", index=False
+    )
+    ours.assign(exceedance_controlled=ours["value"]).to_csv(tmp_path / "control.csv", index=False)
+    return tmp_path
+
+
+def test_the_paper_agrees_with_its_own_claims(like_the_paper):
+    found = findings(Tables(like_the_paper)).set_index("claim")
+    # the authors' networks of 1000 are worse than their training set, by the formulas
+    density = "the density of k improves on the training set (Kantorovich metric)"
+    profiles = "profiles improve on the training set (NRMSE of u; u^2; uv)"
+    assert found.loc[density, "agrees"] == "5 of 6"
+    assert found.loc[profiles, "agrees"] == "16 of 18"
+    others = found.drop(index=[density, profiles])
+    assert others["agrees"].eq("yes").all(), others[["paper", "ours", "agrees"]].to_string()
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.text)
+def test_every_claim_can_fail(claim, like_the_paper):
+    """Numbers that are all the same, or turned round, agree with no claim."""
+    for path in like_the_paper.glob("*.csv"):
+        table = pd.read_csv(path)
+        for column in ("p25", "p50", "p75", "low", "high"):
+            if column not in table:
+                continue
+            value = table[column]
+            opposed = {"RV": 0.5, "SSV": 0.7}
+            table[column] = value * table["validation"].map(opposed).fillna(0.1)
+            early = table.get("prediction_time_lt", pd.Series(2.0, table.index)) < 1.5
+            table[column] *= np.where(early & table["metric"].eq("exceedance_controlled"), 5, 1)
+            table[column] *= np.where(table["case"] != "Re400", 3 - table["reynolds"] / 500, 1)
+            by_size = table["metric"].isin(["f_score", "kantorovich", "nrmse_u"])
+            table[column] *= np.where(by_size, table["neurons"].fillna(1000) / 500, 1)
+        for column in ("series_kept", "lyapunov_exponent_low", "lyapunov_exponent_high"):
+            if column in table:
+                table[column] = table[column] * 0.8 if "low" in column else table[column] * 0.9
+        table.to_csv(path, index=False)
+    assert claim.find(Tables(like_the_paper)).agrees != "yes"
+
+
+def test_verdicts():
+    assert verdict(1.0, 0.8, 1.0) == "yes"
+    assert verdict(1.03, 0.8, 1.0) == "nearly"  # within 0.1 * sqrt(2) of the middle
+    assert verdict(1.05, 0.8, 1.0) == "no"
+    assert (all_of([True, True]), all_of([True, False]), all_of([False])) == ("yes", "1 of 2", "no")
+
+
+def test_published_values_outside_are_listed(like_the_paper):
+    path = like_the_paper / "horizon_percentiles.csv"
+    table = pd.read_csv(path)
+    chosen = (table["neurons"] == 1500) & (table["validation"] == "RV")
+    table.loc[chosen, ["p25", "p50", "p75"]] *= 2
+    table.to_csv(path, index=False)
+    ends = like_the_paper / "horizon_intervals.csv"
+    intervals = pd.read_csv(ends)
+    chosen = (intervals["neurons"] == 1500) & (intervals["validation"] == "RV")
+    intervals.loc[chosen, ["low", "high"]] *= 2
+    intervals.to_csv(ends, index=False)
+    compared = results_page.comparison(Tables(like_the_paper))
+    _, _, *rows = results_page.outside_table(compared).splitlines()
+    assert len(rows) == 1
+    assert "| 400 | 1500 RV | mean horizon lt |  | 4.58 | 9.16 (" in rows[0]
+    agreement = results_page.agreement_table(compared).splitlines()
+    known = int(compared["inside"].notna().sum())
+    assert agreement[-1] == f"| all | {known} | {known - 1} |"
+
+
+# -- tables ----------------------------------------------------------------------------------------
+
+
+def test_collected_tables_are_those_of_the_campaign(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(results_page, "KEPT", tmp_path / "kept")
+    results = tmp_path / "small"
+    (results / "tables").mkdir(parents=True)
+    rows = "case,seed,f_score\nRe400,0,0.5\nRe400,1,0.75\n"
+    (results / "tables" / "classification.csv").write_text(rows)
+    (results / "tables" / "reliability.csv").write_text("not,kept\n1,2\n")
+    (results / "tables" / "survival.csv").write_text("")  # of a campaign without long runs
+    assert results_page.main(["collect", str(results)]) == 0
+    kept = tmp_path / "kept" / "small"
+    assert {path.name for path in kept.iterdir()} == {"classification.csv", "versions.json"}
+    assert results_page.main(["same", str(results)]) == 0
+    # one network alone, its last digit another one
+    part = "case,seed,f_score\nRe400,1,0.7500000001\n"
+    (results / "tables" / "classification.csv").write_text(part)
+    assert results_page.main(["same", str(results)]) == 1
+    assert "classification: Re400,1,0.7500000001" in capsys.readouterr().out
+
+
+def test_a_sweep_shows_each_median_once(tmp_path):
+    cases, forecasters = ("b", "a"), ("quadratic", "equations_noisy")
+    rows = [
+        {
+            "case": case,
+            "forecaster": forecaster,
+            "neurons": None,
+            "validation": None,
+            "prediction_time_lt": time,
+            "metric": "f_score",
+            **dict.fromkeys(("p25", "p50", "p75"), number / 100),
+            "networks": 1,
+        }
+        for number, (case, forecaster, time) in enumerate(
+            itertools.product(cases, forecasters, (1.0, 2.0, 3.0, 4.0, 5.0))
+        )
+    ]
+    pd.DataFrame(rows).to_csv(tmp_path / "classification_percentiles.csv", index=False)
+    pd.DataFrame({"case": cases}).to_csv(tmp_path / "dataset.csv", index=False)
+    _, _, *lines = sweep(Tables(tmp_path)).splitlines()
+    assert [line.split(" | ")[0] for line in lines] == ["| b", "| a"]
+    assert re.findall(r"\.(\d\d)", " ".join(lines)) == [f"{number:02d}" for number in range(20)]
+
+
+def test_numbers_that_are_not_there(tmp_path):
+    tables = Tables(tmp_path)
+    assert not tables
+    assert tables.ensemble("horizon", "mean_horizon_lt", case="Re400") is None
+    assert quartiles(None) == ""
+    with pytest.raises(LookupError, match="0 rows"):
+        tables.number("dataset", "series_kept", case="Re400")
