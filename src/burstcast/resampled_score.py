@@ -1,6 +1,6 @@
 """A score with what resamples make of it, so that scores are compared on the same resamples."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,3 +26,8 @@ def median_score(scores: Sequence[ResampledScore]) -> ResampledScore:
         np.median([score.value for score in scores], axis=0),
         np.median([score.samples for score in scores], axis=0),
     )
+
+
+def median_scores(members: Sequence[Mapping[str, ResampledScore]]) -> dict[str, ResampledScore]:
+    """Medians over the members of scores by name, which all of them have."""
+    return {name: median_score([scores[name] for scores in members]) for name in members[0]}

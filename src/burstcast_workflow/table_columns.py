@@ -187,6 +187,14 @@ TABLES: dict[str, TableText] = {
         "dissipation_uncontrolled dissipation_controlled relative_dissipation "
         "laminarisation_hazard_uncontrolled laminarisation_hazard_controlled",
     ),
+    "control_differences": TableText(
+        "Differences between two runs of control of the same flows, on the same resamples of them: "
+        "another forecaster, or another strategy; networks that differ by their seeds are one, by "
+        "their median in each.",
+        f"compared strategy other other_strategy metric {_INTERVAL}",
+        "relative_exceedance control_fraction",
+        keys=("case",),
+    ),
     "warnings": TableText(
         "Signs that a result is less than it seems, and what to try. No row, no sign.",
         "warning finding advice",
@@ -268,6 +276,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "alarm": ("", "who raises it: a forecaster, a committee, or a baseline"),
     "compared": ("", "a forecaster, or the median of networks"),
     "other": ("", "whose score is taken away"),
+    "other_strategy": ("", "of the other run, with its settings and conditions"),
     "probability": ("", "calibrated, or votes as they are; of control: the setting of its name"),
     "alarm_threshold": ("", "probability from which on an alarm is raised"),
     "base_rate": ("", "share of the starting points that an event follows"),

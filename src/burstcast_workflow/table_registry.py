@@ -52,6 +52,7 @@ TABLES: Mapping[str, Cases] = {
     "control": _controlled,
     "control_density": _controlled,
     "control_strategies": _controlled_in_any_way,
+    "control_differences": _controlled_in_any_way,
     "warnings": _all,
 }
 """Tables of cases."""

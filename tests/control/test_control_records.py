@@ -11,7 +11,15 @@ from burstcast.arrays import BoolArray, FloatArray
 from burstcast.control.actuation import actuated_system
 from burstcast.control.decisions import DecidedFlows, Decisions
 from burstcast.control.followed import EnergyMeans, energy_means
-from burstcast.control.records import SCORES, FlowRecords, Interval, Span, record_flows, score_flows
+from burstcast.control.records import (
+    SCORES,
+    FlowRecords,
+    Interval,
+    Span,
+    flow_intervals,
+    record_flows,
+    score_flows,
+)
 from burstcast.control.timing import DecisionTiming
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
@@ -74,7 +82,8 @@ def test_records_count_what_counts() -> None:
 
 
 def score(records: FlowRecords, seed: int = 0, resamples: int = 400) -> dict[str, Interval]:
-    return score_flows(records, SPAN, resamples, 0.95, np.random.default_rng(seed))
+    scores = score_flows(records, SPAN, resamples, np.random.default_rng(seed))
+    return flow_intervals(scores, records, SPAN, 0.95)
 
 
 def test_scores_of_two_flows_by_hand() -> None:

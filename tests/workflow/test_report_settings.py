@@ -247,7 +247,8 @@ def test_stages_that_are_switched_off_have_no_tables():
     off = {"forecasters": {"esn": None, "equations": None}}
     without = campaign({"control": off, "statistics": off})
     gone = {
-        *("control", "control_percentiles", "control_strategies", "control_density"),
+        *("control", "control_percentiles", "control_density"),
+        *("control_strategies", "control_differences"),
         *("statistics", "statistics_intervals", "statistics_percentiles"),
         *("survival", "survival_percentiles", "survival_curve", "survival_curve_percentiles"),
         *("lyapunov_spectrum", "lyapunov_spectrum_percentiles"),

@@ -122,7 +122,10 @@ stage(
     "tables/control_strategies_table",
     "costs and gains of control",
     inputs={"flows": files_in_case("flows.nc", campaign.strategy_runs)},
-    outputs={"table": f"{TABLES_OF_CASE}/control_strategies.csv"},
+    outputs={
+        "table": f"{TABLES_OF_CASE}/control_strategies.csv",
+        "differences": f"{TABLES_OF_CASE}/control_differences.csv",
+    },
     settings="random_seed bootstrap",
     rows=in_case(campaign.strategy_runs, campaign.strategy_keys),
 )

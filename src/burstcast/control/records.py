@@ -19,6 +19,7 @@ import numpy.typing as npt
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.followed import EnergyMeans, FollowedFlows
 from burstcast.events import upward_crossings
+from burstcast.resampled_score import ResampledScore
 from burstcast.resampling import bootstrap_weights, percentile_interval
 
 
@@ -166,13 +167,9 @@ actuation. Hazards are laminarisations per Lyapunov time of the flows that are n
 
 
 def score_flows(
-    records: FlowRecords,
-    span: Span,
-    resamples: int,
-    confidence: float,
-    generator: np.random.Generator,
-) -> dict[str, Interval]:
-    """Score flows by what control costs and gains, with intervals over flows.
+    records: FlowRecords, span: Span, resamples: int, generator: np.random.Generator
+) -> dict[str, ResampledScore]:
+    """Score flows by what control costs and gains.
 
     Parameters
     ----------
@@ -181,11 +178,10 @@ def score_flows(
     span
         That time.
     resamples
-        Bootstrap samples.
-    confidence
-        Of the intervals, in (0, 1).
+        Bootstrap samples of the flows.
     generator
-        Source of the resamples.
+        Source of the resamples: runs on the same flows are compared on the same resamples if
+        theirs begin alike.
 
     Returns
     -------
@@ -196,10 +192,27 @@ def score_flows(
     if flows:
         weights[1:] = bootstrap_weights(flows, resamples, generator)
     values = _scores(records, span, weights)
-    intervals = {}
-    for name in SCORES:
-        value, resampled = values[name][0], values[name][1:]
-        intervals[name] = Interval(float(value), *percentile_interval(resampled, confidence))
+    return {name: ResampledScore(float(values[name][0]), values[name][1:]) for name in SCORES}
+
+
+def flow_intervals(
+    scores: Mapping[str, ResampledScore], records: FlowRecords, span: Span, confidence: float
+) -> dict[str, Interval]:
+    """Intervals over flows of the scores of a run, by their names.
+
+    Parameters
+    ----------
+    scores
+        Of `score_flows`.
+    records, span
+        What they are of.
+    confidence
+        Of the intervals, in (0, 1).
+    """
+    intervals = {
+        name: Interval(float(score.value), *percentile_interval(score.samples, confidence))
+        for name, score in scores.items()
+    }
     return {**intervals, **_bounds_of_nothing(records, span, confidence, intervals)}
 
 

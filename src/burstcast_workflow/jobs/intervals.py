@@ -1,10 +1,15 @@
-"""Cells of tables that have intervals."""
+"""Cells of tables that have intervals, and who is compared in tables of differences."""
 
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from burstcast.arrays import FloatArray
-from burstcast.resampled_score import ResampledScore
+from burstcast.resampled_score import ResampledScore, median_scores
 from burstcast.resampling import percentile_interval
+from burstcast_workflow.identifiers import ForecasterName
+
+Scores = Mapping[str, ResampledScore]
 
 
 def between(samples: FloatArray, confidence: float) -> dict[str, float]:
@@ -21,3 +26,28 @@ def with_interval(score: ResampledScore, confidence: float) -> dict[str, float]:
 def with_ends(name: str, value: Any, low: Any, high: Any) -> dict[str, Any]:
     """A value in the column of its name, and the ends of its interval in columns beside it."""
     return {name: value, f"{name}_low": low, f"{name}_high": high}
+
+
+def medians_over_seeds(found: Iterable[tuple[Mapping[str, Any], Scores]]) -> dict[str, Scores]:
+    """Scores by who they are of, where networks that differ by their seeds are one.
+
+    Parameters
+    ----------
+    found
+        Key columns of forecasters and their scores by name.
+
+    Returns
+    -------
+    By identifier, in the order in which they come; "median of" networks by what these share.
+    """
+    alike: dict[ForecasterName, list[tuple[str, Scores]]] = {}
+    for keys, scores in found:
+        common = ForecasterName(keys["forecaster"], keys["neurons"], keys["validation"])
+        identifier = replace(common, seed=keys["seed"]).identifier
+        alike.setdefault(common, []).append((identifier, scores))
+    return dict(
+        members[0]
+        if len(members) == 1
+        else (f"median of {common.identifier}", median_scores([scores for _, scores in members]))
+        for common, members in alike.items()
+    )

@@ -197,6 +197,7 @@ _OF_CASES = {
     "classification_intervals": "classification_table",
     "horizon_intervals": "horizon_table",
     "horizon_differences": "horizon_table",
+    "control_differences": "control_strategies_table",
     "statistics_intervals": "statistics_table",
     "probability_scores": "probability_scores",
     "probability_differences": "probability_scores",

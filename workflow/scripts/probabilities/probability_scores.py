@@ -4,7 +4,7 @@ from itertools import combinations
 from typing import Any
 
 from burstcast.probability.scores import resampled_scores
-from burstcast.resampled_score import ResampledScore, median_score
+from burstcast.resampled_score import ResampledScore, median_scores
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import write_rows
@@ -74,17 +74,11 @@ def _compared(case: CaseProbabilities, scores: dict[str, Scores]) -> list[tuple[
     return [
         *((one["alarm"], scores[one["alarm"]]) for one in committees),
         *(
-            (f"median of {one['alarm']}", _median([scores[name] for name in one["members"]]))
+            (f"median of {one['alarm']}", median_scores([scores[name] for name in one["members"]]))
             for one in committees
         ),
         *((name, scores[name]) for name in others),
     ]
-
-
-def _median(members: list[Scores]) -> Scores:
-    return {
-        metric: median_score([member[metric] for member in members]) for metric in COMPARED_METRICS
-    }
 
 
 if __name__ == "__main__":

@@ -1,39 +1,67 @@
-"""Score all control by what it costs and gains, with intervals over flows."""
+"""Score all control by what it costs and gains, with intervals over flows; compare runs."""
 
 from dataclasses import fields
+from typing import Any
+
+import pandas as pd
 
 from burstcast import random_streams
-from burstcast.control.records import FlowRecords, Span, score_flows
+from burstcast.arrays import IntArray
+from burstcast.control.differences import ComparedRun, paired_differences
+from burstcast.control.records import FlowRecords, Span, flow_intervals, score_flows
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_attributes, read_netcdf
-from burstcast_workflow.harness.tables import write_rows
+from burstcast_workflow.harness.tables import write_rows, write_table
 from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.intervals import Scores, medians_over_seeds, with_interval
+
+DIFFERENCES = (
+    *("case", "compared", "strategy", "other", "other_strategy"),
+    *("metric", "value", "low", "high"),
+)
 
 
-def control_strategies_table(*, flows: list[str], table: str, settings: Settings) -> None:
-    """Write a row for each run of control and score."""
+def control_strategies_table(
+    *, flows: list[str], table: str, differences: str, settings: Settings
+) -> None:
+    """Write a row for each run of control and score, and paired differences between runs."""
     rows = []
+    resamples, confidence = settings["bootstrap.resamples"], settings["bootstrap.confidence"]
+    flows_of: dict[str, tuple[IntArray, Span]] = {}
+    scores_of: dict[str, list[tuple[dict[str, Any], Scores]]] = {}
     for record, path in gathered(settings["rows"], flows):
-        found, attributes = read_netcdf(path), read_attributes(path)
-        records = FlowRecords(**{field.name: found[field.name] for field in fields(FlowRecords)})
+        arrays, attributes = read_netcdf(path), read_attributes(path)
+        records = FlowRecords(**{field.name: arrays[field.name] for field in fields(FlowRecords)})
         span = Span(**{field.name: int(attributes[field.name]) for field in fields(Span)})
         # what it is first; the rest is in the order of the alphabet
         keys = {"strategy": record["keys"]["strategy"], **record["keys"]}
         # all runs of a case are resampled alike: their flows are the same
         generator = random_streams.stream(settings["random_seed"], "control", keys["case"])
-        scores = score_flows(
-            records,
-            span,
-            settings["bootstrap.resamples"],
-            settings["bootstrap.confidence"],
-            generator,
-        )
+        scores = score_flows(records, span, resamples, generator)
         rows += [
             {**keys, "metric": name, "value": score.value, "low": score.low, "high": score.high}
-            for name, score in scores.items()
+            for name, score in flow_intervals(scores, records, span, confidence).items()
         ]
+        # whoever forecasts, flows of one strategy are the same
+        strategy = record["identity"]["strategy"]
+        flows_of[strategy] = records.row, span
+        scores_of.setdefault(strategy, []).append((keys, scores))
+    compared = [
+        ComparedRun(None if name == "none" else name, strategy, *flows_of[strategy], scores)
+        for strategy, found in scores_of.items()
+        for name, scores in medians_over_seeds(found).items()
+    ]
+    pairs = [
+        {
+            **{"case": settings["case"], "compared": run.forecaster, "strategy": run.strategy},
+            **{"other": other.forecaster, "other_strategy": other.strategy, "metric": metric},
+            **with_interval(difference, confidence),
+        }
+        for run, other, metric, difference in paired_differences(compared)
+    ]
     write_rows(table, rows)
+    write_table(differences, pd.DataFrame(pairs, columns=list(DIFFERENCES)))
 
 
 if __name__ == "__main__":

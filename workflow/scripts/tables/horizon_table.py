@@ -1,6 +1,7 @@
 """Average the prediction horizons of each forecaster over the events."""
 
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -8,20 +9,17 @@ import pandas as pd
 from burstcast import random_streams
 from burstcast.arrays import IntArray
 from burstcast.forecast.horizon_intervals import resampled_averages
-from burstcast.resampled_score import ResampledScore, median_score
+from burstcast.resampled_score import ResampledScore
 from burstcast.resampling import bootstrap_weights
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import write_rows, write_table
-from burstcast_workflow.identifiers import ForecasterName
 from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.intervals import between, with_interval
+from burstcast_workflow.jobs.intervals import Scores, between, medians_over_seeds, with_interval
 
 METRICS = ("mean_horizon_lt", "median_horizon_lt")
 DIFFERENCES = ("case", "compared", "other", "metric", "value", "low", "high")
-
-Averages = dict[str, ResampledScore]
 
 
 def horizon_table(
@@ -36,8 +34,7 @@ def horizon_table(
     files = gathered(settings["rows"], horizons)
     found = [(record, read_netcdf(path)["prediction_horizon_lt"]) for record, path in files]
     weights = _weights(settings, len(found[0][1]))
-    # by what networks that differ by their seeds have in common
-    alike: dict[ForecasterName, list[tuple[str, Averages]]] = {}
+    resampled: list[tuple[dict[str, Any], Scores]] = []
     for record, values in found:
         events, keys = pd.Series(values), record["keys"]
         averages = dict(zip(METRICS, (events.mean(), events.median()), strict=True))
@@ -50,30 +47,18 @@ def horizon_table(
             {**keys, "metric": metric, **between(score.samples, confidence)}
             for metric, score in scores.items()
         ]
-        common = ForecasterName(keys["forecaster"], keys["neurons"], keys["validation"])
-        alike.setdefault(common, []).append((record["identity"]["forecaster"], scores))
-    compared = [_compared(common, members) for common, members in alike.items()]
+        resampled.append((keys, scores))
     pairs = [
         {
             **{"case": settings["case"], "compared": one, "other": other, "metric": metric},
             **with_interval(scores[metric] - others[metric], confidence),
         }
-        for (one, scores), (other, others) in combinations(compared, 2)
+        for (one, scores), (other, others) in combinations(medians_over_seeds(resampled).items(), 2)
         for metric in METRICS
     ]
     write_rows(table, rows)
     write_rows(intervals, ends)
     write_table(differences, pd.DataFrame(pairs, columns=list(DIFFERENCES)))
-
-
-def _compared(common: ForecasterName, members: list[tuple[str, Averages]]) -> tuple[str, Averages]:
-    """Who is compared: one forecaster, or the median of networks that differ by their seeds."""
-    if len(members) == 1:
-        return members[0]
-    medians = {
-        metric: median_score([averages[metric] for _, averages in members]) for metric in METRICS
-    }
-    return f"median of {common.identifier}", medians
 
 
 def _weights(settings: Settings, events: int) -> IntArray:

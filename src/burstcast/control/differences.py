@@ -1,0 +1,66 @@
+"""Runs of control beside each other: what another forecaster or strategy changes.
+
+Runs are compared on the same flows, resampled alike: what the choice of the flows does to both of
+them cancels, and the interval of a difference is narrower than those of the runs suggest.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from burstcast.arrays import IntArray
+from burstcast.control.records import Span
+from burstcast.resampled_score import ResampledScore
+
+COMPARED = ("relative_exceedance", "control_fraction")
+"""Scores whose differences are told: what is left, and what it costs."""
+
+
+@dataclass(frozen=True)
+class ComparedRun:
+    """What a run is compared by.
+
+    Attributes
+    ----------
+    forecaster
+        Who forecasts; None if nobody does.
+    strategy
+        How, with all settings and conditions.
+    rows, span
+        Which flows it had, and for how long.
+    scores
+        Of `burstcast.control.records.score_flows`; `COMPARED` at least.
+    """
+
+    forecaster: str | None
+    strategy: str
+    rows: IntArray
+    span: Span
+    scores: Mapping[str, ResampledScore]
+
+    def is_comparable(self, other: "ComparedRun") -> bool:
+        """Whether both had the same flows, and differ by forecaster or strategy, not by both.
+
+        Who needs no forecaster is compared with everybody.
+        """
+        alike = self.strategy == other.strategy or self.forecaster == other.forecaster
+        somebody = None not in (self.forecaster, other.forecaster)
+        same_flows = self.span == other.span and np.array_equal(self.rows, other.rows)
+        return same_flows and (alike or not somebody)
+
+
+def paired_differences(
+    runs: Sequence[ComparedRun],
+) -> Iterator[tuple[ComparedRun, ComparedRun, str, ResampledScore]]:
+    """Differences of the scores `COMPARED` between all runs that are comparable.
+
+    Yields
+    ------
+    A run, the other, the name of a score, and the first one's score less the other's.
+    """
+    for run, other in combinations(runs, 2):
+        if run.is_comparable(other):
+            for name in COMPARED:
+                yield run, other, name, run.scores[name] - other.scores[name]
