@@ -20,7 +20,7 @@ PUBLISHED_TABLES = (
     *("classification", "classification_intervals"),
     *("horizon", "horizon_intervals"),
     *("statistics", "statistics_intervals", "survival", "kaplan_yorke", "lyapunov_spectrum"),
-    *("control", "control_strategies", "training_realisations"),
+    *("control", "control_strategies", "control_differences", "training_realisations"),
     *(
         f"{name}_percentiles"
         for name in (
