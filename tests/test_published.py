@@ -6,7 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from burstcast.published import compare, intervals_of_control, published_percentiles
+from burstcast.published import (
+    compare,
+    intervals_of_control,
+    published_percentiles,
+    published_reductions,
+)
 from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.profiles import flow_modes, velocity_profiles
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -103,6 +108,24 @@ def test_the_range_from_wall_to_wall_is_about_twice_that_of_half_a_channel():
     moments = StateMoments(1, mean, np.outer(mean, mean))
     profile = velocity_profiles(matrices, moments).u
     assert np.ptp(profile) / np.ptp(profile[100:]) == pytest.approx(1.97, abs=0.02)
+
+
+def test_exceedances_as_reductions_of_ours_without_control(published):
+    theirs = published_percentiles(published, "control")
+    theirs = theirs[theirs["reynolds"] == 400]
+    keys = {"forecaster": "esn", "neurons": 2000, "validation": "RV"}
+    ours = pd.DataFrame(
+        [
+            {**keys, "prediction_time_lt": 1.0, "metric": "exceedance_uncontrolled", "p50": 0.12},
+            {**keys, "prediction_time_lt": 1.0, "metric": "exceedance_controlled", "p50": 0.02},
+            {**keys, "prediction_time_lt": 2.0, "metric": "exceedance_uncontrolled", "p50": 0.0},
+        ]
+    )
+    (row,) = published_reductions(theirs, ours).to_dict("records")
+    assert (row["metric"], row["prediction_time_lt"]) == ("reduction", 1.0)
+    assert row["p50"] == pytest.approx(1 - 0.027678 / 1.02 / 0.12)
+    assert row["p25"] < row["p50"] < row["p75"]
+    assert published_reductions(theirs, ours.assign(neurons=500)).empty
 
 
 # -- ours beside them ------------------------------------------------------------------------------

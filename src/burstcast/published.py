@@ -88,6 +88,36 @@ def published_percentiles(published: pd.DataFrame, table: str) -> pd.DataFrame:
     return converted[~metric.isin(_NOT_COMPARABLE)].reset_index(drop=True)
 
 
+def published_reductions(exceedances: pd.DataFrame, ours: pd.DataFrame) -> pd.DataFrame:
+    """Published exceedances with control as reductions, of ours without control.
+
+    How much of the exceedance there was without control is not published.
+
+    Parameters
+    ----------
+    exceedances
+        Of "control", as `published_percentiles` gives them.
+    ours
+        Our percentile table of control, of one case: ``forecaster``, ``neurons``, ``validation``,
+        ``prediction_time_lt``, ``metric`` (``exceedance_uncontrolled``), ``p50``.
+
+    Returns
+    -------
+    DataFrame
+        Rows of ``exceedances`` that we have as well, with the metric ``reduction``: one minus the
+        published exceedance over the median of ours without control.
+    """
+    keys = ["forecaster", "neurons", "validation", "prediction_time_lt"]
+    without = ours[(ours["metric"] == "exceedance_uncontrolled") & (ours["p50"] > 0)]
+    rows = exceedances.merge(
+        without[[*keys, "p50"]].rename(columns={"p50": "uncontrolled"}), on=keys
+    )
+    left = {name: rows[name] / rows["uncontrolled"] for name in _PERCENTILES}
+    return rows.drop(columns="uncontrolled").assign(
+        metric="reduction", p25=1 - left["p75"], p50=1 - left["p50"], p75=1 - left["p25"]
+    )
+
+
 def compare(
     published: pd.DataFrame,
     percentiles: Mapping[str, pd.DataFrame],

@@ -459,6 +459,7 @@ FIGURES: Mapping[str, Figure] = {
         "SYSTEM",
         "controlling",
         _controlled,
+        published=True,
     ),
     "control_density": Figure(
         {"densities": "panels/tables/control_density.csv"},

@@ -189,6 +189,7 @@ def test_published_values_are_drawn_where_the_paper_has_some():
         "by_reynolds",
         "long_term_density",
         "profile_errors",
+        "control_tradeoff",
     }
 
 

@@ -1,17 +1,20 @@
-"""Prediction horizon and F-score against the Reynolds number."""
+"""Prediction horizon and F-score against the Reynolds number, and F-score at each of them."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from math import lcm
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from burstcast.figures.parts.percentile_curves import (
     METRIC_LABELS,
+    PREDICTION_TIME_LABEL,
     draw_percentiles,
     draw_published,
-    published_handle,
+    published_handles,
     say_where_empty,
     select,
 )
@@ -21,6 +24,7 @@ from burstcast.figures.parts.style import (
     letter_panels,
     new_figure,
     ordered_validations,
+    sequence_styles,
     styled,
     validation_style,
 )
@@ -36,18 +40,24 @@ def by_reynolds(
     published_horizon: pd.DataFrame | None = None,
     published_classification: pd.DataFrame | None = None,
 ) -> Figure:
-    """Draw (a) the mean PH_ee and (b, ...) F-scores against the Reynolds number, per strategy.
+    """Draw what networks of one size reach at each Reynolds number.
+
+    The upper row has the mean PH_ee and F-scores against the Reynolds number, a curve for each
+    strategy; the lower one F-scores against the prediction time, a panel for each strategy and a
+    curve for each Reynolds number.
 
     Parameters
     ----------
     horizon, classification
-        Percentile tables; rows without a Reynolds number are ignored.
+        Percentile tables; rows without a Reynolds number are ignored. Cases may have other
+        prediction times than each other.
     neurons
         Reservoir size shown.
     prediction_times_lt
-        Of the F-scores shown; each has a panel of its own.
+        Of the F-scores shown in the upper row; each has a panel of its own.
     published_horizon, published_classification
-        Published percentiles in the same form, drawn as open markers.
+        Published percentiles in the same form, drawn as open markers where we have networks of
+        the same strategy and Reynolds number.
 
     Raises
     ------
@@ -64,46 +74,89 @@ def by_reynolds(
     )
     if reynolds.size == 0:
         raise ValueError(f"no network of {neurons:g} neurons has a Reynolds number")
+    published_horizon, published_classification = (
+        ours.iloc[:0]
+        if theirs is None
+        else select(theirs[theirs["reynolds"].isin(reynolds)], forecaster="esn", neurons=size)
+        for ours, theirs in (
+            (horizon, published_horizon),
+            (classification, published_classification),
+        )
+    )
     validations = ordered_validations(
         [*horizon["validation"].dropna(), *classification["validation"].dropna()]
     )
-    # Error bars of the strategies stand side by side.
-    spacing = 0.03 * (float(np.ptp(reynolds)) or 100.0)
-    shifts = spacing * (np.arange(len(validations)) - 0.5 * (len(validations) - 1))
 
     times = list(prediction_times_lt)
-    figure = new_figure(DOUBLE_COLUMN, 2.35)
-    panels = list(figure.subplots(1, 1 + len(times), squeeze=False)[0])
-    metrics: list[dict[str, Any]] = [
-        {"metric": "mean_horizon_lt"},
-        *({"metric": "f_score", "prediction_time_lt": float(time)} for time in times),
-    ]
-    for validation, shift in zip(validations, shifts, strict=True):
-        style = validation_style(validation)
-        for panel, chosen in zip(panels, metrics, strict=True):
-            ours, published = (
-                (horizon, published_horizon)
-                if panel is panels[0]
-                else (classification, published_classification)
-            )
+    figure = new_figure(DOUBLE_COLUMN, 4.9)
+    above, below = 1 + len(times), len(validations)
+    columns = lcm(above, below)
+    grid = figure.add_gridspec(2, columns, height_ratios=[1.0, 1.25])
+    upper, lower = (
+        [
+            figure.add_subplot(grid[row, columns * index // count : columns * (index + 1) // count])
+            for index in range(count)
+        ]
+        for row, count in enumerate((above, below))
+    )
+    # Error bars of the strategies stand side by side.
+    spacing = 0.03 * (float(np.ptp(reynolds)) or 100.0)
+    places = spacing * (np.arange(len(validations)) - 0.5 * (len(validations) - 1))
+    shifts = dict(zip(validations, places, strict=True))
+    _against_reynolds(
+        upper[:1], [{"metric": "mean_horizon_lt"}], horizon, published_horizon, shifts
+    )
+    _against_reynolds(
+        upper[1:],
+        [{"metric": "f_score", "prediction_time_lt": float(time)} for time in times],
+        classification,
+        published_classification,
+        shifts,
+    )
+    for panel, time in zip(upper[1:], times, strict=True):
+        panel.set_title(f"{time:g} LT ahead", loc="center")
+        panel.sharey(upper[1])
+    for panel in upper:
+        panel.set_xlabel("Reynolds number, Re")
+        panel.set_xticks(reynolds)
+        panel.margins(x=0.08, y=0.1)
+    styles = dict(zip(reynolds, sequence_styles(len(reynolds)), strict=True))
+    for panel, validation in zip(lower, validations, strict=True):
+        for number, style in styles.items():
+            chosen = {"metric": "f_score", "validation": validation, "reynolds": float(number)}
+            rows = select(classification, **chosen)
+            draw_percentiles(panel, rows, "prediction_time_lt", style, label=f"{number:g}")
+            rows = select(published_classification, **chosen)
+            draw_published(panel, rows, "prediction_time_lt", style)
+        panel.set_title(validation, loc="center")
+        panel.set_xlabel(PREDICTION_TIME_LABEL)
+        panel.set_ylabel(METRIC_LABELS["f_score"])
+        panel.xaxis.set_major_locator(MultipleLocator(1))
+        panel.sharex(lower[0])
+        panel.sharey(lower[0])
+        if panel.has_data():
+            panel.legend(title="Re", loc="best")
+    legend_above(figure, upper, published_handles([*upper, *lower]))
+    say_where_empty([*upper, *lower])
+    letter_panels([*upper, *lower])
+    return figure
+
+
+def _against_reynolds(
+    panels: Sequence[Axes],
+    metrics: Sequence[dict[str, object]],
+    ours: pd.DataFrame,
+    published: pd.DataFrame,
+    shifts: Mapping[str, float],
+) -> None:
+    """Draw a metric in each panel, the strategies by their shifts beside each other."""
+    for panel, chosen in zip(panels, metrics, strict=True):
+        panel.set_ylabel(METRIC_LABELS[str(chosen["metric"])])
+        for validation, shift in shifts.items():
+            style = validation_style(validation)
             rows = select(ours, validation=validation, **chosen)
             draw_percentiles(
                 panel, rows, "reynolds", style, label=validation, band=False, shift=shift
             )
-            if published is not None:
-                rows = select(published, validation=validation, neurons=size, **chosen)
-                draw_published(panel, rows, "reynolds", style, shift=shift)
-    panels[0].set_ylabel(METRIC_LABELS["mean_horizon_lt"])
-    for panel, time in zip(panels[1:], times, strict=True):
-        panel.set_ylabel(METRIC_LABELS["f_score"])
-        panel.set_title(f"{time:g} LT ahead", loc="center")
-        panel.sharey(panels[1])
-    for panel in panels:
-        panel.set_xlabel("Reynolds number, Re")
-        panel.set_xticks(reynolds)
-        panel.margins(x=0.08, y=0.1)
-    beside = published_horizon is not None and not published_horizon.empty
-    legend_above(figure, panels, [published_handle()] if beside else [])
-    say_where_empty(panels)
-    letter_panels(panels)
-    return figure
+            rows = select(published, validation=validation, **chosen)
+            draw_published(panel, rows, "reynolds", style, shift=shift)

@@ -15,7 +15,7 @@ from burstcast.figures.parts.percentile_curves import (
     draw_percentiles,
     draw_published,
     nearest_value,
-    published_handle,
+    published_handles,
     require_single_case,
     say_where_empty,
     select,
@@ -105,17 +105,22 @@ def classification_scores(
                 draw_published(by_size, select(published, **at_time), "neurons", style)
         if columns > 1:
             for size, style in zip(sizes, sequence_styles(len(sizes)), strict=True):
+                chosen = {
+                    "validation": sizes_validation,
+                    "metric": metric,
+                    "neurons": float(size),
+                }
+                of_size: Axes = panels[row, 2]
                 draw_percentiles(
-                    panels[row, 2],
-                    select(
-                        networks, validation=sizes_validation, metric=metric, neurons=float(size)
-                    ),
+                    of_size,
+                    select(networks, **chosen),
                     "prediction_time_lt",
                     style,
                     label=f"{size:g}",
                 )
+                draw_published(of_size, select(published, **chosen), "prediction_time_lt", style)
         by_time.set_ylabel(METRIC_LABELS[metric])
-    _finish(panels, sizes, neurons, prediction_time, sizes_validation, not published.empty)
+    _finish(panels, sizes, neurons, prediction_time, sizes_validation)
     return figure
 
 
@@ -125,7 +130,6 @@ def _finish(
     neurons: float,
     prediction_time: float,
     sizes_validation: str,
-    has_published: bool,
 ) -> None:
     """Set limits, ticks, heads and legends."""
     lowest = min((panel.dataLim.y0 for panel in panels.flat if panel.has_data()), default=0.0)
@@ -134,9 +138,7 @@ def _finish(
     # a metric that is undefined everywhere leaves its panel without curves
     drawn = [panel.get_legend_handles_labels() for panel in panels[:, 0]]
     entries = {label: handle for panel in drawn for handle, label in zip(*panel, strict=True)}
-    handles = list(entries.values())
-    if has_published:
-        handles.append(published_handle())
+    handles = [*entries.values(), *published_handles(panels.flat)]
     if len(handles) > 3:  # more would hide the curves
         columns = min(len(handles), 4) if panels.shape[1] > 1 else 2
         panels[0, 0].get_figure().legend(handles=handles, loc="outside upper center", ncols=columns)

@@ -11,6 +11,8 @@ from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.percentile_curves import (
     PREDICTION_TIME_LABEL,
     draw_percentiles,
+    draw_published,
+    published_handles,
     require_single_case,
     select,
 )
@@ -46,7 +48,9 @@ _OTHER = MarkerStyle(color=PURPLE, linestyle="-", linewidth=1.0, marker="D")
 
 
 @styled
-def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
+def control_tradeoff(
+    percentiles: pd.DataFrame, *, symbol: str = "k", published: pd.DataFrame | None = None
+) -> Figure:
     """Draw the reduction against (a) the prediction time and (b) the time under control.
 
     Error bars and bands are quartiles over networks; in (b) each point is a
@@ -59,6 +63,9 @@ def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
         (``reduction``, ``control_fraction``), p25, p50, p75.
     symbol
         Of the observable.
+    published
+        Published reductions by networks of this size and strategy in the same form, drawn as open
+        markers in (a).
 
     Returns
     -------
@@ -95,6 +102,9 @@ def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
                     va="top",
                     color=style["color"],
                 )
+    if published is not None:
+        rows = select(published, metric="reduction")
+        draw_published(left, rows, "prediction_time_lt", _FORECASTERS["esn"][1])
     left.set_xticks(sorted(percentiles["prediction_time_lt"].dropna().unique()))
     left.margins(x=0.06)
     # Zero is shown, and neither a marker nor the label below it is cut.
@@ -108,7 +118,7 @@ def control_tradeoff(percentiles: pd.DataFrame, *, symbol: str = "k") -> Figure:
     left.set_ylabel(rf"Reduction of $P({symbol} \geq {symbol}_e)$")
     right.set_xlabel("Fraction of time under control")
     right.margins(x=0.12)
-    legend_above(figure, [left])
+    legend_above(figure, [left], published_handles([left]))
     letter_panels([left, right])
     return figure
 

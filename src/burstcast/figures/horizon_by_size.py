@@ -10,7 +10,7 @@ from burstcast.figures.parts.percentile_curves import (
     draw_percentiles,
     draw_published,
     draw_single_intervals,
-    published_handle,
+    published_handles,
     require_single_case,
     say_where_empty,
     select,
@@ -67,8 +67,7 @@ def horizon_by_size(
     # a perfect forecaster reaches the longest lead time that is asked for, whatever that is
     draw_references(axes, percentiles, "mean_horizon_lt", None, leave_out=["equations"])
     handles, _ = axes.get_legend_handles_labels()
-    if published is not None and not published.empty:
-        handles.append(published_handle())
+    handles += published_handles([axes])
     axes.set_xticks(sizes)
     axes.margins(x=0.06)
     axes.set_xlabel(NEURONS_LABEL)

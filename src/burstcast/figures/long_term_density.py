@@ -4,7 +4,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.parts.percentile_curves import published_handle, require_single_case
+from burstcast.figures.parts.percentile_curves import published_handles, require_single_case
 from burstcast.figures.parts.statistics_by_size import draw_statistic_by_size
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
@@ -55,7 +55,8 @@ def long_term_density(
     symbol, name
         Of the observable.
     published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table.
+        Published percentiles in the same form, drawn as open markers at the sizes of the table;
+        those of the training set as an open marker on the right edge.
 
     Raises
     ------
@@ -100,7 +101,7 @@ def long_term_density(
     density.set_ylabel("PDF")
     for metric in ("kantorovich", "mean_log_error"):
         draw_statistic_by_size(panels[metric], percentiles, metric, intervals, published)
-    more = [] if published is None else [published_handle()]
+    more = published_handles(panels.values())
     legend_above(figure, [density, panels["kantorovich"]], more)
     letter_panels([density, panels["kantorovich"], panels["mean_log_error"]])
     return figure

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
 from burstcast.figures.parts.percentile_curves import (
-    published_handle,
+    published_handles,
     require_single_case,
 )
 from burstcast.figures.parts.statistics_by_size import draw_statistic_by_size
@@ -56,7 +56,8 @@ def profile_errors(
     network_label
         Of the network in the legend.
     published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table.
+        Published percentiles in the same form, drawn as open markers at the sizes of the table;
+        those of the training set as an open marker on the right edge.
 
     Raises
     ------
@@ -76,7 +77,7 @@ def profile_errors(
         profile.set_ylim(float(y[0]), float(y[-1]))
         profile.set_ylabel("$y$")
         draw_statistic_by_size(error, percentiles, metric, intervals, published)
-    more = [] if published is None else [published_handle()]
+    more = published_handles(panels.flat)
     legend_above(figure, [panels[0, 0], panels[1, 0]], more)
     letter_panels(list(panels.flat))
     return figure

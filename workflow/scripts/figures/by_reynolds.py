@@ -1,5 +1,6 @@
-"""Mean prediction horizon of extreme events and F-score against the Reynolds number: medians and
-quartiles over the networks of an ensemble.
+"""(a) Mean prediction horizon of extreme events and (b, ...) F-score some time ahead, against the
+Reynolds number; last row: F-score against prediction time, a panel for each validation strategy.
+Medians and quartiles over the networks of an ensemble.
 """
 
 from matplotlib.figure import Figure

@@ -26,6 +26,9 @@ METRIC_LABELS = {
 PREDICTION_TIME_LABEL = "Prediction time [LT]"
 NEURONS_LABEL = "Neurons"
 
+_PUBLISHED = "published"
+"""Mark of the lines that are published values."""
+
 
 def select(table: pd.DataFrame, **values: object) -> pd.DataFrame:
     """Rows of a percentile table that match all the values, without undefined medians."""
@@ -167,6 +170,7 @@ def draw_published(
         rows[x].to_numpy(dtype=np.float64) + shift,
         median,
         yerr=np.nan_to_num([median - low, high - median]),
+        gid=_PUBLISHED,
         linestyle="none",
         marker=style["marker"],
         markersize=5.0,
@@ -195,8 +199,30 @@ def say_where_empty(panels: Iterable[Axes]) -> None:
             )
 
 
-def published_handle() -> Line2D:
-    """Entry of a legend for published values."""
-    return Line2D(
-        [], [], linestyle="none", marker="o", mfc="none", mec="black", ms=5.0, label="published"
-    )
+def draw_published_level(axes: Axes, rows: pd.DataFrame, color: str) -> None:
+    """Draw published medians that no axis runs along as open markers on the right edge."""
+    for value in rows["p50"]:
+        axes.plot(
+            1.0,
+            float(value),
+            gid=_PUBLISHED,
+            transform=axes.get_yaxis_transform(),
+            marker="D",
+            markersize=4.5,
+            markerfacecolor="none",
+            markeredgecolor=color,
+            markeredgewidth=0.9,
+            clip_on=False,
+            zorder=3,
+        )
+
+
+def published_handles(panels: Iterable[Axes]) -> list[Line2D]:
+    """Entry of a legend for published values, if any of the panels shows some."""
+    if not any(line.get_gid() == _PUBLISHED for panel in panels for line in panel.get_lines()):
+        return []
+    return [
+        Line2D(
+            [], [], linestyle="none", marker="o", mfc="none", mec="black", ms=5.0, label="published"
+        )
+    ]

@@ -9,6 +9,7 @@ from burstcast.figures.parts.percentile_curves import (
     NEURONS_LABEL,
     draw_percentiles,
     draw_published,
+    draw_published_level,
     draw_single_intervals,
     select,
 )
@@ -43,7 +44,8 @@ def draw_statistic_by_size(
     intervals
         Of the same case and each network by itself: neurons, validation, metric, low, high.
     published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table.
+        Published percentiles in the same form, drawn as open markers at the sizes of the table;
+        those of the training set as an open marker on the right edge.
     """
     networks = percentiles[percentiles["forecaster"] == "esn"]
     for validation in ordered_validations(networks["validation"].dropna()):
@@ -61,6 +63,9 @@ def draw_statistic_by_size(
     ):
         for value in select(percentiles, metric=metric, forecaster=forecaster)["p50"]:
             axes.axhline(float(value), label=label, **line)
+    if published is not None:
+        rows = select(published, metric=metric, forecaster="training")
+        draw_published_level(axes, rows, TRAINING["color"])
     shown = percentiles.loc[percentiles["metric"] == metric, ["p25", "p50", "p75"]].to_numpy()
     smallest, largest = np.nanmin(shown, initial=np.inf), np.nanmax(shown, initial=0.0)
     if 0.0 < smallest < largest / LARGEST_LINEAR_RATIO:
