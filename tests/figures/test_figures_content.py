@@ -16,6 +16,7 @@ from gallery_figures import (
     Z,
     alarm_rows,
     committee_forecasts,
+    control_rows,
     frontier_rows,
     parts_rows,
     reliability_rows,
@@ -23,6 +24,7 @@ from gallery_figures import (
     score_rows,
     search_trace,
     seen_event,
+    statistics_rows,
 )
 from helpers_figures import (
     THRESHOLD,
@@ -42,9 +44,11 @@ from burstcast.figures.committee_event import committee_event
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
+from burstcast.figures.control_tradeoff import control_tradeoff
 from burstcast.figures.forecast_skill import forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
+from burstcast.figures.long_term_density import long_term_density
 from burstcast.figures.observable_and_density import observable_and_density
 from burstcast.figures.observed_components import observed_components
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
@@ -53,6 +57,7 @@ from burstcast.figures.parts.percentile_curves import nearest_value, select
 from burstcast.figures.parts.style import BLUE, ordered_validations, render, true_runs
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.figures.prediction_schematic import prediction_schematic
+from burstcast.figures.profile_errors import profile_errors
 from burstcast.figures.reliability import reliability
 from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
@@ -134,6 +139,59 @@ def test_published_values_are_shown_only_at_our_sizes() -> None:
     assert lines_with(figure.axes[0], list(shown)) == 1
     assert figure.axes[0].get_xlim()[1] < 3000
     assert "published" in texts(figure)
+    elsewhere = published[published["neurons"] == 3000.0]
+    figure = horizon_by_size(table, interval_rows(table), published=elsewhere)
+    assert "published" not in texts(figure)
+
+
+def test_published_scores_are_shown_in_every_column() -> None:
+    table = percentile_rows(SCORES, prediction_times=PREDICTION_TIMES)
+    published = table.assign(**{name: 0.9 * table[name] for name in ("p25", "p50", "p75")})
+    figure = classification_scores(table, 500, 3, sizes_validation="RV", published=published)
+    recall = select(published, metric="recall", validation="RV")
+    at_size, by_size, of_sizes = figure.axes[3:6]
+    assert lines_with(at_size, list(select(recall, neurons=500.0)["p50"])) == 1
+    assert lines_with(by_size, list(select(recall, prediction_time_lt=3.0)["p50"])) == 1
+    for size in (500.0, 1000.0, 1500.0):
+        assert lines_with(of_sizes, list(select(recall, neurons=size)["p50"])) == 1
+    assert overlapping_texts(drawn_texts(figure)) == []
+
+
+def test_published_errors_of_the_training_set_are_on_the_right_edge() -> None:
+    table = statistics_rows()
+    published = table[table["forecaster"] != "floor"].assign(p25=0.011, p50=0.0123, p75=0.02)
+    for draw in (long_term_figure, profiles_figure):
+        figure = draw(table, published)
+        panel = figure.axes[-1]
+        assert panel.get_ylim()[1] > 0.0123
+        diamonds = [line for line in panel.get_lines() if line.get_marker() == "D"]
+        assert [line.get_xydata().tolist() for line in diamonds] == [[[1.0, 0.0123]]]
+        assert lines_with(panel, [0.0123] * 3) == 1  # of the networks
+        assert "published" in texts(figure)
+        assert "published" not in texts(draw(table, published.iloc[:0]))
+        assert "published" not in texts(draw(table, None))
+
+
+def long_term_figure(table: pd.DataFrame, published: pd.DataFrame | None) -> Figure:
+    return long_term_density(
+        EDGES, DENSITY, DENSITY, None, table, interval_rows(table), THRESHOLD, published=published
+    )
+
+
+def profiles_figure(table: pd.DataFrame, published: pd.DataFrame | None) -> Figure:
+    profiles = np.zeros((3, Y.size))
+    return profile_errors(
+        Y, profiles, profiles, None, table, interval_rows(table), published=published
+    )
+
+
+def test_published_reductions_are_those_of_networks() -> None:
+    published = select(control_rows(), forecaster="esn", metric="reduction")
+    published = published.assign(**{name: 0.8 * published[name] for name in ("p25", "p50", "p75")})
+    figure = control_tradeoff(control_rows(), published=published)
+    assert lines_with(figure.axes[0], list(published["p50"])) == 1
+    assert "published" in texts(figure)
+    assert "published" not in texts(control_tradeoff(control_rows()))
 
 
 def test_figures_of_one_case_refuse_several() -> None:
@@ -156,8 +214,47 @@ def test_by_reynolds_shows_medians_and_needs_the_size() -> None:
 def test_by_reynolds_draws_a_single_reynolds_number() -> None:
     horizon = reynolds_rows("mean_horizon_lt", None).query("reynolds == 400")
     scores = reynolds_rows("f_score", PREDICTION_TIMES).query("reynolds == 400")
-    figure = by_reynolds(horizon, scores, 2000, [2.0])
-    assert overlapping_texts(drawn_texts(figure)) == []
+    for strategies in (["RV"], ["SSV", "RV"]):
+        shown = [table[table["validation"].isin(strategies)] for table in (horizon, scores)]
+        figure = by_reynolds(*shown, 2000, [2.0])
+        assert len(figure.axes) == 2 + len(strategies)
+        assert overlapping_texts(drawn_texts(figure)) == []
+
+
+def test_f_scores_at_each_reynolds_number_in_its_order() -> None:
+    horizon = reynolds_rows("mean_horizon_lt", None)
+    scores = reynolds_rows("f_score", PREDICTION_TIMES)
+    # names that sort otherwise, and one case that was not asked so far ahead
+    names = {"Re400": "zeta", "Re600": "Alpha", "Re1000": "Re1000", "Re800": "Re0800"}
+    scores = scores.assign(case=scores["case"].map(names)).sort_values("case", kind="stable")
+    scores = scores[(scores["reynolds"] != 600) | (scores["prediction_time_lt"] < 3)]
+    figure = by_reynolds(horizon, scores, 2000, [2.0, 3.0])
+    panel = figure.axes[-1]
+    assert panel.get_title() == "RV"
+    _, labels = panel.get_legend_handles_labels()
+    assert labels == ["400", "600", "800", "1000"]
+    for reynolds in (400.0, 600.0, 800.0, 1000.0):
+        chosen = select(scores, validation="RV", reynolds=reynolds)
+        assert len(chosen) == (2 if reynolds == 600 else 3)
+        assert lines_with(panel, list(chosen["p50"])) == 1
+    assert "published" not in texts(figure)
+
+
+def test_published_values_by_reynolds_are_those_that_we_have_as_well() -> None:
+    horizon = reynolds_rows("mean_horizon_lt", None).query("reynolds != 600")
+    scores = reynolds_rows("f_score", PREDICTION_TIMES).query("reynolds != 600")
+    theirs = reynolds_rows("f_score", PREDICTION_TIMES).query("reynolds <= 600")
+    theirs = theirs.assign(**{name: 0.9 * theirs[name] for name in ("p25", "p50", "p75")})
+    figure = by_reynolds(horizon, scores, 2000, [2.0], published_classification=theirs)
+    chosen = select(theirs, validation="RV", reynolds=400.0)
+    assert lines_with(figure.axes[-1], list(chosen["p50"])) == 1
+    assert lines_with(figure.axes[1], list(select(chosen, prediction_time_lt=2.0)["p50"])) == 1
+    other = select(theirs, validation="RV", reynolds=600.0)
+    assert lines_with(figure.axes[-1], list(other["p50"])) == 0
+    assert "published" in texts(figure)
+    smaller = theirs.assign(neurons=500.0)
+    figure = by_reynolds(horizon, scores, 2000, [2.0], published_classification=smaller)
+    assert "published" not in texts(figure)
 
 
 def test_observed_components_are_in_their_order() -> None:

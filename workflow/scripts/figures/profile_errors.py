@@ -2,8 +2,9 @@
 and time, of all data, the training set and one network: of those of the size and strategy shown,
 the one with the smallest Kantorovich metric. (d-f) Errors of the profiles, normalised by the
 range of the true profile, against reservoir size: medians and quartiles over the networks of an
-ensemble. Thin bars: the bootstrap interval of one network over its closed loops, in the
-median. In grey: the same errors between two random halves of the data, in the median.
+ensemble. Thin bars: the bootstrap interval of one network over its closed loops, in the median. In
+grey: the same errors between two random halves of the data, in the median. Open markers, if any:
+published values, those of the training set as diamonds on the right edge.
 """
 
 import numpy as np
