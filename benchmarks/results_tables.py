@@ -487,21 +487,19 @@ def _percent(row: dict[Any, Any]) -> str:
     return f"{value} ({low} to {high})"
 
 
-def probabilities(tables: Tables, case: str) -> str:
-    """Brier skill and calibration error of committees and of the best single forecasters."""
-    found = tables.rows("probability_scores", case=case, probability="calibrated")
+def probabilities(tables: Tables, case: str, metric: str) -> str:
+    """A score of calibrated probabilities: of committees, and of all but single networks."""
+    found = tables.rows(
+        "probability_scores", case=case, probability="calibrated", metric=metric, seed=None
+    )
     rows = []
-    for group in _groups(found[found["seed"].isna()]) if len(found) else ():
-        part = found
+    for group in _groups(found):
+        cells = found
         for column, value in group.items():
-            part = part[part[column] == value]
-        for metric, text in (("brier_skill", "Brier skill"), ("calibration_error", "calibration")):
-            of_metric = part[part["metric"] == metric].to_dict("records")
-            values = {row["prediction_time_lt"]: row for row in of_metric}
-            rows.append(
-                [name_of(**group), text, *(_with_ends(values.get(time)) for time in TIMES_LT)]
-            )
-    return markdown(["", "", *(f"{time:g} LT" for time in TIMES_LT)], rows)
+            cells = cells[cells[column] == value]
+        values = {row["prediction_time_lt"]: row for row in cells.to_dict("records")}
+        rows.append([name_of(**group), *(_with_ends(values.get(time)) for time in TIMES_LT)])
+    return markdown(["", *(f"{time:g} LT" for time in TIMES_LT)], rows)
 
 
 def _with_ends(row: dict[Any, Any] | None) -> str:
