@@ -41,7 +41,7 @@ prune: $(VENV)/installed ## results that are not of the campaign any more
 
 # Of the demo: make report ARGS="--configfile workflow/presets/quick.yaml"
 report: $(VENV)/installed ## tables and figures of a finished campaign as one page, report.html
-	$(SNAKEMAKE) --report report.html $(ARGS)
+	$(SNAKEMAKE) --reporter burstcast $(ARGS)
 
 archive: $(VENV)/installed ## tables, figures, config, versions and why in one zip
 	@$(BIN)/burstcast archive $(ARGS)

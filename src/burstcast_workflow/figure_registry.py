@@ -158,6 +158,8 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     # a case and those that are parts of it
     "parts": lambda campaign, case: list(_observed(campaign, case)),
 }
+# Those that gather files of several cases.
+_OF_SEVERAL_CASES = ("shown_cases", "panels", "parts")
 # ... and settings that are not in the config.
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
     "shown_neurons": lambda campaign, case: campaign.example.name.neurons,
@@ -279,6 +281,11 @@ class Figure:
     def reads(self) -> list[str]:
         """Paths of the settings."""
         return listed(self.settings)
+
+    @property
+    def of_several_cases(self) -> bool:
+        """Whether it shows more than one case."""
+        return any(place.partition("/")[0] in _OF_SEVERAL_CASES for place in self.places.values())
 
     def files(self, campaign: Campaign, case: str) -> dict[str, str | list[str]]:
         """Inputs of the script by name, below the results directory."""

@@ -1,6 +1,7 @@
 """What a finished campaign has found, and what is odd about it: for the end of a run."""
 
 from collections.abc import Hashable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ MOST_ROWS = 16
 
 MOST_WARNINGS = 8
 
+_WARNINGS = "warnings.csv"
 _KEYS = ["case", "forecaster", "neurons", "validation"]
 
 
@@ -30,6 +32,28 @@ def campaign_summary(tables: Path) -> str:
     Returns
     -------
     A table, the best forecasters of each case first; empty if there are none of these tables.
+    """
+    table = summary_table(tables)
+    if table is None:
+        return ""
+    shown_rows = table.head(MOST_ROWS)
+    text = shown_rows.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.3g}")
+    left_out = len(table) - len(shown_rows)
+    return text + (f"\n... and {left_out} more in {tables}" if left_out > 0 else "")
+
+
+def summary_table(tables: Path) -> pd.DataFrame | None:
+    """Medians over the networks of each ensemble: F-score, prediction horizon, control.
+
+    Parameters
+    ----------
+    tables
+        Directory of the campaign's tables.
+
+    Returns
+    -------
+    A row for each ensemble, the best of each case first: the case, who it is (``who``), and a
+    column for each score that there is, by its name for people. None if there is no score.
     """
     columns = {}
     scores = _medians(tables / "classification_percentiles.csv", "f_score")
@@ -50,15 +74,12 @@ def campaign_summary(tables: Path) -> str:
             # of the prediction times the one that leaves least
             columns[title] = exceedance.groupby(_KEYS)["p50"].min()
     if not columns:
-        return ""
+        return None
     table = pd.DataFrame(columns).dropna(how="all")
     first = next(iter(columns))
     table = table.reset_index().sort_values(["case", first], ascending=[True, False])
     table.insert(1, "who", [_who(row) for row in table[_KEYS].to_dict("records")])
-    shown_rows = table.drop(columns=_KEYS[1:]).head(MOST_ROWS)
-    text = shown_rows.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.3g}")
-    left_out = len(table) - len(shown_rows)
-    return text + (f"\n... and {left_out} more in {tables}" if left_out > 0 else "")
+    return table.drop(columns=_KEYS[1:])
 
 
 def warnings_summary(tables: Path) -> str:
@@ -69,24 +90,45 @@ def warnings_summary(tables: Path) -> str:
     tables
         Directory of the campaign's tables.
     """
-    path = tables / "warnings.csv"
-    table = _read(path)
-    if table is None or table.empty:
+    found = found_warnings(tables)
+    if not found:
         return ""
-    # one line for what is said of several
-    names = ["warning", "finding", "advice", "case"]
-    rows = table.astype(object).to_dict("records")
-    whose: dict[tuple[str, ...], list[str]] = {}
-    for row in rows:
-        who = _who(row)
-        whose.setdefault(tuple(row[name] for name in names), []).append(who)
-    lines = [
-        f"  {', '.join([case, *filter(None, ['; '.join(whom)])])}: {finding}. Try: {advice}."
-        for (_, finding, advice, case), whom in whose.items()
-    ]
+    lines = [f"  {one.whose}: {one.finding}. Try: {one.advice}." for one in found]
     left_out = len(lines) - MOST_WARNINGS
     lines = lines[:MOST_WARNINGS] + ([f"  ... and {left_out} more"] if left_out > 0 else [])
-    return "\n".join([f"What to look at twice ({path}):", *lines])
+    return "\n".join([f"What to look at twice ({tables / _WARNINGS}):", *lines])
+
+
+@dataclass(frozen=True)
+class FoundWarning:
+    """A sign that results are less than they seem: whose, what was found, and what to try."""
+
+    whose: str
+    finding: str
+    advice: str
+
+
+def found_warnings(tables: Path) -> list[FoundWarning]:
+    """Signs that results are less than they seem; what is said of several is one.
+
+    Parameters
+    ----------
+    tables
+        Directory of the campaign's tables.
+    """
+    table = _read(tables / _WARNINGS)
+    if table is None:
+        return []
+    names = ["warning", "finding", "advice", "case"]
+    whose: dict[tuple[str, ...], list[str]] = {}
+    for row in table.astype(object).to_dict("records"):
+        whose.setdefault(tuple(row[name] for name in names), []).append(_who(row))
+    return [
+        FoundWarning(
+            ", ".join([case, *filter(None, ["; ".join(filter(None, whom))])]), finding, advice
+        )
+        for (_, finding, advice, case), whom in whose.items()
+    ]
 
 
 def _read(path: Path) -> pd.DataFrame | None:

@@ -479,11 +479,14 @@ def test_scripts_read_only_what_parameters_carry(path):
 def test_packages_import_nothing_by_themselves():
     # else every closure would be everything
     packages = {path for path in SOURCES if path.name == "__init__.py" and path.read_text()}
-    # Snakemake asks for its plugin's class there, and no job imports it
-    plugin = ROOT / "src" / "snakemake_logger_plugin_burstcast" / "__init__.py"
+    # Snakemake asks for its plugins' classes there, and no job imports them
+    plugins = {
+        ROOT / "src" / f"snakemake_{kind}_plugin_burstcast" / "__init__.py"
+        for kind in ("logger", "report")
+    }
     # what notebooks begin with is loaded when it is asked for
     library = ROOT / "src" / "burstcast" / "__init__.py"
-    assert packages == {plugin, library}
+    assert packages == {*plugins, library}
     assert len(fingerprint(library, ROOT / "src")) == 1
 
 

@@ -1,13 +1,18 @@
 """The paper's campaign in miniature, from end to end, and its tables computed anew by name."""
 
+import json
+import re
+
 import pytest
 import yaml
 from edits import merged
+from helpers_browser import opened
 from helpers_rebuilds import ROOT, digests
 from recomputation import Recomputation, assert_same_rows, percentiles
 
 from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.report_sections import SECTIONS
 
 PRESET = "workflow/presets/miniature.yaml"
 TABLES = (
@@ -185,3 +190,137 @@ def test_a_permuted_campaign_from_scratch_gives_the_same_tables(miniature, tmp_p
     tables = "results/miniature/tables"
     assert project.snakemake("tables", overlay=PERMUTED).status == 0
     assert digests(project.directory / tables) == digests(miniature.project.directory / tables)
+
+
+# -- the report ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def report(miniature, tmp_path_factory):
+    """The report, where nothing else of the campaign is."""
+    path = tmp_path_factory.mktemp("report") / "handed_on.html"
+    made = miniature.project.snakemake(
+        "--reporter", "burstcast", "--report-burstcast-path", str(path)
+    )
+    assert made.status == 0, made.text[-3000:]
+    assert [one.name for one in path.parent.iterdir()] == [path.name]
+    return path
+
+
+@pytest.fixture(scope="module")
+def browser_page(report):
+    with opened(report) as (page, said):
+        yield page
+        # nothing was asked for outside the file, and no script failed
+        assert said == []
+
+
+def test_the_report_opens_with_the_campaign(browser_page):
+    text = browser_page.locator("#campaign").inner_text()
+    assert "miniature" in browser_page.title()
+    for word in ("Racca & Magri", "Re1000", "esn", "F-score", "Look at these first"):
+        assert word in text
+    # what is said to be looked at first is there
+    links = browser_page.locator("#campaign a[href^='#']").all()
+    assert len(links) > 4
+    for link in links:
+        assert browser_page.locator(link.get_attribute("href")).count() == 1
+
+
+def test_the_figures_of_the_report_load(browser_page, miniature):
+    sizes = browser_page.evaluate(
+        """async () => {
+            const pictures = [...document.images];
+            await Promise.all(pictures.map((picture) => picture.decode()));
+            return pictures.map((picture) => [picture.alt, picture.naturalWidth]);
+        }"""
+    )
+    made = list((miniature.project.directory / "results/miniature/figures").glob("*.png"))
+    assert len(sizes) == len(made) > 30
+    assert all(width > 500 for _, width in sizes)
+    # each has its PDF, whole
+    contents = browser_page.evaluate(
+        "[...document.querySelectorAll('a[download$=\".pdf\"]')].map((link) => ["
+        "link.download, atob(link.href.split(',')[1]).length,"
+        "atob(link.href.split(',')[1]).slice(0, 5)])"
+    )
+    assert {name: (size, start) for name, size, start in contents} == {
+        path.with_suffix(".pdf").name: (path.with_suffix(".pdf").stat().st_size, "%PDF-")
+        for path in made
+    }
+
+
+def test_a_switch_shows_another_case(browser_page):
+    scores = browser_page.locator("#figure-classification_scores")
+    other = browser_page.locator("#figure-observable_and_density")
+    for figure in (scores, other):
+        assert figure.locator("img:visible").get_attribute("alt").endswith("Re400")
+    assert scores.locator("button").all_inner_texts() == ["Re400", "Re600", "Re800", "Re1000"]
+    scores.get_by_role("button", name="Re800").click()
+    for figure in (scores, other):
+        assert figure.locator("img:visible").count() == 1
+        assert figure.locator("img:visible").get_attribute("alt").endswith("Re800")
+        assert figure.locator("button.on").inner_text() == "Re800"
+
+
+def test_the_tables_of_the_report_have_rows(browser_page, miniature):
+    results = miniature.project.directory / "results/miniature/tables"
+    browser_page.locator("nav a[href='#table-horizon']").click()
+    assert browser_page.locator("#table-horizon tbody tr:visible").count() > 4
+    browser_page.evaluate(
+        "document.querySelectorAll('details.data').forEach((it) => it.open = true)"
+    )
+    browser_page.wait_for_function(
+        "[...document.querySelectorAll('details.data')].every((it) => it.querySelector('.note'))"
+    )
+    found = browser_page.evaluate(
+        """[...document.querySelectorAll('details.data')].map((it) => [
+            it.id, it.querySelector('.note').textContent,
+            it.querySelector('tbody').rows.length, it.querySelector('tbody').textContent,
+        ])"""
+    )
+    assert [name for name, *_ in found] == [
+        f"table-{name}"
+        for section in SECTIONS
+        for name in section.tables
+        if (results / f"{name}.csv").exists()
+    ]
+    assert len(found) == len(list(results.glob("*.csv")))
+    for name, said, rows, text in found:
+        expected = len(read_table(results / f"{name.removeprefix('table-')}.csv"))
+        assert expected or name == "table-warnings"
+        assert rows == min(expected, 100), name
+        assert said.startswith(f"{expected} of {expected} rows")
+        assert "\\" not in text  # formulas are typeset
+        assert "$" not in text
+
+
+def test_rows_of_a_table_are_chosen_and_sorted(browser_page, miniature):
+    table = browser_page.locator("#table-classification")
+    expected = read_table(
+        miniature.project.directory / "results/miniature/tables/classification.csv"
+    )
+    chosen = expected[(expected["case"] == "Re600") & (expected["validation"] == "SSV")]
+    table.get_by_role("button", name="Re600").click()
+    table.get_by_role("button", name="SSV").click()
+    assert table.locator(".note").inner_text() == f"{len(chosen)} of {len(expected)} rows"
+    column = list(expected.columns).index("true_negative")
+    table.locator("th").nth(column).click()
+    table.locator("th").nth(column).click()
+    shown = table.locator("tbody").first.locator(f"td:nth-child({column + 1})").all_inner_texts()
+    assert [int(text) for text in shown] == sorted(chosen["true_negative"], reverse=True)
+    assert int(shown[0]) > int(shown[-1])
+
+
+def test_the_report_says_what_it_was_made_by(browser_page, miniature):
+    claim = json.loads((miniature.project.directory / "results/miniature/.run.json").read_bytes())
+    provenance = browser_page.locator("#provenance")
+    for summary in provenance.locator("summary").all():
+        summary.click()
+    text = provenance.inner_text()
+    assert claim["revision"] in text
+    assert f"random seed {claim['config']['random_seed']}" in text
+    config = yaml.safe_load(provenance.locator("pre").inner_text())
+    assert config == claim["config"]
+    assert "scikit-optimize" in text
+    assert re.search(r"^train\t\d+\t", text, re.MULTILINE)

@@ -41,6 +41,7 @@ from burstcast_workflow.planning import (
 )
 from burstcast_workflow.project import packages_of
 from burstcast_workflow.prune import stale_note
+from burstcast_workflow.report_sections import figure_category, table_category
 from burstcast_workflow.setting_groups import listed
 from burstcast_workflow.summary import campaign_summary, warnings_summary
 from burstcast_workflow.table_columns import table_text
@@ -419,9 +420,17 @@ def in_report(table):
     return report(
         f"{TABLES}/{table}.csv",
         caption="../report/table.rst",
-        category="Tables",
+        category=category_of_table(table),
+        subcategory="Tables",
         labels={"table": table},
     )
+
+
+def category_of_table(table):
+    """Section of the report that a table stands in, told a name or the wildcard of one."""
+    if "{" not in table:
+        return table_category(table)
+    return lambda wildcards: table_category(wildcards.table)
 
 
 # -- figures -----------------------------------------------------------------------------------------
@@ -470,7 +479,13 @@ def code_of_figure(wildcards):
     return sources.fingerprint(f"figures/{wildcards.figure}.py", modules)
 
 
+def category_of_figure(wildcards):
+    """Section of the report that a figure stands in."""
+    return figure_category(wildcards.figure)
+
+
 def labels_of_figure(wildcards):
-    """What the report calls a figure."""
-    name = wildcards.figure.replace("_", " ")
-    return {"figure": name, "case": case_of_figure(wildcards)}
+    """What the report calls a figure: its name, and the case, which is a switch there."""
+    several = FIGURES[wildcards.figure].of_several_cases
+    case = "several" if several else case_of_figure(wildcards)
+    return {"figure": wildcards.figure, "case": case}

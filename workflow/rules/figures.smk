@@ -9,7 +9,8 @@ rule figure:
         png=report(
             f"{RESULTS}/figures/{{figure}}{{of_case}}.png",
             caption="../report/figure.rst",
-            category="Figures",
+            category=category_of_figure,
+            subcategory="Figures",
             labels=labels_of_figure,
         ),
     log:

@@ -1,0 +1,405 @@
+"""The report of a campaign: one page, in one file that needs nothing else.
+
+It opens with what the campaign is and what it has found; sections of figures and tables follow in
+the order of `burstcast_workflow.report_sections`, and provenance last. Figures are in it as
+pictures and as PDF, tables as CSV, which the page itself draws: with switches, sorted by any
+column. The page's own text and looks are ``workflow/report/page.*``.
+"""
+
+import base64
+import inspect
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from burstcast.forecasters.registry import forecaster_class
+from burstcast_workflow.archive import versions
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.canonical import natural_order
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.identifiers import KEYS
+from burstcast_workflow.project import project_root
+from burstcast_workflow.report_sections import SECTIONS
+from burstcast_workflow.summary import found_warnings, summary_table
+from burstcast_workflow.table_columns import COLUMNS
+
+SWITCHES = ("case", "validation")
+"""Key columns of tables that buttons choose from, as far as there are few values."""
+
+_FIRST = {
+    "forecast_skill": "who forecasts extreme events how well, and how far ahead",
+    "classification_scores": "precision and recall of the networks, by prediction time and size",
+    "horizon_by_size": "how early an event is predicted, by the size of the networks",
+    "by_reynolds": "how both change with the Reynolds number",
+    "long_term_density": "whether a network left to itself has the statistics of the flow",
+    "control_tradeoff": "how much of the extreme events control removes, and at what cost",
+}
+_SPELT = {
+    "kaplan yorke": "Kaplan-Yorke",
+    "long term": "long-term",
+    "lyapunov": "Lyapunov",
+    "reynolds": "Reynolds number",
+}
+# What differs from config.yaml in every campaign, and is told elsewhere on the page.
+_TOLD_ELSEWHERE = ("campaign", "results", "figures", "captions")
+
+
+@dataclass(frozen=True)
+class Flagged:
+    """A file that a rule flags for the report.
+
+    Attributes
+    ----------
+    path
+        Where it is.
+    section
+        Title of its section.
+    labels
+        ``figure`` and ``case``, or ``table``.
+    caption
+        What it shows, in HTML.
+    """
+
+    path: Path
+    section: str
+    labels: Mapping[str, str]
+    caption: str
+
+
+@dataclass(frozen=True)
+class Took:
+    """When a job of a rule began and ended, in seconds since the epoch."""
+
+    rule: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class View:
+    """A figure of one case: name and content of its picture, and of its PDF if there is one."""
+
+    case: str
+    name: str
+    picture: str
+    width: int
+    pdf: str | None
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What stands under one title: a figure, with its views by case, or a table.
+
+    Attributes
+    ----------
+    name
+        Of the figure or table.
+    caption
+        What it shows, in HTML.
+    views
+        Of a figure.
+    data
+        Of a table: its CSV and its columns, as the page's script reads them (JSON).
+    """
+
+    name: str
+    caption: Markup
+    views: list[View] = field(default_factory=list)
+    data: Markup | None = None
+
+    @property
+    def title(self) -> str:
+        """Its name for people."""
+        return title_of(self.name)
+
+
+@dataclass(frozen=True)
+class ShownSection:
+    """A section of the page: its number and title, figures and tables."""
+
+    title: str
+    figures: list[Shown]
+    tables: list[Shown]
+
+
+def page(
+    flagged: Iterable[Flagged],
+    took: Iterable[Took],
+    campaign: Campaign,
+    results: Path,
+    introduction: str,
+) -> str:
+    """Text of the page.
+
+    Parameters
+    ----------
+    flagged
+        Files of the report.
+    took
+        Jobs of the campaign.
+    campaign
+        Whose results they are.
+    results
+        The results directory.
+    introduction
+        What the page begins with, in HTML.
+
+    Raises
+    ------
+    OSError
+        If a file is missing.
+    """
+    sections = list(_sections(flagged))
+    there = {figure.name for section in sections for figure in section.figures}
+    tables = results / "tables"
+    config = {key: value for key, value in campaign.config.items() if key != "captions"}
+    directory = project_root() / "workflow" / "report"
+    jobs = list(took)
+    times = [time for job in jobs for time in (job.start, job.end)]
+    environment = Environment(
+        loader=FileSystemLoader(directory),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["title_of"] = title_of
+    return environment.get_template("page.html").render(
+        name=results.name,
+        introduction=Markup(introduction),
+        computed=computed(campaign, tables),
+        kinds=_kinds(campaign),
+        numbers=_rows(summary_table(tables)),
+        first={name: says for name, says in _FIRST.items() if name in there},
+        warnings=found_warnings(tables),
+        other_settings=other_settings(config),
+        sections=sections,
+        versions=versions(results),
+        seed=config["random_seed"],
+        config=yaml.safe_dump(config, sort_keys=False, allow_unicode=True),
+        times=times_of_rules(jobs),
+        computed_from=_day(min(times, default=0.0)),
+        computed_to=_day(max(times, default=0.0)),
+        style=Markup((directory / "page.css").read_text(encoding="utf-8")),
+        script=Markup((directory / "page.js").read_text(encoding="utf-8")),
+    )
+
+
+def title_of(name: str) -> str:
+    """Name of a figure or table for people: "Long-term density"."""
+    words = name.replace("_", " ")
+    for plain, spelt in _SPELT.items():
+        words = words.replace(plain, spelt)
+    return words[:1].upper() + words[1:]
+
+
+# -- what the campaign is --------------------------------------------------------------------------
+
+
+def computed(campaign: Campaign, tables: Path) -> list[dict[str, str]]:
+    """What a campaign computed, a row for each case: its data, networks, other forecasters.
+
+    Parameters
+    ----------
+    campaign
+        Which.
+    tables
+        Directory of its tables, where the data are counted.
+    """
+    data = {row["case"]: row for row in pd.read_csv(tables / "dataset.csv").to_dict("records")}
+    rows = []
+    for case in campaign.case_names:
+        networks = [one.name for one in campaign.networks if one.case == case]
+        others = dict.fromkeys(
+            one.name.kind for one in campaign.select(case=case) if one.name.kind != "esn"
+        )
+        axes = [
+            _listed(f"{neurons}" for neurons in sorted({one.neurons or 0 for one in networks})),
+            _listed(sorted({str(one.validation) for one in networks})),
+            f"{len({one.seed for one in networks})}",
+        ]
+        rows.append(
+            {
+                "case": case,
+                "series": f"{data[case]['series_kept']:g}",
+                "extreme events per series": f"{data[case]['events_per_series']:.3g}",
+                "networks": f"{len(networks)}",
+                **dict(zip(("of neurons", "validated by", "seeds"), axes, strict=True)),
+                "beside them": _listed(others),
+            }
+        )
+    return rows
+
+
+def _kinds(campaign: Campaign) -> dict[str, str]:
+    """What forecasters of each kind are: the first sentence of its module."""
+    kinds = dict.fromkeys(one.name.kind for one in campaign.forecasters)
+    modules = {kind: inspect.getmodule(forecaster_class(kind)) for kind in kinds}
+    found = {
+        kind: (inspect.getdoc(module) or "").split("\n")[0] for kind, module in modules.items()
+    }
+    if any(run.random for run in campaign.control_runs):
+        found["random"] = "Control by alarms at random, as often as those of the network."
+    return found
+
+
+def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """Settings that are not those of config.yaml, the paper's: name, value here, value there.
+
+    Who forecasts what, and how figures are drawn, is left out.
+
+    Parameters
+    ----------
+    config
+        The whole configuration, loaded.
+    """
+    path = project_root() / "config.yaml"
+    paper = load(yaml.safe_load(path.read_text(encoding="utf-8")))
+    here, there = (dict(_leaves(one)) for one in (config, paper))
+
+    def told(settings: Mapping[str, Any], name: str) -> str:
+        return json.dumps(settings[name]) if name in settings else ""
+
+    return [
+        (name, told(here, name), told(there, name))
+        for name in dict.fromkeys([*here, *there])
+        if name.partition(".")[0] not in _TOLD_ELSEWHERE
+        and (name not in here or name not in there or here[name] != there[name])
+    ]
+
+
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """All settings by their paths."""
+    if isinstance(value, Mapping) and value:
+        for key, below in value.items():
+            yield from _leaves(below, f"{name}.{key}".removeprefix("."))
+    else:
+        yield name, value
+
+
+def _listed(values: Iterable[str]) -> str:
+    return ", ".join(values)
+
+
+def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:
+    """Rows as a person reads them."""
+    if table is None:
+        return []
+    return [
+        {
+            str(name): value
+            if isinstance(value, str)
+            else ("" if pd.isna(value) else f"{value:#.3g}")
+            for name, value in row.items()
+        }
+        for row in table.to_dict("records")
+    ]
+
+
+def times_of_rules(took: Iterable[Took]) -> list[tuple[str, int, str, str]]:
+    """How long jobs took, the rule that took longest first.
+
+    Returns
+    -------
+    Rule, number of jobs, time of all of them, time of the longest.
+    """
+    seconds: dict[str, list[float]] = {}
+    for job in took:
+        seconds.setdefault(job.rule, []).append(max(job.end - job.start, 0.0))
+    rows = sorted(seconds.items(), key=lambda item: sum(item[1]), reverse=True)
+    return [
+        (rule, len(times), _duration(sum(times)), _duration(max(times))) for rule, times in rows
+    ]
+
+
+def _day(seconds: float) -> str:
+    """Day and time of day, universal time, of seconds since the epoch."""
+    return f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%d %H:%M} UTC"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    return f"{seconds / 60:.1f} min" if seconds < 3600 else f"{seconds / 3600:.1f} h"
+
+
+# -- figures and tables ----------------------------------------------------------------------------
+
+
+def _sections(flagged: Iterable[Flagged]) -> Iterator[ShownSection]:
+    """Sections in their order, figures and tables in theirs; nothing for what is not there."""
+    files = list(flagged)
+    of_section = {one.section.partition(" ")[2]: one.section for one in files}
+    for section in SECTIONS:
+        if section.title not in of_section:
+            continue
+        here = [one for one in files if one.section == of_section[section.title]]
+        figures = _in_order(here, "figure", section.figures)
+        tables = _in_order(here, "table", section.tables)
+        yield ShownSection(
+            of_section[section.title],
+            [_shown_figure(name, views) for name, views in figures],
+            [_shown_table(name, one) for name, (one, *_) in tables],
+        )
+
+
+def _in_order(
+    files: Iterable[Flagged], label: str, order: Sequence[str]
+) -> list[tuple[str, list[Flagged]]]:
+    """Files of the same name, in the order of names."""
+
+    def place(one: Flagged) -> int:
+        return order.index(one.labels[label])
+
+    found = sorted((one for one in files if label in one.labels), key=place)
+    return [(order[number], list(same)) for number, same in groupby(found, place)]
+
+
+def _shown_figure(name: str, files: Sequence[Flagged]) -> Shown:
+    # the example's case has the plain name: it is shown first
+    views = sorted(
+        files, key=lambda one: (one.path.stem != name, natural_order(one.labels["case"]))
+    )
+    return Shown(name, Markup(views[0].caption), [_view(one) for one in views])
+
+
+def _view(one: Flagged) -> View:
+    picture, pdf = one.path.read_bytes(), one.path.with_suffix(".pdf")
+    return View(
+        one.labels["case"],
+        one.path.stem,
+        _data_uri(picture, "image/png"),
+        int.from_bytes(picture[16:20]) // 2,  # its header tells the width; 300 dots an inch
+        _data_uri(pdf.read_bytes(), "application/pdf") if pdf.exists() else None,
+    )
+
+
+def _data_uri(content: bytes, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def _shown_table(name: str, one: Flagged) -> Shown:
+    text = one.path.read_text(encoding="utf-8")
+    header = pd.read_csv(one.path, nrows=0).columns
+    columns = [
+        {
+            "name": column,
+            "unit": COLUMNS.get(column, ("", ""))[0],
+            "meaning": COLUMNS.get(column, ("", ""))[1],
+            "key": column in KEYS or column in ("metric", "prediction_time_lt"),
+            "switch": column in SWITCHES,
+        }
+        for column in header
+    ]
+    data = json.dumps({"name": name, "csv": text, "columns": columns})
+    # so that nothing in it ends the element that it stands in
+    return Shown(name, Markup(one.caption), data=Markup(data.replace("<", "\\u003c")))

@@ -1,0 +1,98 @@
+"""The report in its order: in which section each figure and each table stands."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Section:
+    """Figures and tables that belong together, by their names, in the order of the report."""
+
+    title: str
+    figures: tuple[str, ...] = ()
+    tables: tuple[str, ...] = ()
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(text.split())
+
+
+SECTIONS = (
+    Section(
+        "Flow and data",
+        _names("observable_and_density"),
+        _names("dataset data_generation_parameters"),
+    ),
+    Section(
+        "Networks and their training",
+        _names("network_schematic validation_strategies search_landscape"),
+        _names("network_hyperparameters hyperparameters_percentiles hyperparameters"),
+    ),
+    Section(
+        "Forecasts of extreme events",
+        _names(
+            "prediction_schematic prediction_examples classification_scores observed_components "
+            "midplane_planes vorticity_isosurfaces"
+        ),
+        _names(
+            "classification_percentiles classification classification_intervals "
+            "training_realisations"
+        ),
+    ),
+    Section(
+        "Prediction horizon",
+        _names("horizon_schematic horizon_evaluations horizon_by_size by_reynolds"),
+        _names("horizon_percentiles horizon horizon_intervals horizon_differences"),
+    ),
+    Section(
+        "Probabilities and alarms",
+        _names("forecast_skill reliability economic_value alarm_lead_times committee_event"),
+        _names(
+            "probability_scores probability_differences reliability economic_value lead_times "
+            "alarm_curves threshold_sweep"
+        ),
+    ),
+    Section(
+        "Long-term statistics",
+        _names("long_term_density profile_errors midplane_mean_square survival lyapunov_spectrum"),
+        _names(
+            "statistics_percentiles statistics statistics_intervals survival_percentiles survival "
+            "survival_curve_percentiles survival_curve lyapunov_spectrum_percentiles "
+            "lyapunov_spectrum kaplan_yorke_percentiles kaplan_yorke"
+        ),
+    ),
+    Section(
+        "Control",
+        _names(
+            "control_schematic suppressed_event control_tradeoff control_density control_frontier"
+        ),
+        _names("control_percentiles control control_density control_strategies"),
+    ),
+    Section("Warning signs", tables=_names("warnings")),
+)
+"""All sections: figures in the order of the paper, of tables what is read first."""
+
+
+def figure_category(name: str) -> str:
+    """Section of a figure, as the report calls it (a KeyError if it is in none)."""
+    return _FIGURES[name]
+
+
+def table_category(name: str) -> str:
+    """Section of a table, as the report calls it (a KeyError if it is in none)."""
+    return _TABLES[name]
+
+
+def _categories(names_of_sections: Iterable[Iterable[str]]) -> Mapping[str, str]:
+    # Snakemake sorts categories by name: the number keeps their order
+    return {
+        name: f"{number} {section.title}"
+        for number, (section, names) in enumerate(
+            zip(SECTIONS, names_of_sections, strict=True), start=1
+        )
+        for name in names
+    }
+
+
+_FIGURES = _categories(section.figures for section in SECTIONS)
+_TABLES = _categories(section.tables for section in SECTIONS)
