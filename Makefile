@@ -40,7 +40,7 @@ prune: $(VENV)/installed ## results that are not of the campaign any more
 	@$(BIN)/burstcast prune $(ARGS)
 
 # Of the demo: make report ARGS="--configfile workflow/presets/quick.yaml"
-report: $(VENV)/installed ## tables and figures of a finished campaign as one page, report.html
+report: $(VENV)/installed ## a finished campaign on one page to hand on, report.html
 	$(SNAKEMAKE) --reporter burstcast $(ARGS)
 
 archive: $(VENV)/installed ## tables, figures, config, versions and why in one zip

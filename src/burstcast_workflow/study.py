@@ -1,4 +1,4 @@
-"""A study of one's own: a directory with a Snakefile, a config and three commands to begin with."""
+"""A study of one's own: a directory with a Snakefile, a config and four commands to begin with."""
 
 import shutil
 from pathlib import Path
@@ -48,6 +48,7 @@ A study with burstcast, the forecasting and control of extreme events after
 
     snakemake            # runs all that is not there yet; after Ctrl-C it goes on from there
     burstcast why        # what would run again after an edit, and why
+    snakemake --reporter burstcast    # tables and figures on one page to hand on, report.html
     burstcast archive    # tables, figures, config and versions in one zip
 
 Results are in `{results}`: `tables/`, `figures/`. `burstcast settings` lists all settings with

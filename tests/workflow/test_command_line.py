@@ -117,7 +117,8 @@ def test_a_study_is_laid_out_with_a_config_that_is_right(preset, tmp_path, capsy
     assert config == {**expected, "results": f"results/{preset}"}
     load(config, [study / "config.yaml"], defaults=ROOT / "config.yaml")
     commands = re.findall(r"^    (\w+.*?) +#", (study / "README.md").read_text(), re.MULTILINE)
-    assert commands == ["snakemake", "burstcast why", "burstcast archive"]
+    report = "snakemake --reporter burstcast"
+    assert commands == ["snakemake", "burstcast why", report, "burstcast archive"]
 
 
 def test_a_system_is_checked(capsys):
