@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from burstcast_workflow.canonical import natural_order
 from burstcast_workflow.identifiers import described
 
 PREDICTION_TIME_LT = 2.0
@@ -77,7 +78,11 @@ def summary_table(tables: Path) -> pd.DataFrame | None:
         return None
     table = pd.DataFrame(columns).dropna(how="all")
     first = next(iter(columns))
-    table = table.reset_index().sort_values(["case", first], ascending=[True, False])
+    table = table.reset_index().sort_values(first, ascending=False, kind="stable")
+    place = {
+        case: number for number, case in enumerate(sorted(set(table["case"]), key=natural_order))
+    }
+    table = table.sort_values("case", key=lambda cases: cases.map(place), kind="stable")
     table.insert(1, "who", [_who(row) for row in table[_KEYS].to_dict("records")])
     return table.drop(columns=_KEYS[1:])
 

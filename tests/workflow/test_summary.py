@@ -43,6 +43,15 @@ def test_each_forecaster_is_one_row_best_first(tmp_path):
     assert lines[2].split()[-2:] == ["0.7", "3.25"]
 
 
+def test_cases_are_in_the_order_of_their_numbers(tmp_path):
+    scores = {(case, "esn", 500, "RV"): 0.5 for case in ("Re1000", "Re400", "Re600")}
+    percentiles("f_score", scores, prediction_time_lt=2.0).to_csv(
+        tmp_path / "classification_percentiles.csv", index=False
+    )
+    rows = campaign_summary(tmp_path).splitlines()[1:]
+    assert [row.split()[0] for row in rows] == ["Re400", "Re600", "Re1000"]
+
+
 def test_a_large_campaign_is_cut_and_says_so(tmp_path):
     scores = {("Re400", "esn", neurons, "RV"): neurons / 1000 for neurons in range(100, 120)}
     percentiles("f_score", scores, prediction_time_lt=2.0).to_csv(
