@@ -163,8 +163,7 @@ def page(
     tables = results / "tables"
     config = {key: value for key, value in campaign.config.items() if key != "captions"}
     directory = project_root() / "workflow" / "report"
-    jobs = list(took)
-    times = [time for job in jobs for time in (job.start, job.end)]
+    jobs = [job for job in took if job.start <= job.end]  # of others nobody noted when
     environment = Environment(
         loader=FileSystemLoader(directory),
         autoescape=True,
@@ -187,8 +186,8 @@ def page(
         seed=config["random_seed"],
         config=yaml.safe_dump(config, sort_keys=False, allow_unicode=True),
         times=times_of_rules(jobs),
-        computed_from=_day(min(times, default=0.0)),
-        computed_to=_day(max(times, default=0.0)),
+        first_job=_day(min((job.start for job in jobs), default=0.0)),
+        last_job=_day(max((job.end for job in jobs), default=0.0)),
         style=Markup((directory / "page.css").read_text(encoding="utf-8")),
         script=Markup((directory / "page.js").read_text(encoding="utf-8")),
     )
@@ -314,7 +313,7 @@ def times_of_rules(took: Iterable[Took]) -> list[tuple[str, int, str, str]]:
     """
     seconds: dict[str, list[float]] = {}
     for job in took:
-        seconds.setdefault(job.rule, []).append(max(job.end - job.start, 0.0))
+        seconds.setdefault(job.rule, []).append(job.end - job.start)
     rows = sorted(seconds.items(), key=lambda item: sum(item[1]), reverse=True)
     return [
         (rule, len(times), _duration(sum(times)), _duration(max(times))) for rule, times in rows
