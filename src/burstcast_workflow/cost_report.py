@@ -61,7 +61,7 @@ class PredictedJob:
 
     def measured(self) -> Measured:
         """What Snakemake measured: wall time, time of the processor, largest resident set."""
-        return _measured(self.record)
+        return measured(self.record)
 
     def disk_mib(self) -> float:
         """Size of those of its outputs that are there."""
@@ -273,7 +273,7 @@ def forecaster_costs(campaign: Campaign, records: Path) -> list[ForecasterCost]:
             made = [f"fit/{one.directory}"]
         paths = [records / f"{name}.tsv" for name in (*made, f"forecast/{one.directory}")]
         if all(path.exists() for path in paths):
-            *training, forecast = map(_measured, paths)
+            *training, forecast = map(measured, paths)
             total = Measured(
                 sum(cost.seconds for cost in training),
                 max(cost.memory_mib for cost in training),
@@ -287,7 +287,8 @@ def forecaster_costs(campaign: Campaign, records: Path) -> list[ForecasterCost]:
     ]
 
 
-def _measured(record: Path) -> Measured:
+def measured(record: Path) -> Measured:
+    """What Snakemake's record of a job (``benchmark:``) says."""
     with record.open(encoding="utf-8") as file:
         row = list(csv.DictReader(file, delimiter="\t"))[-1]
     # a job that is over at once is not sampled

@@ -26,6 +26,7 @@ from burstcast_workflow.archive import versions
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.canonical import natural_order
 from burstcast_workflow.config.loading import load
+from burstcast_workflow.cost_report import Measured, measured
 from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.project import project_root
 from burstcast_workflow.report_sections import SECTIONS
@@ -73,15 +74,6 @@ class Flagged:
     section: str
     labels: Mapping[str, str]
     caption: str
-
-
-@dataclass(frozen=True)
-class Took:
-    """When a job of a rule began and ended, in seconds since the epoch."""
-
-    rule: str
-    start: float
-    end: float
 
 
 @dataclass(frozen=True)
@@ -133,10 +125,10 @@ class ShownSection:
 
 def page(
     flagged: Iterable[Flagged],
-    took: Iterable[Took],
     campaign: Campaign,
     results: Path,
     introduction: str,
+    days: tuple[float, float] | None = None,
 ) -> str:
     """Text of the page.
 
@@ -144,14 +136,14 @@ def page(
     ----------
     flagged
         Files of the report.
-    took
-        Jobs of the campaign.
     campaign
         Whose results they are.
     results
         The results directory.
     introduction
         What the page begins with, in HTML.
+    days
+        When the first job began and the last one ended, in seconds since the epoch, if known.
 
     Raises
     ------
@@ -163,7 +155,6 @@ def page(
     tables = results / "tables"
     config = {key: value for key, value in campaign.config.items() if key != "captions"}
     directory = project_root() / "workflow" / "report"
-    jobs = [job for job in took if job.start <= job.end]  # of others nobody noted when
     environment = Environment(
         loader=FileSystemLoader(directory),
         autoescape=True,
@@ -185,9 +176,8 @@ def page(
         versions=versions(results),
         seed=config["random_seed"],
         config=yaml.safe_dump(config, sort_keys=False, allow_unicode=True),
-        times=times_of_rules(jobs),
-        first_job=_day(min((job.start for job in jobs), default=0.0)),
-        last_job=_day(max((job.end for job in jobs), default=0.0)),
+        times=times_of_rules(results),
+        days=[f"{datetime.fromtimestamp(day, UTC):%Y-%m-%d %H:%M} UTC" for day in days or ()],
         style=Markup((directory / "page.css").read_text(encoding="utf-8")),
         script=Markup((directory / "page.js").read_text(encoding="utf-8")),
     )
@@ -304,25 +294,39 @@ def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:
     ]
 
 
-def times_of_rules(took: Iterable[Took]) -> list[tuple[str, int, str, str]]:
-    """How long jobs took, the rule that took longest first.
+def times_of_rules(results: Path) -> list[dict[str, str]]:
+    """What jobs took, as their records say (``benchmarks``), the rule that took longest first.
+
+    Parameters
+    ----------
+    results
+        The results directory.
 
     Returns
     -------
-    Rule, number of jobs, time of all of them, time of the longest.
+    Rows: rule, number of jobs, time of all of them, of the processor, of the longest, and the
+    largest memory.
     """
-    seconds: dict[str, list[float]] = {}
-    for job in took:
-        seconds.setdefault(job.rule, []).append(job.end - job.start)
-    rows = sorted(seconds.items(), key=lambda item: sum(item[1]), reverse=True)
+    records = results / "benchmarks"
+    jobs: dict[str, list[Measured]] = {}
+    for path in sorted(records.rglob("*.tsv")):
+        rule = path.relative_to(records).parts[0].removesuffix(".tsv")
+        jobs.setdefault(rule, []).append(measured(path))
+
+    def all_seconds(rule: str) -> float:
+        return sum(job.seconds for job in jobs[rule])
+
     return [
-        (rule, len(times), _duration(sum(times)), _duration(max(times))) for rule, times in rows
+        {
+            "rule": rule,
+            "jobs": f"{len(jobs[rule])}",
+            "time": _duration(all_seconds(rule)),
+            "of the processor": _duration(sum(job.processor_seconds for job in jobs[rule])),
+            "longest": _duration(max(job.seconds for job in jobs[rule])),
+            "most memory": f"{max(job.memory_mib for job in jobs[rule]):.0f} MiB",
+        }
+        for rule in sorted(jobs, key=all_seconds, reverse=True)
     ]
-
-
-def _day(seconds: float) -> str:
-    """Day and time of day, universal time, of seconds since the epoch."""
-    return f"{datetime.fromtimestamp(seconds, UTC):%Y-%m-%d %H:%M} UTC"
 
 
 def _duration(seconds: float) -> str:

@@ -27,7 +27,7 @@ class PageReporter(ReporterBase):  # type: ignore[misc]
 
     def render(self) -> None:
         """Write it, whole or not at all."""
-        from burstcast_workflow.report_page import Flagged, Took, page
+        from burstcast_workflow.report_page import Flagged, page
         from burstcast_workflow.why import names_of_rules
 
         names = names_of_rules(self.dag.workflow)
@@ -37,9 +37,15 @@ class PageReporter(ReporterBase):  # type: ignore[misc]
             for records in subcategories.values()
             for record in records
         ]
-        took = [Took(job.rule, job.starttime, job.endtime) for job in self.jobs]
+        # of a job without times Snakemake says that it ended before it began
+        known = [job for job in self.jobs if job.starttime <= job.endtime]
+        first, last = (job.starttime for job in known), (job.endtime for job in known)
         text = page(
-            flagged, took, names["campaign"], Path(names["run"].results), self.workflow_description
+            flagged,
+            names["campaign"],
+            Path(names["run"].results),
+            self.workflow_description,
+            (min(first), max(last)) if known else None,
         )
         target = Path(self.settings.path)
         partial = target.with_name(f".{target.name}.partial")

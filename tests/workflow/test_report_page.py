@@ -1,7 +1,6 @@
 """What the page of the report is made of; test_miniature.py opens a whole one in a browser."""
 
 import copy
-import sys
 from pathlib import Path
 
 import pytest
@@ -13,7 +12,6 @@ from burstcast_workflow.config.loading import load
 from burstcast_workflow.figure_registry import FIGURES
 from burstcast_workflow.report_page import (
     Flagged,
-    Took,
     computed,
     other_settings,
     page,
@@ -91,11 +89,19 @@ def test_what_was_computed_is_counted_by_case(tmp_path):
     assert (second["case"], second["networks"], second["of neurons"]) == ("Re600", "20", "2000")
 
 
-def test_times_are_summed_by_rule():
-    jobs = [Took("train", 0, 90), Took("figure", 5, 6), Took("train", 100, 7300)]
-    assert times_of_rules(jobs) == [
-        ("train", 2, "2.0 h", "2.0 h"),
-        ("figure", 1, "1.0 s", "1.0 s"),
+def test_times_are_summed_by_rule(tmp_path):
+    for name, seconds, memory, processor in (
+        ("train/Re400/esn-N40-RV-seed0", 90, 100, 80),
+        ("train/Re400/esn-N40-RV-seed1", 7200, 120.4, 7000),
+        ("latex", 1, "-", "NA"),
+    ):
+        path = tmp_path / "benchmarks" / f"{name}.tsv"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"s\tmax_rss\tcpu_time\n{seconds}\t{memory}\t{processor}\n")
+    names = ["rule", "jobs", "time", "of the processor", "longest", "most memory"]
+    assert times_of_rules(tmp_path) == [
+        dict(zip(names, ["train", "2", "2.0 h", "2.0 h", "2.0 h", "120 MiB"], strict=True)),
+        dict(zip(names, ["latex", "1", "1.0 s", "0.0 s", "1.0 s", "0 MiB"], strict=True)),
     ]
 
 
@@ -114,12 +120,11 @@ def test_nothing_in_a_table_ends_the_element_that_it_stands_in(tmp_path):
         Flagged(tables / f"{name}.csv", table_category(name), {"table": name}, "<p>caption</p>")
         for name in ("warnings", "dataset")
     ]
-    unknown = Took("train", sys.maxsize, 0)  # what Snakemake says where it has no times
-    text = page(flagged, [unknown], Campaign(loaded()), tables.parent, "<p>introduction</p>")
+    text = page(flagged, Campaign(loaded()), tables.parent, "<p>introduction</p>")
     assert text.count("</script>") == 3  # two tables, and the page's own
     assert "&lt;/script&gt;&lt;b&gt;. Try: a &amp; b." in text
     assert text.index("1 Flow and data") < text.index("8 Warning signs")
     assert "<p>introduction</p>" in text
-    assert "random seed 2022. This page" in text
+    assert "random seed 2022. This page" in text  # nobody knows when
     assert "3 Forecasts" not in text  # no section of nothing
     assert "config.yaml</code>), all of which" in text
