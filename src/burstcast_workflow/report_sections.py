@@ -66,7 +66,9 @@ SECTIONS = (
         _names(
             "control_schematic suppressed_event control_tradeoff control_density control_frontier"
         ),
-        _names("control_percentiles control control_density control_strategies"),
+        _names(
+            "control_percentiles control control_density control_strategies control_differences"
+        ),
     ),
     Section("Warning signs", tables=_names("warnings")),
 )
