@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -76,13 +77,27 @@ SECTIONS = (
 
 
 def figure_category(name: str) -> str:
-    """Section of a figure, as the report calls it (a KeyError if it is in none)."""
-    return _FIGURES[name]
+    """Section of a figure, as the report calls it.
+
+    Raises
+    ------
+    LookupError
+        If it is in none.
+    """
+    return _category(_FIGURES, name)
 
 
 def table_category(name: str) -> str:
-    """Section of a table, as the report calls it (a KeyError if it is in none)."""
-    return _TABLES[name]
+    """Section of a table, as the report calls it (see `figure_category`)."""
+    return _category(_TABLES, name)
+
+
+def _category(categories: Mapping[str, str], name: str) -> str:
+    if name not in categories:
+        raise LookupError(
+            f"{name} has no place in the report: give it one in {Path(__file__).name}"
+        )
+    return categories[name]
 
 
 def _categories(names_of_sections: Iterable[Iterable[str]]) -> Mapping[str, str]:

@@ -43,7 +43,7 @@ def test_sections_keep_their_order_where_they_are_sorted_by_name():
     titles = [f"{number} {section.title}" for number, section in enumerate(SECTIONS, 1)]
     assert titles == sorted(titles)
     assert figure_category("control_density") == table_category("control") == "7 Control"
-    with pytest.raises(KeyError):
+    with pytest.raises(LookupError, match="no_such_figure has no place"):
         figure_category("no_such_figure")
 
 
