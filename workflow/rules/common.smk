@@ -117,7 +117,9 @@ onstart:
 
 onsuccess:
     if workflow.is_main_process:
-        write_costs(jobs_with_costs(workflow, campaign, costs), campaign, Path(TIMES))
+        write_costs(
+            jobs_with_costs(workflow, campaign, costs), campaign, Path(TIMES)
+        )
     found = [
         campaign_summary(Path(TABLES)),
         warnings_summary(Path(TABLES)),
