@@ -313,7 +313,7 @@ WITH_EFFECT = [
             "experiment.threshold - 2.0 * self.margin",
         ),
         "control/*/receding_horizon-* control_committee/* control_strategies_table/* "
-        "all_cases/control_strategies "
+        "all_cases/control_strategies all_cases/control_differences "
         "latex/control_strategies figure/control_frontier",
     ),
     (
