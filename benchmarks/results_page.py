@@ -21,7 +21,14 @@ import jinja2
 import pandas as pd
 import results_tables
 from paper_claims import findings
-from results_tables import PUBLISHED, PUBLISHED_TABLES, Tables, markdown, significant
+from results_tables import (
+    OF_SINGLE_NETWORKS,
+    PUBLISHED,
+    PUBLISHED_TABLES,
+    Tables,
+    markdown,
+    significant,
+)
 
 from burstcast.published import compare
 from burstcast_workflow.archive import versions
@@ -71,11 +78,11 @@ def differences(results: Path) -> list[str]:
     ----------
     results
         Results directory of a campaign that is part of the kept one: the same cases, fewer
-        networks. Only tables with a row for each network are compared, as text, to the last digit.
+        networks. Tables with rows for each network are compared, as text, to the last digit.
     """
     kept = KEPT / results.name
     found = []
-    for name in ("hyperparameters", "classification", "horizon", "statistics", "control"):
+    for name in OF_SINGLE_NETWORKS:
         theirs = results / "tables" / f"{name}.csv"
         if not theirs.exists() or not theirs.stat().st_size:
             continue

@@ -15,12 +15,16 @@ from burstcast_workflow.harness.tables import read_table
 PUBLISHED = Path(__file__).resolve().parent.parent / "resources" / "published_percentiles.csv"
 """Published values of the paper."""
 
+OF_SINGLE_NETWORKS = (
+    *("dataset", "hyperparameters", "classification", "classification_intervals"),
+    *("horizon", "horizon_intervals", "statistics", "statistics_intervals", "survival"),
+    *("kaplan_yorke", "lyapunov_spectrum", "control", "control_strategies"),
+)
+"""Kept tables with rows of their own for each network, whatever other networks there are."""
+
 PUBLISHED_TABLES = (
-    *("dataset", "hyperparameters", "warnings"),
-    *("classification", "classification_intervals"),
-    *("horizon", "horizon_intervals"),
-    *("statistics", "statistics_intervals", "survival", "kaplan_yorke", "lyapunov_spectrum"),
-    *("control", "control_strategies", "control_differences", "training_realisations"),
+    *OF_SINGLE_NETWORKS,
+    *("warnings", "control_differences", "training_realisations"),
     *(
         f"{name}_percentiles"
         for name in (
