@@ -4,7 +4,7 @@
 
     python benchmarks/results_page.py                   # the page, from docs/results
     python benchmarks/results_page.py collect RESULTS   # a campaign's tables into docs/results
-    python benchmarks/results_page.py same RESULTS      # whether those of another run are in it
+    python benchmarks/results_page.py same paper RESULTS   # whether another run's rows are in it
 
 The page is docs/results/page.md.jinja with tables and numbers in it: nobody types a number. A
 campaign of which there are no tables is left out of it.
@@ -71,16 +71,18 @@ def collect(results: Path) -> None:
     (target / "versions.json").write_text(f"{text}\n", encoding="utf-8")
 
 
-def differences(results: Path) -> list[str]:
-    """Rows of another run's tables that the kept ones of the same campaign do not have.
+def differences(campaign: str, results: Path) -> list[str]:
+    """Rows of another run's tables that a campaign's kept ones do not have.
 
     Parameters
     ----------
+    campaign
+        Name of the kept one.
     results
         Results directory of a campaign that is part of the kept one: the same cases, fewer
         networks. Tables with rows for each network are compared, as text, to the last digit.
     """
-    kept = KEPT / results.name
+    kept = KEPT / campaign
     found = []
     for name in OF_SINGLE_NETWORKS:
         theirs = results / "tables" / f"{name}.csv"
@@ -185,14 +187,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Make the page, collect tables, or compare another run's with them."""
     parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
     commands = parser.add_subparsers(dest="command")
-    for name in ("collect", "same"):
-        commands.add_parser(name).add_argument("results", type=Path, nargs="+")
+    collecting, comparing = (commands.add_parser(name) for name in ("collect", "same"))
+    comparing.add_argument("campaign")
+    for command in (collecting, comparing):
+        command.add_argument("results", type=Path)
     chosen = parser.parse_args(arguments)
     if chosen.command == "collect":
-        for results in chosen.results:
-            collect(results)
+        collect(chosen.results)
     elif chosen.command == "same":
-        found = [line for results in chosen.results for line in differences(results)]
+        found = differences(chosen.campaign, chosen.results)
         print("\n".join(found) or "the same")
         return 1 if found else 0
     else:

@@ -175,11 +175,11 @@ def test_collected_tables_are_those_of_the_campaign(tmp_path, monkeypatch, capsy
     assert results_page.main(["collect", str(results)]) == 0
     kept = tmp_path / "kept" / "small"
     assert {path.name for path in kept.iterdir()} == {"classification.csv", "versions.json"}
-    assert results_page.main(["same", str(results)]) == 0
+    assert results_page.main(["same", "small", str(results)]) == 0
     # one network alone, its last digit another one
     part = "case,seed,f_score\nRe400,1,0.7500000001\n"
     (results / "tables" / "classification.csv").write_text(part)
-    assert results_page.main(["same", str(results)]) == 1
+    assert results_page.main(["same", "small", str(results)]) == 1
     assert "classification: Re400,1,0.7500000001" in capsys.readouterr().out
 
 
