@@ -62,11 +62,12 @@ check: $(VENV)/installed ## linters and types alone
 	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow/rules
 
-# The lock file holds every version; the package itself comes from this directory.
+# The lock file holds every version; the package itself comes from this directory. Python compiles what
+# is imported when it is imported: compiling all of it here would double the time.
 $(VENV)/installed: requirements.lock pyproject.toml setup.py
 	$(PYTHON) -c 'import sys; sys.exit("burstcast needs Python 3.11 or newer: make PYTHON=...") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.lock
+	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check -r requirements.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -e .
 	touch $@
 
