@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import pandas as pd
-from results_tables import Ensemble, Tables, fixed, published_value, significant
+from results_tables import Ensemble, Tables, fixed, interval, published_value, significant
 
 RV = {"forecaster": "esn", "validation": "RV"}
 SSV = {"forecaster": "esn", "validation": "SSV"}
@@ -83,7 +83,7 @@ def _horizon(tables: Tables, case: str = CASE, **who: Any) -> Ensemble:
 
 
 def _with_interval(found: Ensemble, digits: int = 3) -> str:
-    return f"{fixed(found.p50, digits)} ({fixed(found.low, digits)} to {fixed(found.high, digits)})"
+    return interval(found, lambda value: fixed(value, digits))
 
 
 # -- data ------------------------------------------------------------------------------------------
@@ -244,13 +244,9 @@ def horizon_of_large_networks(tables: Tables) -> Finding:
 # -- Reynolds numbers ------------------------------------------------------------------------------
 
 
-def _by_case(tables: Tables, find: Callable[[str], Ensemble]) -> dict[str, Ensemble]:
-    return {case: find(case) for case in tables.cases()}
-
-
 def horizon_grows(tables: Tables) -> Finding:
     """Mean PH_ee of 2000 neurons (RV) by Reynolds number."""
-    found = list(_by_case(tables, lambda case: _horizon(tables, case, neurons=2000, **RV)).values())
+    found = [_horizon(tables, case, neurons=2000, **RV) for case in tables.cases()]
     steps = [later.p50 > before.p50 for before, later in itertools.pairwise(found)]
     return Finding(
         "grows", ", ".join(_with_interval(one, 2) for one in found) + " LT", all_of(steps)
@@ -259,7 +255,7 @@ def horizon_grows(tables: Tables) -> Finding:
 
 def score_falls(tables: Tables) -> Finding:
     """F-score 3 LT ahead of 2000 neurons (RV): lower than at 400, and similar."""
-    first, *others = _by_case(tables, lambda case: _f(tables, 3, case, neurons=2000, **RV)).values()
+    first, *others = (_f(tables, 3, case, neurons=2000, **RV) for case in tables.cases())
     middles = [one.p50 for one in others]
     half = max((one.high - one.low) / 2 for one in others)
     return Finding(

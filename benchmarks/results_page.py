@@ -92,7 +92,8 @@ def differences(campaign: str, results: Path) -> list[str]:
         ours = (kept / f"{name}.csv").read_text(encoding="utf-8").splitlines()
         if head != ours[0]:
             found.append(f"{name}: other columns")
-        found += [f"{name}: {row}" for row in rows if row not in set(ours)]
+        known = set(ours)
+        found += [f"{name}: {row}" for row in rows if row not in known]
         print(f"{name}: {len(rows)} rows looked up", file=sys.stderr)
     return found
 
@@ -171,10 +172,8 @@ def page(kept: Path = KEPT) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    names = [line for line in dir(results_tables) if not line.startswith("_")]
-    functions = {name: getattr(results_tables, name) for name in names}
     return environment.get_template(TEMPLATE).render(
-        functions,
+        vars(results_tables),
         claims_table=claims_table,
         outside_table=outside_table,
         agreement_table=agreement_table,

@@ -273,17 +273,19 @@ def scores_of_forecasters(tables: Tables, case: str, metric: str) -> str:
 
 
 def _scores(tables: Tables, case: str, metric: str, groups: Sequence[dict[str, Any]]) -> str:
-    rows = []
-    for group in groups:
-        scores = [
-            tables.ensemble("classification", metric, case=case, prediction_time_lt=time, **group)
-            for time in TIMES_LT
-        ]
-        if any(scores):
-            horizon = tables.ensemble("horizon", "mean_horizon_lt", case=case, **group)
-            cells = [*map(quartiles, scores), quartiles(horizon, lambda value: fixed(value, 2))]
-            rows.append([name_of(**group), *cells])
+    cells = [(name_of(**group), _score_cells(tables, case, metric, group)) for group in groups]
+    rows = [[name, *scores] for name, scores in cells if any(scores[:-1])]
     return markdown(["", *(f"{time:g} LT" for time in TIMES_LT), "mean PH_ee [LT]"], rows)
+
+
+def _score_cells(tables: Tables, case: str, metric: str, group: dict[str, Any]) -> list[str]:
+    """Quartiles of a score at each prediction time, and of the mean prediction horizon."""
+    scores = [
+        tables.ensemble("classification", metric, case=case, prediction_time_lt=time, **group)
+        for time in TIMES_LT
+    ]
+    horizon = tables.ensemble("horizon", "mean_horizon_lt", case=case, **group)
+    return [*map(quartiles, scores), quartiles(horizon, lambda value: fixed(value, 2))]
 
 
 def horizons_by_size(tables: Tables, case: str) -> str:
@@ -308,20 +310,7 @@ def scores_by_reynolds(tables: Tables, neurons: int) -> str:
     for row in tables.rows("dataset").to_dict("records"):
         for validation in VALIDATIONS:
             group = {"forecaster": "esn", "neurons": neurons, "validation": validation}
-            cells = [
-                quartiles(
-                    tables.ensemble(
-                        "classification",
-                        "f_score",
-                        case=row["case"],
-                        prediction_time_lt=time,
-                        **group,
-                    )
-                )
-                for time in TIMES_LT
-            ]
-            horizon = tables.ensemble("horizon", "mean_horizon_lt", case=row["case"], **group)
-            cells.append(quartiles(horizon, lambda value: fixed(value, 2)))
+            cells = _score_cells(tables, row["case"], "f_score", group)
             if any(cells):
                 rows.append([f"{row['reynolds']:g}", validation, *cells])
     times = [f"F, {time:g} LT" for time in TIMES_LT]
