@@ -480,6 +480,34 @@ def _percent(row: dict[Any, Any]) -> str:
     return f"{value} ({low} to {high})"
 
 
+def forecasters_apart(tables: Tables, case: str) -> str:
+    """Forecasters that control differently by the same strategy, on the same flows.
+
+    Differences of what is left whose paired 95 % interval excludes zero; a line above the table
+    says how many there were to look at.
+    """
+    found = tables.rows("control_differences", case=case)
+    found = found[
+        (found["strategy"] == found["other_strategy"])
+        & ~found["compared"].str.contains("random-")
+        & ~found["other"].str.contains("random-")
+    ]
+    rows, pairs = [], 0
+    for (strategy, who, other), part in found.groupby(
+        ["strategy", "compared", "other"], sort=False
+    ):
+        pairs += 1
+        values = {row["metric"]: row for row in part.to_dict("records")}
+        left = values["relative_exceedance"]
+        if left["low"] <= 0 <= left["high"]:
+            continue
+        spent = values["control_fraction"]
+        rows.append([f"`{strategy}`", who, other, _percent(left), _percent(spent)])
+    head = ["strategy", "forecaster", "minus", "difference of what is left [%]"]
+    table = markdown([*head, "of the time under actuation [%]"], rows)
+    return f"{len(rows)} of {pairs} pairs:\n\n{table}"
+
+
 def probabilities(tables: Tables, case: str, metric: str) -> str:
     """A score of calibrated probabilities: of committees, and of all but single networks."""
     found = tables.rows(

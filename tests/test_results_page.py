@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 import results_page
 from paper_claims import CLAIMS, all_of, findings, verdict
-from results_tables import PUBLISHED, Tables, quartiles, sweep
+from results_tables import PUBLISHED, Tables, forecasters_apart, quartiles, sweep
 
 from burstcast.published import published_percentiles
 
@@ -205,6 +205,35 @@ def test_a_sweep_shows_each_median_once(tmp_path):
     _, _, *lines = sweep(Tables(tmp_path)).splitlines()
     assert [line.split(" | ")[0] for line in lines] == ["| b", "| a"]
     assert re.findall(r"\.(\d\d)", " ".join(lines)) == [f"{number:02d}" for number in range(20)]
+
+
+def test_forecasters_that_control_differently(tmp_path):
+    def pair(compared, other, strategy, other_strategy, left):
+        who = {
+            "case": "Re400",
+            "compared": compared,
+            "strategy": strategy,
+            "other": other,
+            "other_strategy": other_strategy,
+        }
+        spent = (-0.01, -0.02, 0.0)
+        return [
+            {**who, "metric": metric, **dict(zip(("value", "low", "high"), ends, strict=True))}
+            for metric, ends in (("relative_exceedance", left), ("control_fraction", spent))
+        ]
+
+    rows = [
+        *pair("equations", "median of esn-N10-RV", "late", "late", (-0.04, -0.09, -0.005)),
+        *pair("equations", "median of esn-N10-RV", "weak", "weak", (-0.04, -0.09, 0.005)),
+        *pair("equations", "equations", "late", "weak", (0.5, 0.4, 0.6)),
+        *pair("equations", "median of random-N10-RV", "late", "late", (-0.5, -0.6, -0.4)),
+    ]
+    pd.DataFrame(rows).to_csv(tmp_path / "control_differences.csv", index=False)
+    first, _, _, _, *lines = forecasters_apart(Tables(tmp_path), "Re400").splitlines()
+    assert first == "1 of 2 pairs:"
+    assert lines == [
+        "| `late` | equations | median of esn-N10-RV | -4 (-9 to -0.5) | -1 (-2 to 0) |"
+    ]
 
 
 def test_numbers_that_are_not_there(tmp_path):
