@@ -360,7 +360,7 @@ def own_flow(tables: Tables, case: str, leading: int = 4) -> str:
                 *(quartiles(found, lambda value: fixed(value, 4)) for found in exponents),
             ]
         )
-    head = ["", "escape rate per 1e4 time units", "Kaplan-Yorke dimension"]
+    head = ["", "escape rate [1e-4 per time unit]", "Kaplan-Yorke dimension"]
     return markdown([*head, *(f"exponent {n}" for n in range(1, leading + 1))], rows)
 
 

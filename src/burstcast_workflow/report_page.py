@@ -31,7 +31,7 @@ from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.project import project_root
 from burstcast_workflow.report_sections import SECTIONS
 from burstcast_workflow.summary import found_warnings, summary_table
-from burstcast_workflow.table_columns import COLUMNS
+from burstcast_workflow.table_columns import unit_and_meaning
 
 SWITCHES = ("case", "validation")
 """Key columns of tables that buttons choose from, as far as there are few values."""
@@ -396,8 +396,7 @@ def _shown_table(name: str, one: Flagged) -> Shown:
     columns = [
         {
             "name": column,
-            "unit": COLUMNS.get(column, ("", ""))[0],
-            "meaning": COLUMNS.get(column, ("", ""))[1],
+            **dict(zip(("unit", "meaning"), unit_and_meaning(column, name), strict=True)),
             "key": column in KEYS or column in ("metric", "prediction_time_lt"),
             "switch": column in SWITCHES,
         }

@@ -19,8 +19,8 @@ from burstcast_workflow.report_page import (
     title_of,
 )
 from burstcast_workflow.report_sections import SECTIONS, figure_category, table_category
-from burstcast_workflow.table_columns import TABLES
 from burstcast_workflow.table_metrics import SUMMARIES
+from burstcast_workflow.table_registry import TABLES
 
 ROOT = Path(__file__).parents[2]
 CONFIG = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))

@@ -12,13 +12,13 @@ from burstcast.tables import described_parameters
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.figure_registry import FIGURES, caption, figure_case, figure_names
-from burstcast_workflow.table_columns import table_text
 from burstcast_workflow.table_metrics import NETWORK_KEYS, SUMMARIES
 from burstcast_workflow.table_registry import (
     PARAMETER_TABLES,
     cases_of_tables,
     latex_names,
     table_names,
+    table_of,
 )
 from burstcast_workflow.table_texts import LAYOUTS, head, latex_caption, source_of
 
@@ -239,7 +239,7 @@ def test_every_table_for_papers_is_made_of_one_that_there_is():
     assert set(names) == {*LAYOUTS, *PARAMETER_TABLES}
     for name in names:
         assert latex_caption(name).endswith(".")
-        text = table_text(source_of(name))
+        text = table_of(source_of(name))
         if name in LAYOUTS and text.metrics:
             assert set(LAYOUTS[name].metrics) <= set(text.metrics.split())
 

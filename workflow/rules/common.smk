@@ -44,8 +44,12 @@ from burstcast_workflow.prune import stale_note
 from burstcast_workflow.report_sections import figure_category, table_category
 from burstcast_workflow.setting_groups import listed
 from burstcast_workflow.summary import campaign_summary, warnings_summary
-from burstcast_workflow.table_columns import table_text
-from burstcast_workflow.table_registry import cases_of_tables, latex_names, table_names
+from burstcast_workflow.table_registry import (
+    cases_of_tables,
+    latex_names,
+    table_names,
+    table_of,
+)
 from burstcast_workflow.table_texts import source_of
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
@@ -443,7 +447,7 @@ config["captions"] = {
         name: caption(PROJECT / "workflow" / "scripts" / "figures" / f"{name}.py")
         for name in FIGURES
     },
-    "tables": {name: table_text(name).says for name in table_names(campaign)},
+    "tables": {name: table_of(name).says for name in table_names(campaign)},
 }
 PUBLISHED = os.path.relpath(PROJECT / "resources" / "published_percentiles.csv")
 
