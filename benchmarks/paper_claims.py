@@ -1,10 +1,11 @@
 """What the paper claims, and what our tables say to each claim.
 
 Each claim is a function of the tables of the paper's campaign. It returns a `Finding`; whether it
-agrees is computed, not written. A claim in numbers agrees if the paper's number lies within our
-95 % interval; "nearly" if it does in one that is the square root of two times as wide, since the
-paper's number has the sampling error of a test set of the same size. A claim in words agrees if it
-holds for our medians.
+agrees is computed, not written. A claim in numbers agrees if the paper's number, give or take half
+a unit of its last printed digit, lies within our 95 % interval; "nearly" if it does in one that is
+the square root of two times as wide, since the paper's number has a sampling error, too. A claim in
+words agrees if it holds for our medians; one that reaches a number ("up to 0.8") if our interval
+reaches it, rounded as it is printed.
 """
 
 import itertools
@@ -14,12 +15,21 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import pandas as pd
-from results_tables import Ensemble, Tables, fixed, interval, published_value, significant
+from results_tables import (
+    Ensemble,
+    Tables,
+    fixed,
+    interval,
+    published_rows,
+    published_value,
+    significant,
+)
 
 RV = {"forecaster": "esn", "validation": "RV"}
 SSV = {"forecaster": "esn", "validation": "SSV"}
 TRAINING = {"forecaster": "training"}
 CASE = "Re400"
+EVENT_THRESHOLD = 0.1
 
 
 @dataclass(frozen=True)
@@ -51,19 +61,31 @@ class Claim:
     find: Callable[[Tables], Finding]
 
 
-def verdict(paper: float, low: float, high: float) -> str:
-    """Whether the paper's number lies in our interval, or nearly."""
+def verdict(paper: float, low: float, high: float, unit: float = 0.0) -> str:
+    """Whether the paper's number lies in our interval, or nearly.
+
+    Parameters
+    ----------
+    paper
+        Its number.
+    low, high
+        Ends of our interval.
+    unit
+        Of the last digit that the paper prints.
+    """
     middle, half = (low + high) / 2, (high - low) / 2
-    distance = abs(paper - middle)
+    distance = abs(paper - middle) - unit / 2
     return "yes" if distance <= half else "nearly" if distance <= math.sqrt(2) * half else "no"
 
 
-def all_of(holds: Iterable[bool]) -> str:
-    """Verdict on a claim in words that is looked up several times."""
-    found = list(holds)
-    if all(found):
-        return "yes"
-    return f"{sum(found)} of {len(found)}" if any(found) else "no"
+def all_of(holds: Iterable[bool | str]) -> str:
+    """Verdict on a claim that is looked up several times, of truth values or verdicts."""
+    found = [one if isinstance(one, str) else ("no", "yes")[bool(one)] for one in holds]
+    for whole in (["yes"], ["yes", "nearly"]):
+        if set(found) <= set(whole):
+            return whole[-1]
+    agree = len(found) - found.count("no")
+    return f"{agree} of {len(found)}" if agree else "no"
 
 
 def _f(
@@ -115,6 +137,7 @@ def exponents(tables: Tables) -> Finding:
             row["lyapunov_exponent_paper"],
             row["lyapunov_exponent_low"],
             row["lyapunov_exponent_high"],
+            unit=1e-4,
         )
         for row in rows
     ]
@@ -128,7 +151,7 @@ def exponents(tables: Tables) -> Finding:
         else ""
     )
     paper = ", ".join(fixed(row["lyapunov_exponent_paper"], 4) for row in rows)
-    return Finding(paper, ", ".join(ours), all_of(found != "no" for found in verdicts), why)
+    return Finding(paper, ", ".join(ours), all_of(verdicts), why)
 
 
 # -- time-accurate prediction ----------------------------------------------------------------------
@@ -191,7 +214,7 @@ def two_and_three_times_ahead(tables: Tables) -> Finding:
     return Finding(
         ">= 0.9 and up to 0.8",
         f"up to {_with_interval(best[2])} and {_with_interval(best[3])}",
-        all_of([best[2].high >= 0.9, best[3].low <= 0.8 <= best[3].high]),
+        all_of([best[2].high >= 0.895, best[3].high >= 0.75]),
     )
 
 
@@ -204,7 +227,7 @@ def most_events_two_ahead(tables: Tables) -> Finding:
         "90 %, 10 % false",
         f"{_with_interval(recall)} predicted, {fixed(1 - precision.p50)} "
         f"({fixed(1 - precision.high)} to {fixed(1 - precision.low)}) of the alarms false",
-        all_of([recall.low <= 0.9 <= recall.high, precision.low <= 0.9 <= precision.high]),
+        all_of([recall.high >= 0.895, precision.high >= 0.895]),
     )
 
 
@@ -238,7 +261,7 @@ def size_levels_off(tables: Tables) -> Finding:
 def horizon_of_large_networks(tables: Tables) -> Finding:
     """Largest median of the mean PH_ee."""
     best = max((_horizon(tables, neurons=n, **RV) for n in tables.sizes(CASE)), key=lambda e: e.p50)
-    return Finding("almost 5 LT", f"{_with_interval(best, 2)} LT", all_of([best.high >= 4.7]))
+    return Finding("almost 5 LT", f"{_with_interval(best, 2)} LT", all_of([best.high >= 4.5]))
 
 
 # -- Reynolds numbers ------------------------------------------------------------------------------
@@ -292,32 +315,49 @@ def recycle_everywhere(tables: Tables) -> Finding:
 
 
 def _improves(tables: Tables, metrics: Iterable[str], digits: int = 3) -> Finding:
-    texts, holds = [], []
+    texts, holds, theirs = [], [], []
     for metric in metrics:
         training = tables.ensemble("statistics", metric, case=CASE, **TRAINING)
-        sizes = [
-            tables.ensemble("statistics", metric, case=CASE, neurons=n, **RV)
-            for n in tables.sizes(CASE)
-        ]
-        if training is None or None in sizes:
+        sizes = _errors(tables, metric)
+        if training is None or len(sizes) < len(tables.sizes(CASE)):
             raise LookupError(f"no {metric} in the table of statistics")
-        values = [found.p50 for found in sizes if found is not None]
+        values = [found.p50 for found in sizes.values()]
         holds += [value < training.p50 for value in values]
         texts.append(
             f"{', '.join(significant(value, digits) for value in values)} "
             f"(training set {significant(training.p50, digits)})"
         )
-    why = (
-        "one choice of ten series decides how good the training set is; for the authors' own "
-        "networks of 1000 it fails, too (1.06e-2 against 0.91e-2)"
-    )
+        worse = _published_worse_than_training(metric)
+        theirs += [f"{metric.replace('_', ' ')} at {size:g} neurons" for size in worse]
     agrees = all_of(holds)
+    why = "one choice of ten series decides how good the training set is"
+    if theirs:
+        why += f"; by the authors' own files it fails for {', '.join(theirs)}"
     return Finding("at all sizes", "; ".join(texts), agrees, "" if agrees == "yes" else why)
 
 
+def _errors(tables: Tables, metric: str) -> dict[int, Ensemble]:
+    """Errors of the networks by size, as far as they are known."""
+    found = {
+        size: tables.ensemble("statistics", metric, case=CASE, neurons=size, **RV)
+        for size in tables.sizes(CASE)
+    }
+    return {size: one for size, one in found.items() if one is not None}
+
+
+def _published_worse_than_training(metric: str) -> list[float]:
+    """Sizes whose published median is no better than the published one of the training set."""
+    training = published_value("statistics", metric, reynolds=400, **TRAINING)
+    networks = published_rows("statistics", metric, reynolds=400, **RV)
+    return list(networks["neurons"][networks["p50"] >= training])
+
+
+DENSITY = ("kantorovich", "mean_log_error")
+
+
 def density_improves(tables: Tables) -> Finding:
-    """Kantorovich metric of each size below that of the training set."""
-    return _improves(tables, ["kantorovich"])
+    """Kantorovich metric and logarithmic error of each size below those of the training set."""
+    return _improves(tables, DENSITY)
 
 
 def profiles_improve(tables: Tables) -> Finding:
@@ -326,18 +366,18 @@ def profiles_improve(tables: Tables) -> Finding:
 
 
 def density_and_size(tables: Tables) -> Finding:
-    """Kantorovich metric against size: quartile ranges overlap in every pair of sizes."""
-    found = [
-        one
-        for n in tables.sizes(CASE)
-        if (one := tables.ensemble("statistics", "kantorovich", case=CASE, neurons=n, **RV))
+    """Both errors against size: no larger network whose quartiles lie below a smaller one's."""
+    pairs = [
+        (smaller, larger)
+        for metric in DENSITY
+        for smaller, larger in itertools.combinations(_errors(tables, metric).values(), 2)
     ]
-    pairs = [(a, b) for i, a in enumerate(found) for b in found[i + 1 :]]
-    overlap = [a.p25 <= b.p75 and b.p25 <= a.p75 for a, b in pairs]
+    better = [larger.p75 < smaller.p25 for smaller, larger in pairs]
     return Finding(
         "no significant improvement",
-        f"quartile ranges overlap in {sum(overlap)} of {len(overlap)} pairs of sizes",
-        all_of(overlap),
+        f"in {sum(better)} of {len(pairs)} pairs of sizes the larger one's quartiles are below the "
+        "smaller one's",
+        all_of(not one for one in better),
     )
 
 
@@ -357,7 +397,8 @@ def exceedances(tables: Tables) -> Finding:
             paper.append(fixed(theirs, 4))
             ours.append(_with_interval(found, 4))
             verdicts.append(verdict(theirs, found.low, found.high))
-    return Finding(", ".join(paper), ", ".join(ours), all_of(one != "no" for one in verdicts))
+    why = "not in the text: the authors' files, in our definition"
+    return Finding(", ".join(paper), ", ".join(ours), all_of(verdicts), why)
 
 
 def nearer_is_better(tables: Tables) -> Finding:
@@ -374,23 +415,36 @@ def nearer_is_better(tables: Tables) -> Finding:
     )
 
 
-def order_of_magnitude(tables: Tables) -> Finding:
-    """Exceedance without control over that with it, prediction time 1 LT."""
-    ratios: dict[str, float] = {}
-    for case in tables.cases():
-        who = {"case": case, "neurons": 2000, "prediction_time_lt": 1.0, **RV}
-        both = [
-            tables.number("control_percentiles", "p50", metric=f"exceedance_{state}", **who)
-            for state in ("uncontrolled", "controlled")
-        ]
-        ratios[case] = both[0] / both[1]
+def tail_decreases(tables: Tables) -> Finding:
+    """Time beyond a level of k without control over that with it, for levels from k_e on.
+
+    As far out as the flow without control spends a thousandth of the time. "Up to one order of
+    magnitude": the largest of all, rounded to a power of ten.
+    """
+    largest: dict[str, list[float]] = {}
+    smallest = math.inf
+    for (case, _), part in tables.rows("control_density", neurons=2000, **RV).groupby(
+        ["case", "prediction_time_lt"], sort=False
+    ):
+        bins = part[part["low"] >= EVENT_THRESHOLD].sort_values("low", ascending=False)
+        width = bins["high"] - bins["low"]
+        without, controlled = (
+            (bins[f"density_{state}"] * width).cumsum() for state in ("uncontrolled", "controlled")
+        )
+        ratios = (without / controlled)[without >= 1e-3]
+        largest.setdefault(str(case), []).append(ratios.max())
+        smallest = min(smallest, ratios.min())
+    if not largest:
+        raise LookupError("no densities under control")
+    texts = [
+        f"{case}: up to {', '.join(f'{ratio:.1f}' for ratio in ratios)}"
+        for case, ratios in largest.items()
+    ]
+    most = max(max(ratios) for ratios in largest.values())
     return Finding(
-        "up to one order of magnitude",
-        "reduced " + ", ".join(f"{ratio:.1f}" for ratio in ratios.values()) + " times",
-        all_of([max(ratios.values()) >= 5]),
-        "in exceedance; of the density's tail, further out, more"
-        if max(ratios.values()) < 10
-        else "",
+        "in all cases, by up to one order of magnitude",
+        f"time beyond a level is divided by {smallest:.1f} at least; {'; '.join(texts)}",
+        all_of([smallest > 1, most >= math.sqrt(10)]),
     )
 
 
@@ -420,13 +474,16 @@ CLAIMS = (
     Claim("F-score with the Reynolds number, 3 LT ahead", "IV C", score_falls),
     Claim("RV outperforms SSV at Re = 600, 800, 1000", "IV C", recycle_everywhere),
     Claim(
-        "the density of k improves on the training set (Kantorovich metric)", "V", density_improves
+        "the density of k improves on the training set (Kantorovich metric; mean logarithmic "
+        "error)",
+        "V",
+        density_improves,
     ),
     Claim("and does not improve with size", "V", density_and_size),
     Claim("profiles improve on the training set (NRMSE of u; u^2; uv)", "V", profiles_improve),
     Claim("exceedance under control, Re = 400 and 600, 1 and 2 LT ahead", "VI", exceedances),
     Claim("less is left with the shorter prediction time", "VI", nearer_is_better),
-    Claim("extreme events are reduced, Re = 400, 600, 800, 1000", "VI, VII", order_of_magnitude),
+    Claim("the density's tail decreases beyond k_e, 1 and 2 LT ahead", "VI, VII", tail_decreases),
 )
 
 

@@ -24,7 +24,7 @@ OF_SINGLE_NETWORKS = (
 
 PUBLISHED_TABLES = (
     *OF_SINGLE_NETWORKS,
-    *("warnings", "control_differences", "training_realisations"),
+    *("warnings", "control_density", "control_differences", "training_realisations"),
     *(
         f"{name}_percentiles"
         for name in (
@@ -149,6 +149,14 @@ def _published(table: str) -> pd.DataFrame:
     return published_percentiles(read_table(PUBLISHED), table)
 
 
+def published_rows(table: str, metric: str, **where: Any) -> pd.DataFrame:
+    """Percentiles that the paper published, in our definitions."""
+    rows = _published(table)
+    for column, value in {"metric": metric, **where}.items():
+        rows = rows[rows[column] == value]
+    return rows
+
+
 def published_value(table: str, metric: str, **where: Any) -> float:
     """A median that the paper published, in our definitions.
 
@@ -157,9 +165,7 @@ def published_value(table: str, metric: str, **where: Any) -> float:
     LookupError
         If no published row or more than one fits.
     """
-    rows = _published(table)
-    for column, value in {"metric": metric, **where}.items():
-        rows = rows[rows[column] == value]
+    rows = published_rows(table, metric, **where)
     if len(rows) != 1:
         raise LookupError(f"{len(rows)} published rows of {table}, {metric}, {where}")
     return float(rows["p50"].iloc[0])

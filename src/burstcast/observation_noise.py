@@ -13,7 +13,7 @@ import numpy as np
 from burstcast.arrays import FloatArray
 
 _ORDER = 8
-"""Order of the differences: an oscillation of eight samples is damped to a hundredth of itself."""
+"""Order of the differences: an oscillation of eight samples is damped to a thousandth of itself."""
 
 
 def observation_noise(series: FloatArray, known: float | None) -> FloatArray:

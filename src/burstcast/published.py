@@ -154,7 +154,7 @@ def compare(
         test set, or other seeds, would move ours. Missing where there is neither (the training
         set's own errors). It knows nothing of the paper's own sampling error, which is as large
         as ours, nor of another choice of training series: were there no difference but these, a
-        fifth or so of all published values would still lie outside, many of them together, since
+        sixth or so of all published values would still lie outside, many of them together, since
         all networks and prediction times share one test set.
     """
     parts = [

@@ -20,8 +20,7 @@ class FlowCounts:
     following always hold; ``given`` is the number of flows that were given:
 
     * given = flows + left_out + laminarised
-    * steps_controlled = steps_uncontrolled
-      = flows * steps per flow
+    * steps = flows * steps per flow, with control and without
     * exceeding steps <= steps, actuated_integration_steps <= integration_steps
 
     Attributes

@@ -34,7 +34,7 @@ def gregory_weights(intervals: int) -> FloatArray:
     """Weights of a quadrature over equally spaced points at distance 1, ``(intervals + 1,)``.
 
     The trapezoidal rule with Gregory's end corrections of up to order five, as many as the number
-    of points allows; exact for polynomials of degree up to six, and even weights within, which
+    of points allows; exact for polynomials of degree up to five, and even weights within, which
     average noise best.
 
     Parameters
