@@ -63,7 +63,7 @@ from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.cost_report import predicted_jobs, report
+from burstcast_workflow.cost_report import job_table, predicted_jobs, report, rule_costs
 from burstcast_workflow.costs import SECONDS_PER
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -663,7 +663,7 @@ def prediction(rates: dict[str, float]) -> list[str]:
     minutes = sum(job.cost.seconds for job in jobs) / 60
     return [
         "```",
-        report(jobs),
+        report(rule_costs(job_table(jobs))),
         "```",
         "",
         f"On {CORES} cores: **{minutes / 60 / CORES:.1f} hours**.",

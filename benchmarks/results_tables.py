@@ -508,7 +508,7 @@ def forecasters_apart(tables: Tables, case: str) -> str:
         if left["low"] <= 0 <= left["high"]:
             continue
         spent = values["control_fraction"]
-        rows.append([f"`{strategy}`", who, other, _percent(left), _percent(spent)])
+        rows.append([f"`{strategy}`", str(who), str(other), _percent(left), _percent(spent)])
     head = ["strategy", "forecaster", "minus", "difference of what is left [%]"]
     table = markdown([*head, "of the time under actuation [%]"], rows)
     return f"{len(rows)} of {pairs} pairs:\n\n{table}"

@@ -25,7 +25,8 @@ from burstcast_workflow.harness.cache import library_version
 from burstcast_workflow.harness.records import DIRECTORY
 from burstcast_workflow.harness.run import CLAIM
 from burstcast_workflow.project import project_root, source_revision
-from burstcast_workflow.why import jobs_to_run, names_of_rules, planned, report
+from burstcast_workflow.snakemake_plan import names_of_rules, planned
+from burstcast_workflow.why import jobs_to_run, report
 
 LIBRARIES = (
     *("burstcast", "llvmlite", "matplotlib", "netCDF4", "numpy", "pandas", "pydantic"),

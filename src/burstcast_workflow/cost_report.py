@@ -17,16 +17,17 @@ machine and one day; a rule that made them would run again after every other job
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from itertools import groupby
+from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
 from typing import Any
+
+import pandas as pd
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.costs import SECONDS_PER, Cost, CostModel
+from burstcast_workflow.harness.tables import write_table
 from burstcast_workflow.identifiers import ForecasterName
-from burstcast_workflow.why import names_of_rules, planned
+from burstcast_workflow.snakemake_plan import names_of_rules, planned
 
 FORECASTER_COSTS = "forecaster_costs.csv"
 """Table of what forecasters took, beside the records."""
@@ -36,36 +37,50 @@ RULE_COSTS = "rule_costs.csv"
 
 
 @dataclass(frozen=True)
-class Measured(Cost):
-    """What a job took: wall time and memory as they are predicted, and time of the processor.
+class PredictedJob:
+    """A job of the campaign; the file of its record and its outputs are there if it has run.
 
     Attributes
     ----------
-    processor_seconds
-        As far as Snakemake sampled it: of short jobs all, of long ones nearly all. It depends less
-        than the wall time on what else the machine did.
+    rule, stage
+        Its rule, and that rule's name in this workflow: another one that has it as a module may
+        call it otherwise.
+    wildcards
+        Whose job it is.
+    cost
+        Predicted.
+    record, outputs
+        Files.
     """
 
-    processor_seconds: float
-
-
-@dataclass(frozen=True)
-class PredictedJob:
-    """A job of the campaign; the file of its record and its outputs are there if it has run."""
-
     rule: str
+    stage: str
     wildcards: Mapping[str, str]
     cost: Cost
     record: Path
     outputs: tuple[Path, ...] = ()
 
-    def measured(self) -> Measured:
-        """What Snakemake measured: wall time, time of the processor, largest resident set."""
-        return measured(self.record)
+    def measured(self) -> dict[str, float]:
+        """What Snakemake measured, and the size of those of its outputs that are there.
 
-    def disk_mib(self) -> float:
-        """Size of those of its outputs that are there."""
-        return sum(path.stat().st_size for path in self.outputs if path.is_file()) / 2**20
+        ``seconds`` is wall time, ``memory_mib`` the largest resident set. ``processor_seconds`` is
+        as far as Snakemake sampled it: of short jobs all, of long ones nearly all. It depends less
+        than the wall time on what else the machine did.
+        """
+        with self.record.open(encoding="utf-8") as file:
+            row = list(csv.DictReader(file, delimiter="\t"))[-1]
+        # a job that is over at once is not sampled
+        memory, processor = (
+            0.0 if row[name] in ("-", "NA") else float(row[name])
+            for name in ("max_rss", "cpu_time")
+        )
+        size = sum(path.stat().st_size for path in self.outputs if path.is_file())
+        return {
+            "seconds": float(row["s"]),
+            "processor_seconds": processor,
+            "memory_mib": memory,
+            "disk_mib": size / 2**20,
+        }
 
 
 def predicted_jobs(
@@ -100,6 +115,7 @@ def jobs_with_costs(
     found = [
         PredictedJob(
             job.rule.name,
+            _request(job).stage,
             job.wildcards_dict,
             cost,
             above / job.benchmark,
@@ -120,137 +136,104 @@ def costs_of_jobs(
     """
     for job in jobs:
         if job.output and job.rule.module_globals.get("campaign") is campaign:
-            memory = job.rule.ruleinfo.resources[1]["mem_mb"]
-            yield job, model.predicted(memory.cost_class, memory.stage, job.wildcards_dict)
+            asked = _request(job)
+            yield job, model.predicted(asked.cost_class, asked.stage, job.wildcards_dict)
 
 
-@dataclass(frozen=True)
-class RuleCost:
-    """What the jobs of a rule take by prediction, and what those took that have records.
+def _request(job: Any) -> Any:
+    """The function of a job's rule that asks for memory: it knows stage and class of cost."""
+    return job.rule.ruleinfo.resources[1]["mem_mb"]
 
-    Attributes
-    ----------
-    rule, jobs
-        How many jobs the campaign has of it.
-    predicted_longest_seconds, predicted_memory_mib
-        The most of any job.
-    predicted_minutes
-        Of all jobs, one after the other.
-    records
-        How many have run. What follows is of these, and None without any.
-    median_seconds, predicted_median_seconds
-        Wall times, measured and predicted.
-    minutes, processor_minutes
-        Of all that have run: wall and processor time.
-    memory_mib
-        Largest resident set of any.
-    disk_mib
-        Size of all of their outputs.
+
+_WHOSE = ("case", "forecaster", "reservoir", "strategies")
+_MEASURED = ("seconds", "processor_seconds", "memory_mib", "disk_mib")
+
+
+def job_table(jobs: Iterable[PredictedJob]) -> pd.DataFrame:
+    """All jobs with what they cost.
+
+    Returns
+    -------
+    A row for each job: ``rule``, ``stage``, wildcards (``case``, ``forecaster``, ``reservoir``,
+    ``strategies``), ``predicted_seconds``, ``predicted_memory_mib`` and, empty for a job without a
+    record, what `PredictedJob.measured` tells.
     """
-
-    rule: str
-    jobs: int
-    predicted_longest_seconds: float
-    predicted_memory_mib: float
-    predicted_minutes: float
-    records: int
-    median_seconds: float | None = None
-    predicted_median_seconds: float | None = None
-    minutes: float | None = None
-    processor_minutes: float | None = None
-    memory_mib: float | None = None
-    disk_mib: float | None = None
-
-
-def rule_costs(jobs: Sequence[PredictedJob]) -> list[RuleCost]:
-    """Costs rule by rule: `RuleCost` for each, in the order of the jobs."""
-    return [_rule_cost(rule, list(group)) for rule, group in groupby(jobs, lambda job: job.rule)]
+    rows = [
+        {
+            "rule": job.rule,
+            "stage": job.stage,
+            **{name: job.wildcards.get(name) for name in _WHOSE},
+            "predicted_seconds": job.cost.seconds,
+            "predicted_memory_mib": job.cost.memory_mib,
+            **(job.measured() if job.record.exists() else dict.fromkeys(_MEASURED, float("nan"))),
+        }
+        for job in jobs
+    ]
+    names = ("rule", "stage", *_WHOSE, "predicted_seconds", "predicted_memory_mib", *_MEASURED)
+    return pd.DataFrame(rows, columns=list(names))
 
 
-def _rule_cost(rule: str, jobs: Sequence[PredictedJob]) -> RuleCost:
-    run = [job for job in jobs if job.record.exists()]
-    predicted = RuleCost(
-        rule,
-        len(jobs),
-        max(job.cost.seconds for job in jobs),
-        max(job.cost.memory_mib for job in jobs),
-        sum(job.cost.seconds for job in jobs) / 60,
-        len(run),
-    )
-    if not run:
-        return predicted
-    measured = [job.measured() for job in run]
-    return replace(
-        predicted,
-        median_seconds=median(cost.seconds for cost in measured),
-        predicted_median_seconds=median(job.cost.seconds for job in run),
-        minutes=sum(cost.seconds for cost in measured) / 60,
-        processor_minutes=sum(cost.processor_seconds for cost in measured) / 60,
-        memory_mib=max(cost.memory_mib for cost in measured),
-        disk_mib=sum(job.disk_mib() for job in run),
-    )
+def rule_costs(jobs: pd.DataFrame) -> pd.DataFrame:
+    """What the jobs of each rule take by prediction, and what those took that have records.
+
+    Parameters
+    ----------
+    jobs
+        Of `job_table`.
+
+    Returns
+    -------
+    A row for each rule, in the order of the jobs: ``rule``; ``jobs``, how many the campaign has;
+    ``predicted_longest_seconds`` and ``predicted_memory_mib``, the most of any;
+    ``predicted_minutes``, of all; ``records``, how many have run. The rest is of these, and empty
+    without any: ``median_seconds`` and ``predicted_median_seconds``; ``minutes`` and
+    ``processor_minutes``, wall and processor time of all; ``longest_seconds`` and ``memory_mib``,
+    the most of any; ``disk_mib``, the size of all outputs.
+    """
+    has_run = jobs["seconds"].notna()
+    jobs = jobs.assign(predicted_of_run=jobs["predicted_seconds"].where(has_run))
+    rules = jobs.groupby("rule", sort=False)
+    return pd.DataFrame(
+        {
+            "jobs": rules.size(),
+            "predicted_longest_seconds": rules["predicted_seconds"].max(),
+            "predicted_memory_mib": rules["predicted_memory_mib"].max(),
+            "predicted_minutes": rules["predicted_seconds"].sum() / 60,
+            "records": rules["seconds"].count(),
+            "median_seconds": rules["seconds"].median(),
+            "predicted_median_seconds": rules["predicted_of_run"].median(),
+            "minutes": rules["seconds"].sum(min_count=1) / 60,
+            "processor_minutes": rules["processor_seconds"].sum(min_count=1) / 60,
+            "longest_seconds": rules["seconds"].max(),
+            "memory_mib": rules["memory_mib"].max(),
+            "disk_mib": rules["disk_mib"].sum(min_count=1),
+        }
+    ).reset_index()
 
 
-def report(costs: Sequence[RuleCost]) -> str:
-    """Predicted costs rule by rule, what the jobs took where that is known, and the total."""
+def report(costs: pd.DataFrame) -> str:
+    """`rule_costs` for people, and the total."""
     lines = [
         f"{'rule':<26} {'jobs':>5} {'longest [s]':>11} {'MiB':>5} {'all [min]':>9}"
         f"  {'records':>7} {'median [s]':>10} {'ratio':>6} {'MiB':>5} {'ratio':>6}"
     ]
-    for cost in costs:
+    for cost in costs.to_dict("records"):
         line = (
-            f"{cost.rule:<26} {cost.jobs:>5} {cost.predicted_longest_seconds:>11.1f}"
-            f" {cost.predicted_memory_mib:>5.0f} {cost.predicted_minutes:>9.1f}"
+            f"{cost['rule']:<26} {cost['jobs']:>5} {cost['predicted_longest_seconds']:>11.1f}"
+            f" {cost['predicted_memory_mib']:>5.0f} {cost['predicted_minutes']:>9.1f}"
         )
-        if cost.median_seconds and cost.predicted_median_seconds and cost.memory_mib is not None:
-            line += f"  {cost.records:>7} {cost.median_seconds:>10.1f}"
-            line += _ratio(cost.median_seconds, cost.predicted_median_seconds)
-            line += f" {cost.memory_mib:>5.0f}" + _ratio(cost.memory_mib, cost.predicted_memory_mib)
+        if cost["records"]:
+            line += f"  {cost['records']:>7} {cost['median_seconds']:>10.1f}"
+            line += _ratio(cost["median_seconds"], cost["predicted_median_seconds"])
+            line += f" {cost['memory_mib']:>5.0f}" + _ratio(
+                cost["memory_mib"], cost["predicted_memory_mib"]
+            )
         lines.append(line)
-    total = f"total of {sum(cost.jobs for cost in costs)} jobs, in minutes on one core"
-    return "\n".join([*lines, f"{total}: {sum(cost.predicted_minutes for cost in costs):.1f}"])
+    total = f"total of {costs['jobs'].sum()} jobs, in minutes on one core"
+    return "\n".join([*lines, f"{total}: {costs['predicted_minutes'].sum():.1f}"])
 
 
-@dataclass(frozen=True)
-class ForecasterCost:
-    """What forecasters of a kind, of networks those of one size and strategy, took in a case.
-
-    Attributes
-    ----------
-    case, name
-        Whose it is; no seed.
-    forecasters
-        How many of them have records of all their jobs.
-    training, forecast
-        Medians over these of the times, and the largest memory: of all that makes a forecaster, and
-        of the forecast of the evaluation set.
-    """
-
-    case: str
-    name: ForecasterName
-    forecasters: int
-    training: Measured
-    forecast: Measured
-
-    @property
-    def row(self) -> dict[str, str | int | float | None]:
-        """Row of a table, keys first."""
-        parts = {"training": self.training, "forecast": self.forecast}
-        return {
-            "case": self.case,
-            "forecaster": self.name.kind,
-            "neurons": self.name.neurons,
-            "validation": self.name.validation,
-            "forecasters": self.forecasters,
-            **{
-                f"{part}_{quantity}": getattr(cost, quantity)
-                for part, cost in parts.items()
-                for quantity in ("seconds", "processor_seconds", "memory_mib")
-            },
-        }
-
-
-def forecaster_costs(campaign: Campaign, records: Path) -> list[ForecasterCost]:
+def forecaster_costs(jobs: pd.DataFrame, campaign: Campaign) -> pd.DataFrame:
     """Measured times and memory of training and forecasting, by case and kind.
 
     A scan counts in full for each network that it serves. A job whose results came from the cache
@@ -258,90 +241,83 @@ def forecaster_costs(campaign: Campaign, records: Path) -> list[ForecasterCost]:
 
     Parameters
     ----------
+    jobs
+        Of `job_table`.
     campaign
         Whose forecasters.
-    records
-        Directory of the ``benchmark:`` records of its jobs.
+
+    Returns
+    -------
+    A row for each case and kind, of networks for each size and strategy: ``case``,
+    ``forecaster``, ``neurons``, ``validation``; ``forecasters``, how many of them have records of
+    all their jobs; of ``training_``, all that makes a forecaster, and of ``forecast_``, its
+    forecast of the evaluation set, the medians of ``seconds`` and ``processor_seconds`` and the
+    largest ``memory_mib``.
     """
-    found: dict[tuple[str, ForecasterName], list[tuple[Measured, Measured]]] = {}
+    has_run = jobs[jobs["seconds"].notna()]
+    keys = has_run[["stage", *_WHOSE]].itertuples(index=False)
+    known = {
+        tuple(part for part in key if isinstance(part, str)): row
+        for key, row in zip(keys, has_run[list(_MEASURED[:3])].to_numpy(), strict=True)
+    }
+    rows = []
     for one in campaign.forecasters:
-        identifier = one.name.identifier
+        whose = one.case, one.name.identifier
         if one.name.kind == "esn":
-            scan = "scan/{}/{}/{}".format(one.case, *campaign.scan_of(identifier))
-            made = [scan, f"search/{one.directory}", f"train/{one.directory}"]
+            scan = ("scan", one.case, *campaign.scan_of(one.name.identifier))
+            made = [scan, ("search", *whose), ("train", *whose)]
         else:
-            made = [f"fit/{one.directory}"]
-        paths = [records / f"{name}.tsv" for name in (*made, f"forecast/{one.directory}")]
-        if all(path.exists() for path in paths):
-            *training, forecast = map(measured, paths)
-            total = Measured(
-                sum(cost.seconds for cost in training),
-                max(cost.memory_mib for cost in training),
-                sum(cost.processor_seconds for cost in training),
-            )
-            whose = one.case, replace(one.name, seed=None)
-            found.setdefault(whose, []).append((total, forecast))
-    return [
-        ForecasterCost(case, name, len(both), *map(_typical, zip(*both, strict=True)))
-        for (case, name), both in found.items()
-    ]
+            made = [("fit", *whose)]
+        *training, forecast = (known.get(key) for key in (*made, ("forecast", *whose)))
+        if forecast is None or any(part is None for part in training):
+            continue
+        seconds, processor, memory = zip(*training, strict=True)
+        kind = one.name.kind, one.name.neurons, one.name.validation
+        rows.append([one.case, *kind, sum(seconds), sum(processor), max(memory), *forecast])
+    quantities = [f"{of}_{name}" for of in ("training", "forecast") for name in _MEASURED[:3]]
+    names = ["case", "forecaster", "neurons", "validation"]
+    table = pd.DataFrame(rows, columns=[*names, *quantities]).astype({"neurons": "Int64"})
+    groups = table.groupby(names, sort=False, dropna=False)
+    return pd.DataFrame(
+        {
+            "forecasters": groups.size(),
+            **{
+                name: groups[name].max() if name.endswith("memory_mib") else groups[name].median()
+                for name in quantities
+            },
+        }
+    ).reset_index()
 
 
-def measured(record: Path) -> Measured:
-    """What Snakemake's record of a job (``benchmark:``) says."""
-    with record.open(encoding="utf-8") as file:
-        row = list(csv.DictReader(file, delimiter="\t"))[-1]
-    # a job that is over at once is not sampled
-    memory, processor = (
-        0.0 if row[name] in ("-", "NA") else float(row[name]) for name in ("max_rss", "cpu_time")
-    )
-    return Measured(float(row["s"]), memory, processor)
-
-
-def _typical(costs: Sequence[Measured]) -> Measured:
-    return Measured(
-        median(cost.seconds for cost in costs),
-        max(cost.memory_mib for cost in costs),
-        median(cost.processor_seconds for cost in costs),
-    )
-
-
-def forecasters_report(costs: Sequence[ForecasterCost]) -> str:
-    """Table of `forecaster_costs` for people; "" without any."""
-    if not costs:
+def forecasters_report(costs: pd.DataFrame) -> str:
+    """`forecaster_costs` for people; "" without any."""
+    if costs.empty:
         return ""
-    head = (
+    lines = [
         f"{'case':<10} {'forecaster':<26} {'number':>6} {'training [s]':>12} {'MiB':>5}"
         f" {'forecast [s]':>12} {'MiB':>5}"
-    )
-    return "\n".join(
-        [head]
-        + [
-            f"{cost.case:<10} {cost.name.identifier:<26} {cost.forecasters:>6}"
-            + "".join(
-                f" {part.seconds:>12.1f} {part.memory_mib:>5.0f}"
-                for part in (cost.training, cost.forecast)
-            )
-            for cost in costs
-        ]
-    )
+    ]
+    for cost in costs.to_dict("records"):
+        network = cost["forecaster"] == "esn"
+        axes = (int(cost["neurons"]), cost["validation"]) if network else ()
+        lines.append(
+            f"{cost['case']:<10} {ForecasterName(cost['forecaster'], *axes).identifier:<26}"
+            f" {cost['forecasters']:>6}"
+            f" {cost['training_seconds']:>12.1f} {cost['training_memory_mib']:>5.0f}"
+            f" {cost['forecast_seconds']:>12.1f} {cost['forecast_memory_mib']:>5.0f}"
+        )
+    return "\n".join(lines)
 
 
-def write_costs(jobs: Sequence[PredictedJob], campaign: Campaign, records: Path) -> None:
+def write_costs(jobs: pd.DataFrame, campaign: Campaign, records: Path) -> None:
     """Write `rule_costs` and `forecaster_costs` as tables beside the records (CSV).
 
     A table that would have no row is not written.
     """
-    _write(records / RULE_COSTS, [asdict(cost) for cost in rule_costs(jobs)])
-    _write(records / FORECASTER_COSTS, [cost.row for cost in forecaster_costs(campaign, records)])
-
-
-def _write(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    if rows:
-        with path.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
+    tables = {RULE_COSTS: rule_costs(jobs), FORECASTER_COSTS: forecaster_costs(jobs, campaign)}
+    for name, table in tables.items():
+        if len(table):
+            write_table(records / name, table)
 
 
 def _ratio(measured: float, prediction: float) -> str:
@@ -352,9 +328,8 @@ def _ratio(measured: float, prediction: float) -> str:
 def main(arguments: Sequence[str]) -> int:
     """Print the reports of a campaign."""
     workflow = planned([*arguments, "--forceall"])
-    names = names_of_rules(workflow)
-    print(report(rule_costs(_jobs(workflow))))
-    records = Path(workflow.overwrite_workdir or "", names["TIMES"])
-    if text := forecasters_report(forecaster_costs(names["campaign"], records)):
+    jobs = job_table(_jobs(workflow))
+    print(report(rule_costs(jobs)))
+    if text := forecasters_report(forecaster_costs(jobs, names_of_rules(workflow)["campaign"])):
         print(f"\n{text}")
     return 0

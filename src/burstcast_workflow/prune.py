@@ -18,7 +18,7 @@ from typing import Any
 
 from burstcast_workflow.harness.records import Records
 from burstcast_workflow.harness.run import OvertakenError, Run
-from burstcast_workflow.why import names_of_rules, planned
+from burstcast_workflow.snakemake_plan import covers_campaign, names_of_rules, planned
 
 
 class PartOfCampaignError(ValueError):
@@ -44,14 +44,10 @@ def stale_files(results: str, workflow: Any) -> list[str]:
     PartOfCampaignError
         If the plan is not that of the whole campaign.
     """
-    options, jobs = workflow.dag_settings, list(workflow.dag.jobs)
-    targets = {job.rule.name for job in jobs if not job.output}
-    # as a module, its rules may have a prefix
-    whole = any(name == "all" or name.endswith("_all") for name in targets)
-    if not whole or options.until or options.omit_from or options.batch:
+    if not covers_campaign(workflow):
         raise PartOfCampaignError("this looks at the whole campaign: leave out targets")
     records = Records(results)
-    made = {records.name(str(path)) for job in jobs for path in job.output}
+    made = {records.name(str(path)) for job in workflow.dag.jobs for path in job.output}
     return [name for name in records.names() if name not in made]
 
 

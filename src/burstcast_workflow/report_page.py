@@ -26,7 +26,6 @@ from burstcast_workflow.archive import versions
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.canonical import natural_order
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.cost_report import Measured, measured
 from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.project import project_root
 from burstcast_workflow.report_sections import SECTIONS
@@ -128,6 +127,7 @@ def page(
     campaign: Campaign,
     results: Path,
     introduction: str,
+    costs: pd.DataFrame,
     days: tuple[float, float] | None = None,
 ) -> str:
     """Text of the page.
@@ -142,6 +142,8 @@ def page(
         The results directory.
     introduction
         What the page begins with, in HTML.
+    costs
+        What jobs took: `burstcast_workflow.cost_report.rule_costs`.
     days
         When the first job began and the last one ended, in seconds since the epoch, if known.
 
@@ -176,7 +178,7 @@ def page(
         versions=versions(results),
         seed=config["random_seed"],
         config=yaml.safe_dump(config, sort_keys=False, allow_unicode=True),
-        times=times_of_rules(results),
+        times=times_of_rules(costs),
         days=[f"{datetime.fromtimestamp(day, UTC):%Y-%m-%d %H:%M} UTC" for day in days or ()],
         style=Markup((directory / "page.css").read_text(encoding="utf-8")),
         script=Markup((directory / "page.js").read_text(encoding="utf-8")),
@@ -294,38 +296,30 @@ def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:
     ]
 
 
-def times_of_rules(results: Path) -> list[dict[str, str]]:
-    """What jobs took, as their records say (``benchmarks``), the rule that took longest first.
+def times_of_rules(costs: pd.DataFrame) -> list[dict[str, str]]:
+    """What jobs took, the rule that took longest first.
 
     Parameters
     ----------
-    results
-        The results directory.
+    costs
+        Of `burstcast_workflow.cost_report.rule_costs`.
 
     Returns
     -------
-    Rows: rule, number of jobs, time of all of them, of the processor, of the longest, and the
-    largest memory.
+    Rows: rule, number of jobs that have run, time of all of them, of the processor, of the longest,
+    and the largest memory.
     """
-    records = results / "benchmarks"
-    jobs: dict[str, list[Measured]] = {}
-    for path in sorted(records.rglob("*.tsv")):
-        rule = path.relative_to(records).parts[0].removesuffix(".tsv")
-        jobs.setdefault(rule, []).append(measured(path))
-
-    def all_seconds(rule: str) -> float:
-        return sum(job.seconds for job in jobs[rule])
-
+    ran = costs[costs["records"] > 0].sort_values("minutes", ascending=False)
     return [
         {
-            "rule": rule,
-            "jobs": f"{len(jobs[rule])}",
-            "time": _duration(all_seconds(rule)),
-            "of the processor": _duration(sum(job.processor_seconds for job in jobs[rule])),
-            "longest": _duration(max(job.seconds for job in jobs[rule])),
-            "most memory": f"{max(job.memory_mib for job in jobs[rule]):.0f} MiB",
+            "rule": cost["rule"],
+            "jobs": f"{cost['records']}",
+            "time": _duration(60 * cost["minutes"]),
+            "of the processor": _duration(60 * cost["processor_minutes"]),
+            "longest": _duration(cost["longest_seconds"]),
+            "most memory": f"{cost['memory_mib']:.0f} MiB",
         }
-        for rule in sorted(jobs, key=all_seconds, reverse=True)
+        for cost in ran.to_dict("records")
     ]
 
 

@@ -27,10 +27,13 @@ class PageReporter(ReporterBase):  # type: ignore[misc]
 
     def render(self) -> None:
         """Write it, whole or not at all."""
+        from burstcast_workflow.cost_report import job_table, jobs_with_costs, rule_costs
+        from burstcast_workflow.harness.storage import write_text
         from burstcast_workflow.report_page import Flagged, page
-        from burstcast_workflow.why import names_of_rules
+        from burstcast_workflow.snakemake_plan import names_of_rules
 
-        names = names_of_rules(self.dag.workflow)
+        workflow = self.dag.workflow
+        names = names_of_rules(workflow)
         flagged = [
             Flagged(Path(record.path), category.name, dict(record.labels), record.caption)
             for category, subcategories in self.results.items()
@@ -45,9 +48,7 @@ class PageReporter(ReporterBase):  # type: ignore[misc]
             names["campaign"],
             Path(names["run"].results),
             self.workflow_description,
+            rule_costs(job_table(jobs_with_costs(workflow, names["campaign"], names["costs"]))),
             (min(first), max(last)) if known else None,
         )
-        target = Path(self.settings.path)
-        partial = target.with_name(f".{target.name}.partial")
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(target)
+        write_text(self.settings.path, text)

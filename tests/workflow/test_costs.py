@@ -14,6 +14,7 @@ from burstcast_workflow.cost_report import (
     PredictedJob,
     forecaster_costs,
     forecasters_report,
+    job_table,
     main,
     predicted_jobs,
     report,
@@ -22,7 +23,7 @@ from burstcast_workflow.cost_report import (
 )
 from burstcast_workflow.costs import SAFETY, SECONDS_PER, SNAKEMAKE_MIB, Cost, CostModel
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.why import names_of_rules, planned
+from burstcast_workflow.snakemake_plan import names_of_rules, planned
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
@@ -342,7 +343,7 @@ def test_totals_of_the_papers_campaign_are_those_of_the_documentation(paper, dir
     measured = {unit: float(rate) for unit, rate, _ in units}
     jobs = predicted_jobs(options(directory), {**SECONDS_PER, **measured})
     (documented,) = re.findall(r"in minutes on one core: ([\d.]+)$", section, re.M)
-    assert report(rule_costs(jobs)).split()[-1] == documented
+    assert report(rule_costs(job_table(jobs))).split()[-1] == documented
     equations = ("equations", "equations_noisy")
     probabilities = [job for job in jobs if job.rule in PROBABILITIES]
     of_equations = [
@@ -392,7 +393,7 @@ def test_every_preset_and_every_job_has_a_prediction_and_small_campaigns_cost_le
             assert 0 < job.cost.seconds < math.inf
             assert 0 < job.cost.memory_mib < math.inf
         totals[preset] = sum(job.cost.seconds for job in jobs)
-        assert f"{totals[preset] / 60:.1f}" == report(rule_costs(jobs)).split()[-1]
+        assert f"{totals[preset] / 60:.1f}" == report(rule_costs(job_table(jobs))).split()[-1]
     assert totals["tiny"] < totals["quick"] / 2 < totals["paper"] / 9
 
 
@@ -446,7 +447,7 @@ def test_records_are_compared_with_the_predictions_of_their_jobs(tmp_path, capsy
     (output,) = of_rule["train"][0].outputs
     output.parent.mkdir(parents=True)
     output.write_bytes(bytes(3 * 2**20))
-    write_costs(jobs, names_of_rules(planned(arguments))["campaign"], root)
+    write_costs(job_table(jobs), names_of_rules(planned(arguments))["campaign"], root)
     rows = read_table(root / "rule_costs.csv").set_index("rule")
     assert rows.index.tolist() == list(dict.fromkeys(job.rule for job in jobs))
     assert rows["jobs"].sum() == len(jobs)
@@ -470,33 +471,47 @@ def test_training_and_forecasting_are_told_by_kind_of_forecaster(tmp_path):
     forecasters = {"esn": networks, "quadratic": {}, "persistence": {}}
     config["campaign"] = [{"reynolds": [400], "forecasters": forecasters}]
     found = Campaign(config)
-    assert forecaster_costs(found, tmp_path) == []
-    write_costs([], found, tmp_path)
+    write_costs(job_table([]), found, tmp_path)
     assert not any(tmp_path.iterdir())
 
-    seconds = {"search": 5.0, "train": 1.0, "forecast": 4.0}
+    def job(stage, seconds, memory, case="Re400", **whose):
+        """A job that has run; its rule is called otherwise, as by who has it as a module."""
+        record = tmp_path / "records" / "-".join((stage, *whose.values()))
+        write_record(record, seconds, memory)
+        return PredictedJob(f"mine_{stage}", stage, {"case": case, **whose}, Cost(1, 1), record)
+
+    jobs = []
     for seed, factor in enumerate((1, 2, 6)):
-        scan = tmp_path / f"scan/Re400/esn-N30-seed{seed}/RV+SSV.tsv"
-        write_record(scan, factor * 10.0, 70)
-        for rule, time in seconds.items():
-            record = tmp_path / rule / f"Re400/esn-N30-RV-seed{seed}.tsv"
-            write_record(record, factor * time, 90 + seed)
-    # without a scan; of another campaign; without a forecast
-    write_record(tmp_path / "forecast/Re400/esn-N30-RV-seed3.tsv", 1000, 1000)
-    write_record(tmp_path / "fit/Re400/analogues.tsv", 1000, 1000)
-    write_record(tmp_path / "fit/Re400/persistence.tsv", 1000, 1000)
-    write_record(tmp_path / "fit/Re400/quadratic.tsv", 0.5, 60)
-    write_record(tmp_path / "forecast/Re400/quadratic.tsv", 3.0, "NA")
-    costs = forecaster_costs(found, tmp_path)
-    _, network, quadratic = forecasters_report(costs).splitlines()
+        reservoir = {"reservoir": f"esn-N30-seed{seed}", "strategies": "RV+SSV"}
+        jobs.append(job("scan", factor * 10.0, 70, **reservoir))
+        for stage, seconds in {"search": 5.0, "train": 1.0, "forecast": 4.0}.items():
+            network = f"esn-N30-RV-seed{seed}"
+            jobs.append(job(stage, factor * seconds, 90 + seed, forecaster=network))
+    jobs += [
+        job("forecast", 1000, 1000, forecaster="esn-N30-RV-seed3"),  # without a scan
+        job("fit", 1000, 1000, forecaster="analogues"),  # of another campaign
+        job("fit", 1000, 1000, forecaster="persistence"),  # without a forecast
+        job("fit", 0.5, 60, forecaster="quadratic"),
+        job("forecast", 3.0, "NA", forecaster="quadratic"),
+        PredictedJob("latex", "latex", {"table": "horizon"}, Cost(1, 1), tmp_path / "not_yet"),
+    ]
+    table = job_table(jobs)
+    _, network, quadratic = forecasters_report(forecaster_costs(table, found)).splitlines()
     assert network.split() == ["Re400", "esn-N30-RV", "3", "32.0", "92", "8.0", "92"]
     assert quadratic.split() == ["Re400", "quadratic", "1", "0.5", "60", "3.0", "0"]
-    assert forecasters_report([]) == ""
+    assert forecasters_report(forecaster_costs(job_table([]), found)) == ""
     # the same as a table, with the time of the processor
-    write_costs([], found, tmp_path)
+    write_costs(table, found, tmp_path)
     rows = read_table(tmp_path / "forecaster_costs.csv").set_index("forecaster")
     assert rows.index.tolist() == ["esn", "quadratic"]
     assert rows.loc["esn", ["neurons", "forecasters", "training_seconds"]].tolist() == [30, 3, 32]
     assert rows["forecast_seconds"].tolist() == [8, 3]
     assert rows["training_processor_seconds"].tolist() == [16, 0.25]
     assert rows["training_memory_mib"].tolist() == [92, 60]
+
+
+def test_a_part_of_a_campaign_writes_no_costs_of_the_whole(finished, miniature):
+    assert not (finished.project.results / "benchmarks" / "rule_costs.csv").exists()
+    rows = read_table(miniature.project.results / "benchmarks" / "rule_costs.csv")
+    assert {"simulate", "scan", "latex", "figure"} <= set(rows["rule"])
+    assert rows["jobs"].equals(rows["records"])

@@ -8,8 +8,8 @@ import sys
 import pytest
 from snakemake.script import PythonScript
 
-from burstcast_workflow import interruption
-from burstcast_workflow.interruption import FIRST_LINE, interrupt_quietly
+from burstcast_workflow import snakemake_patches
+from burstcast_workflow.snakemake_patches import FIRST_LINE, interrupt_quietly
 
 WAITS = "import sys, time; print('ready', flush=True); time.sleep(60)"
 
@@ -47,7 +47,7 @@ def test_an_interruption_that_is_ignored_stays_so():
 
 @pytest.fixture
 def snakemakes_own(monkeypatch):
-    monkeypatch.setattr(PythonScript, "write_script", interruption._write_script)
+    monkeypatch.setattr(PythonScript, "write_script", snakemake_patches._write_script)
 
 
 @pytest.mark.usefixtures("snakemakes_own")

@@ -7,8 +7,8 @@ from snakemake.cli import get_argument_parser
 from snakemake.scheduling.job_scheduler import JobRateLimiter, JobScheduler
 from snakemake.settings.types import MaxJobsPerTimespan
 
-from burstcast_workflow import planning
-from burstcast_workflow.planning import start_jobs_without_delay
+from burstcast_workflow import snakemake_patches
+from burstcast_workflow.snakemake_patches import start_jobs_without_delay
 
 
 def limit_left(monkeypatch, limit, local=True):
@@ -17,7 +17,7 @@ def limit_left(monkeypatch, limit, local=True):
     def make(scheduler, _workflow, *_rest):
         scheduler.job_rate_limiter = limit and JobRateLimiter(limit)
 
-    monkeypatch.setattr(planning, "_make_scheduler", make)
+    monkeypatch.setattr(snakemake_patches, "_make_scheduler", make)
     monkeypatch.setattr(JobScheduler, "__init__", JobScheduler.__init__)  # restored afterwards
     start_jobs_without_delay()
     return JobScheduler(SimpleNamespace(local_exec=local), "plugin", "scheduler").job_rate_limiter

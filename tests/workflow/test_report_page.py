@@ -3,12 +3,15 @@
 import copy
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 import yaml
 from snakemake.utils import update_config
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
+from burstcast_workflow.cost_report import job_table, rule_costs
 from burstcast_workflow.figure_registry import FIGURES
 from burstcast_workflow.report_page import (
     Flagged,
@@ -89,17 +92,19 @@ def test_what_was_computed_is_counted_by_case(tmp_path):
     assert (second["case"], second["networks"], second["of neurons"]) == ("Re600", "20", "2000")
 
 
-def test_times_are_summed_by_rule(tmp_path):
-    for name, seconds, memory, processor in (
-        ("train/Re400/esn-N40-RV-seed0", 90, 100, 80),
-        ("train/Re400/esn-N40-RV-seed1", 7200, 120.4, 7000),
-        ("latex", 1, "-", "NA"),
-    ):
-        path = tmp_path / "benchmarks" / f"{name}.tsv"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(f"s\tmax_rss\tcpu_time\n{seconds}\t{memory}\t{processor}\n")
+def test_times_are_told_rule_by_rule():
+    costs = pd.DataFrame(
+        {
+            "rule": ["latex", "train", "figure"],
+            "records": [1, 2, 0],
+            "minutes": [1 / 60, 121.5, np.nan],
+            "processor_minutes": [0.0, 118, np.nan],
+            "longest_seconds": [1, 7200, np.nan],
+            "memory_mib": [0, 120.4, np.nan],
+        }
+    )
     names = ["rule", "jobs", "time", "of the processor", "longest", "most memory"]
-    assert times_of_rules(tmp_path) == [
+    assert times_of_rules(costs) == [
         dict(zip(names, ["train", "2", "2.0 h", "2.0 h", "2.0 h", "120 MiB"], strict=True)),
         dict(zip(names, ["latex", "1", "1.0 s", "0.0 s", "1.0 s", "0 MiB"], strict=True)),
     ]
@@ -120,7 +125,8 @@ def test_nothing_in_a_table_ends_the_element_that_it_stands_in(tmp_path):
         Flagged(tables / f"{name}.csv", table_category(name), {"table": name}, "<p>caption</p>")
         for name in ("warnings", "dataset")
     ]
-    text = page(flagged, Campaign(loaded()), tables.parent, "<p>introduction</p>")
+    costs = rule_costs(job_table([]))
+    text = page(flagged, Campaign(loaded()), tables.parent, "<p>introduction</p>", costs)
     assert text.count("</script>") == 3  # two tables, and the page's own
     assert "&lt;/script&gt;&lt;b&gt;. Try: a &amp; b." in text
     assert text.index("1 Flow and data") < text.index("8 Warning signs")

@@ -13,7 +13,12 @@ from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.cases import realisation_of
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF, data_files
-from burstcast_workflow.cost_report import costs_of_jobs, jobs_with_costs, write_costs
+from burstcast_workflow.cost_report import (
+    costs_of_jobs,
+    job_table,
+    jobs_with_costs,
+    write_costs,
+)
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.figure_registry import (
     FIGURES,
@@ -32,17 +37,18 @@ from burstcast_workflow.harness.run import OvertakenError, Run
 from burstcast_workflow.harness.search_path import make_importable, search_directories
 from burstcast_workflow.harness.thresholds import INPUT as THRESHOLDS
 from burstcast_workflow.harness.thresholds import cases_of_thresholds
-from burstcast_workflow.interruption import interrupt_quietly
-from burstcast_workflow.planning import (
-    claim_before_jobs,
-    plan_by_records,
-    refuse_what_nothing_makes,
-    start_jobs_without_delay,
-)
+from burstcast_workflow.planning import plan_by_records
 from burstcast_workflow.project import packages_of
 from burstcast_workflow.prune import stale_note
 from burstcast_workflow.report_sections import figure_category, table_category
 from burstcast_workflow.setting_groups import listed
+from burstcast_workflow.snakemake_patches import (
+    claim_before_jobs,
+    interrupt_quietly,
+    refuse_what_nothing_makes,
+    start_jobs_without_delay,
+)
+from burstcast_workflow.snakemake_plan import covers_campaign
 from burstcast_workflow.summary import campaign_summary, warnings_summary
 from burstcast_workflow.table_registry import (
     cases_of_tables,
@@ -120,10 +126,9 @@ onstart:
 
 
 onsuccess:
-    if workflow.is_main_process:
-        write_costs(
-            jobs_with_costs(workflow, campaign, costs), campaign, Path(TIMES)
-        )
+    if workflow.is_main_process and covers_campaign(workflow):
+        jobs = job_table(jobs_with_costs(workflow, campaign, costs))
+        write_costs(jobs, campaign, Path(TIMES))
     found = [
         campaign_summary(Path(TABLES)),
         warnings_summary(Path(TABLES)),
