@@ -12,7 +12,6 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -61,8 +60,6 @@ class Flagged:
     ----------
     path
         Where it is.
-    section
-        Title of its section.
     labels
         ``figure`` and ``case``, or ``table``.
     caption
@@ -70,7 +67,6 @@ class Flagged:
     """
 
     path: Path
-    section: str
     labels: Mapping[str, str]
     caption: str
 
@@ -106,11 +102,6 @@ class Shown:
     caption: Markup
     views: list[View] = field(default_factory=list)
     data: Markup | None = None
-
-    @property
-    def title(self) -> str:
-        """Its name for people."""
-        return title_of(self.name)
 
 
 @dataclass(frozen=True)
@@ -213,19 +204,18 @@ def computed(campaign: Campaign, tables: Path) -> list[dict[str, str]]:
         others = dict.fromkeys(
             one.name.kind for one in campaign.select(case=case) if one.name.kind != "esn"
         )
-        axes = [
-            _listed(f"{neurons}" for neurons in sorted({one.neurons or 0 for one in networks})),
-            _listed(sorted({str(one.validation) for one in networks})),
-            f"{len({one.seed for one in networks})}",
-        ]
+        sizes = sorted({one.neurons or 0 for one in networks})
+        validations = sorted({str(one.validation) for one in networks})
         rows.append(
             {
                 "case": case,
                 "series": f"{data[case]['series_kept']:g}",
                 "extreme events per series": f"{data[case]['events_per_series']:.3g}",
                 "networks": f"{len(networks)}",
-                **dict(zip(("of neurons", "validated by", "seeds"), axes, strict=True)),
-                "beside them": _listed(others),
+                "of neurons": ", ".join(map(str, sizes)),
+                "validated by": ", ".join(validations),
+                "seeds": f"{len({one.seed for one in networks})}",
+                "beside them": ", ".join(others),
             }
         )
     return rows
@@ -275,10 +265,6 @@ def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
             yield from _leaves(below, f"{name}.{key}".removeprefix("."))
     else:
         yield name, value
-
-
-def _listed(values: Iterable[str]) -> str:
-    return ", ".join(values)
 
 
 def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:
@@ -334,31 +320,23 @@ def _duration(seconds: float) -> str:
 
 def _sections(flagged: Iterable[Flagged]) -> Iterator[ShownSection]:
     """Sections in their order, figures and tables in theirs; nothing for what is not there."""
-    files = list(flagged)
-    of_section = {one.section.partition(" ")[2]: one.section for one in files}
-    for section in SECTIONS:
-        if section.title not in of_section:
-            continue
-        here = [one for one in files if one.section == of_section[section.title]]
-        figures = _in_order(here, "figure", section.figures)
-        tables = _in_order(here, "table", section.tables)
-        yield ShownSection(
-            of_section[section.title],
-            [_shown_figure(name, views) for name, views in figures],
-            [_shown_table(name, one) for name, (one, *_) in tables],
-        )
-
-
-def _in_order(
-    files: Iterable[Flagged], label: str, order: Sequence[str]
-) -> list[tuple[str, list[Flagged]]]:
-    """Files of the same name, in the order of names."""
-
-    def place(one: Flagged) -> int:
-        return order.index(one.labels[label])
-
-    found = sorted((one for one in files if label in one.labels), key=place)
-    return [(order[number], list(same)) for number, same in groupby(found, place)]
+    found: dict[tuple[str, str], list[Flagged]] = {}
+    for one in flagged:
+        kind = "figure" if "figure" in one.labels else "table"
+        found.setdefault((kind, one.labels[kind]), []).append(one)
+    for number, section in enumerate(SECTIONS, start=1):
+        figures = [
+            _shown_figure(name, found["figure", name])
+            for name in section.figures
+            if ("figure", name) in found
+        ]
+        tables = [
+            _shown_table(name, *found["table", name])
+            for name in section.tables
+            if ("table", name) in found
+        ]
+        if figures or tables:
+            yield ShownSection(f"{number} {section.title}", figures, tables)
 
 
 def _shown_figure(name: str, files: Sequence[Flagged]) -> Shown:

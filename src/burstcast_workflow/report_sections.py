@@ -1,6 +1,5 @@
 """The report in its order: in which section each figure and each table stands."""
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -76,40 +75,22 @@ SECTIONS = (
 """All sections: figures in the order of the paper, of tables what is read first."""
 
 
-def figure_category(name: str) -> str:
-    """Section of a figure, as the report calls it.
+def category(kind: str, name: str) -> str:
+    """Section of a figure or a table, as Snakemake is told it.
+
+    Parameters
+    ----------
+    kind
+        "figures" or "tables".
+    name
+        Of the figure or table.
 
     Raises
     ------
     LookupError
         If it is in none.
     """
-    return _category(_FIGURES, name)
-
-
-def table_category(name: str) -> str:
-    """Section of a table, as the report calls it (see `figure_category`)."""
-    return _category(_TABLES, name)
-
-
-def _category(categories: Mapping[str, str], name: str) -> str:
-    if name not in categories:
-        raise LookupError(
-            f"{name} has no place in the report: give it one in {Path(__file__).name}"
-        )
-    return categories[name]
-
-
-def _categories(names_of_sections: Iterable[Iterable[str]]) -> Mapping[str, str]:
-    # Snakemake sorts categories by name: the number keeps their order
-    return {
-        name: f"{number} {section.title}"
-        for number, (section, names) in enumerate(
-            zip(SECTIONS, names_of_sections, strict=True), start=1
-        )
-        for name in names
-    }
-
-
-_FIGURES = _categories(section.figures for section in SECTIONS)
-_TABLES = _categories(section.tables for section in SECTIONS)
+    for number, section in enumerate(SECTIONS, start=1):
+        if name in getattr(section, kind):
+            return f"{number} {section.title}"
+    raise LookupError(f"{name} has no place in the report: give it one in {Path(__file__).name}")

@@ -35,8 +35,8 @@ class PageReporter(ReporterBase):  # type: ignore[misc]
         workflow = self.dag.workflow
         names = names_of_rules(workflow)
         flagged = [
-            Flagged(Path(record.path), category.name, dict(record.labels), record.caption)
-            for category, subcategories in self.results.items()
+            Flagged(Path(record.path), dict(record.labels), record.caption)
+            for subcategories in self.results.values()
             for records in subcategories.values()
             for record in records
         ]

@@ -21,7 +21,7 @@ from burstcast_workflow.report_page import (
     times_of_rules,
     title_of,
 )
-from burstcast_workflow.report_sections import SECTIONS, figure_category, table_category
+from burstcast_workflow.report_sections import SECTIONS, category
 from burstcast_workflow.table_metrics import SUMMARIES
 from burstcast_workflow.table_registry import TABLES
 
@@ -45,9 +45,9 @@ def test_every_figure_and_every_table_stands_in_one_section():
 def test_sections_keep_their_order_where_they_are_sorted_by_name():
     titles = [f"{number} {section.title}" for number, section in enumerate(SECTIONS, 1)]
     assert titles == sorted(titles)
-    assert figure_category("control_density") == table_category("control") == "7 Control"
+    assert category("figures", "control_density") == category("tables", "control") == "7 Control"
     with pytest.raises(LookupError, match="no_such_figure has no place"):
-        figure_category("no_such_figure")
+        category("figures", "no_such_figure")
 
 
 def test_figures_of_several_cases_belong_to_none():
@@ -122,7 +122,7 @@ def test_nothing_in_a_table_ends_the_element_that_it_stands_in(tmp_path):
         "Re400,esn,500,RV,odd,</script><b>,a & b\n"
     )
     flagged = [
-        Flagged(tables / f"{name}.csv", table_category(name), {"table": name}, "<p>caption</p>")
+        Flagged(tables / f"{name}.csv", {"table": name}, "<p>caption</p>")
         for name in ("warnings", "dataset")
     ]
     costs = rule_costs(job_table([]))

@@ -40,7 +40,7 @@ from burstcast_workflow.harness.thresholds import cases_of_thresholds
 from burstcast_workflow.planning import plan_by_records
 from burstcast_workflow.project import packages_of
 from burstcast_workflow.prune import stale_note
-from burstcast_workflow.report_sections import figure_category, table_category
+from burstcast_workflow.report_sections import category
 from burstcast_workflow.setting_groups import listed
 from burstcast_workflow.snakemake_patches import (
     claim_before_jobs,
@@ -440,8 +440,8 @@ def in_report(table):
 def category_of_table(table):
     """Section of the report that a table stands in, told a name or the wildcard of one."""
     if "{" not in table:
-        return table_category(table)
-    return lambda wildcards: table_category(wildcards.table)
+        return category("tables", table)
+    return lambda wildcards: category("tables", wildcards.table)
 
 
 # -- figures -----------------------------------------------------------------------------------------
@@ -492,7 +492,7 @@ def code_of_figure(wildcards):
 
 def category_of_figure(wildcards):
     """Section of the report that a figure stands in."""
-    return figure_category(wildcards.figure)
+    return category("figures", wildcards.figure)
 
 
 def labels_of_figure(wildcards):
