@@ -69,6 +69,11 @@ class ControlRun:
     committee: bool = False
 
     @property
+    def name(self) -> ForecasterName:
+        """Of who forecasts; "none" if nobody does."""
+        return ForecasterName("none") if self.forecaster is None else self.forecaster.name
+
+    @property
     def rule(self) -> str:
         """Rule that makes it."""
         if self.forecaster is None:
@@ -207,11 +212,7 @@ class Campaign:
             for time in self._control_times(one)
         ]
         if control["random_alarms"]:
-            runs += [
-                replace(run, random=True)
-                for run in runs
-                if run.forecaster is not None and run.forecaster.name.kind == "esn"
-            ]
+            runs += [replace(run, random=True) for run in runs if run.name.kind == "esn"]
         return tuple(runs)
 
     @cached_property
@@ -397,10 +398,9 @@ class Campaign:
         return records
 
     def _keys_of(self, run: ControlRun) -> Settings:
-        name = ForecasterName("none") if run.forecaster is None else run.forecaster.name
-        keys = {**self.case_keys(run.case), **name.keys}
+        keys = {**self.case_keys(run.case), **run.name.keys}
         if run.committee:
-            return {**keys, "forecaster": f"{name.kind}_committee"}
+            return {**keys, "forecaster": f"{run.name.kind}_committee"}
         return {**keys, "forecaster": "random"} if run.random else keys
 
     def case_keys(self, case: str) -> Settings:

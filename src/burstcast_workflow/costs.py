@@ -205,6 +205,10 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
 _Account = tuple[tuple[float, int], dict[str, float], float]
 
 
+def _together(work: dict[str, float], more: dict[str, float]) -> dict[str, float]:
+    return {unit: work.get(unit, 0) + more.get(unit, 0) for unit in {**work, **more}}
+
+
 def _integration(job: _Job, unit: str = "integration", stage: str = "") -> _Account:
     count, steps = _TRAJECTORIES.get(stage or job.stage, _TRAJECTORIES[unit])(job)
     numbers = count * steps / job.stride * job.dimension
@@ -236,7 +240,7 @@ def _leave_one_out(job: _Job) -> _Account:
     if job("probability.calibration_series"):
         return start_up, work, held
     _, training, moments = _training(job, solves=job.training_series)
-    work = {unit: work.get(unit, 0) + training.get(unit, 0) for unit in {**work, **training}}
+    work = _together(work, training)
     # the moments of each series, and those of all but one
     return start_up, work, held + moments + (job.training_series + 1) * job.neurons**2
 
@@ -256,8 +260,7 @@ def _control(job: _Job) -> _Account:
     """Forecasts that raise alarms, and flows as with alarms at random."""
     start_up, work, held = _closed_loop(job, "control")
     _, of_flows, held_by_flows = _integration(job, stage="control_random")
-    work = {unit: work.get(unit, 0) + of_flows.get(unit, 0) for unit in {**work, **of_flows}}
-    return start_up, work, held + held_by_flows
+    return start_up, _together(work, of_flows), held + held_by_flows
 
 
 def _training(job: _Job, points: float = 1, loops: float = 0, solves: float = 1) -> _Account:
@@ -280,8 +283,7 @@ def _choice(job: _Job) -> _Account:
     start_up, training, held = _training(job, points=_CANDIDATES, solves=_CANDIDATES)
     count, steps = _long_term(job)
     runs = _network_steps(job, _CANDIDATES * count * steps)
-    work = {unit: training.get(unit, 0) + runs.get(unit, 0) for unit in {**training, **runs}}
-    return start_up, work, held + 2 * count * job.neurons
+    return start_up, _together(training, runs), held + 2 * count * job.neurons
 
 
 def _search(job: _Job, points: float, bayesian: bool = False) -> _Account:

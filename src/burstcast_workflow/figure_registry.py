@@ -48,11 +48,7 @@ def long_term_candidates(campaign: Campaign, case: str) -> list[CaseForecaster]:
 
 def _network_runs(campaign: Campaign) -> list[ControlRun]:
     """The paper's control by networks."""
-    return [
-        run
-        for run in campaign.control_runs
-        if not run.random and run.forecaster is not None and run.forecaster.name.kind == "esn"
-    ]
+    return [run for run in campaign.control_runs if not run.random and run.name.kind == "esn"]
 
 
 def control_example(campaign: Campaign) -> ControlRun | None:
@@ -68,11 +64,7 @@ def control_example(campaign: Campaign) -> ControlRun | None:
 
 def _control_kind(campaign: Campaign, case: str) -> dict[str, Any]:
     """Size and validation strategy that the figures of control show for a case."""
-    names = [
-        run.forecaster.name
-        for run in _network_runs(campaign)
-        if run.case == case and run.forecaster is not None
-    ]
+    names = [run.name for run in _network_runs(campaign) if run.case == case]
     kinds = [{"neurons": name.neurons, "validation": name.validation} for name in names]
     wanted = {
         "neurons": campaign.config["figures"]["fixed_neurons"],
@@ -97,12 +89,9 @@ def _panels(campaign: Campaign, case: str) -> list[dict[str, Any]]:
 def _frontier_network(campaign: Campaign, case: str) -> dict[str, Any] | None:
     """Network whose control by all strategies is shown: the example's, or else the first one."""
     names = [
-        run.forecaster.name
+        run.name
         for run in campaign.strategy_runs
-        if run.case == case
-        and run.forecaster is not None
-        and run.forecaster.name.kind == "esn"
-        and not run.committee
+        if run.case == case and run.name.kind == "esn" and not run.committee
     ]
     name = next((name for name in names if name == campaign.example.name), next(iter(names), None))
     return None if name is None else name.keys

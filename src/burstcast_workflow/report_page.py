@@ -25,6 +25,7 @@ from burstcast_workflow.archive import versions
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.canonical import natural_order
 from burstcast_workflow.config.loading import load
+from burstcast_workflow.harness.settings import leaves
 from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.project import project_root
 from burstcast_workflow.report_sections import SECTIONS
@@ -245,7 +246,7 @@ def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     """
     path = project_root() / "config.yaml"
     paper = load(yaml.safe_load(path.read_text(encoding="utf-8")))
-    here, there = (dict(_leaves(one)) for one in (config, paper))
+    here, there = (dict(leaves(one)) for one in (config, paper))
 
     def told(settings: Mapping[str, Any], name: str) -> str:
         return json.dumps(settings[name]) if name in settings else ""
@@ -256,15 +257,6 @@ def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
         if name.partition(".")[0] not in _TOLD_ELSEWHERE
         and (name not in here or name not in there or here[name] != there[name])
     ]
-
-
-def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """All settings by their paths."""
-    if isinstance(value, Mapping) and value:
-        for key, below in value.items():
-            yield from _leaves(below, f"{name}.{key}".removeprefix("."))
-    else:
-        yield name, value
 
 
 def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:

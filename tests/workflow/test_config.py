@@ -119,12 +119,24 @@ def test_choices_of_forecasters_may_leave_kinds_and_axes_out(config):
     load(config)
 
 
-def test_the_reference_tells_what_config_yaml_leaves_out(config):
+def test_the_reference_tells_what_holds_where_config_yaml_says_nothing(config):
+    defaults = {
+        "statistics.forecasters.esn.neurons": "`[]`",
+        "control.strategies[].starts": '`"quiet"`',
+        "control.strategies[].strategy": "required",
+        "campaign": "see config.yaml",
+        "random_seed": "`2022`",
+    }
     lines = reference.text(config).splitlines()
-    (line,) = (line for line in lines if line.startswith("| `statistics.forecasters.esn.neurons`"))
-    assert "| left out |" in line
-    (line,) = (line for line in lines if line.startswith("| `statistics.forecasters.esn.validat"))
-    assert '| `["RV"]` |' in line
+    for name, default in defaults.items():
+        (line,) = (line for line in lines if line.startswith(f"| `{name}` |"))
+        assert line.split(" | ")[3] == default
+
+
+def test_the_reference_keeps_code_as_it_is(config):
+    text = reference.text(config)
+    assert "`<case>-training<k>`" in text
+    assert "the case Re&lt;value> of" in text
 
 
 def test_the_reference_of_all_settings_is_up_to_date():

@@ -141,10 +141,10 @@ def _campaign(config: Settings) -> Iterator[str]:
         for name in block.get("cases", []):
             if name not in known:
                 yield f"{place}.cases: there is no case {name} in cases; {suggestion(name, known)}"
-        for name in map(case_name, block.get("reynolds", [])):
-            yield from _realisations(config, place, block, name)
-        for name in set(block.get("cases", [])) & set(known):
-            yield from _realisations(config, place, block, name)
+        names = [*block.get("cases", []), *map(case_name, block.get("reynolds", []))]
+        for name in dict.fromkeys(names):
+            if name in known:
+                yield from _realisations(config, place, block, name)
         if not any(axes is not None for axes in block["forecasters"].values()):
             yield f"{place}.forecasters names no kind: give it esn, equations, ..."
         networks = block["forecasters"].get("esn")
@@ -301,37 +301,49 @@ def _case(config: Settings, name: str) -> Iterator[str]:
         return
     yield from _related(record, Case)
     yield from _system(name, record)
-    kinds = _kinds(config, name)
-    if any(kind.endswith("_filtered") for kind in kinds):
+    if any(kind.endswith("_filtered") for kind in _kinds(config, name)):
         yield from _filter(
             config["forecasters"]["filter"], record, f"the system {record['system']}"
         )
-    ensemble, lyapunov = record["ensemble"], record["lyapunov"]
-    training, test = record["training"]["series"], record["test_series"]
-    if training + test > ensemble["series"]:
-        yield (
-            f"training.series and test_series are {training} and {test}; together they must be at "
-            f"most ensemble.series, {ensemble['series']}"
-        )
-    more = config["probability"]["calibration_series"]
-    if not more and training < 2:
-        yield (
-            "training.series is 1, but probabilities are calibrated on series that are left out of "
-            "the training one by one: take 2 at least, or further series "
-            "(probability.calibration_series)"
-        )
-    if more and training + test + more > ensemble["series"]:
-        yield (
-            f"probability.calibration_series is {more}; together with training.series and "
-            f"test_series, {training + test}, it must be at most ensemble.series, "
-            f"{ensemble['series']}"
-        )
+    yield from _counts_of_series(config, record)
+    yield from _left_out_one_by_one(
+        config, record, "further series (probability.calibration_series)"
+    )
     if config["search"]["choice"] == "survival" and record["laminarisation_threshold"] is None:
         yield (
             "search.choice is survival, but without a laminarisation_threshold no series leaves "
             "the chaotic phase; take best"
         )
-    control = config["control"]
+    yield from _starts_of_actuation(config["control"], record)
+    yield from _durations(config, name, record)
+
+
+def _counts_of_series(config: Settings, record: Settings) -> Iterator[str]:
+    """What is wrong with how many series there are, and what they are for."""
+    series, training = record["ensemble"]["series"], record["training"]["series"]
+    test, more = record["test_series"], config["probability"]["calibration_series"]
+    if training + test > series:
+        yield (
+            f"training.series and test_series are {training} and {test}; together they must be at "
+            f"most ensemble.series, {series}"
+        )
+    if more and training + test + more > series:
+        yield (
+            f"probability.calibration_series is {more}; together with training.series and "
+            f"test_series, {training + test}, it must be at most ensemble.series, {series}"
+        )
+
+
+def _left_out_one_by_one(config: Settings, record: Settings, others: str) -> Iterator[str]:
+    """Whether something is left to learn from without a training series."""
+    if not config["probability"]["calibration_series"] and record["training"]["series"] < 2:
+        yield (
+            "training.series is 1, but probabilities are calibrated on series that are left out of "
+            f"the training one by one: take 2 at least, or {others}"
+        )
+
+
+def _starts_of_actuation(control: Settings, record: Settings) -> Iterator[str]:
     start = record["actuation"]["start_lt"] if record["actuation"] else 0
     for time in control["prediction_times_lt"] if any(control["forecasters"].values()) else []:
         if time + start < 0:
@@ -339,23 +351,29 @@ def _case(config: Settings, name: str) -> Iterator[str]:
                 f"control.prediction_times_lt has {time}, but an actuation that starts at "
                 f"actuation.start_lt, {start}, would then begin before its alarm"
             )
-    if lyapunov["time_unit"] == "published" and lyapunov["published_exponent"] is not None:
-        interval = ensemble["time_step"] * ensemble["sampling_stride"]
+
+
+def _durations(config: Settings, name: str, record: Settings) -> Iterator[str]:
+    """What does not fit into series, where the config knows how long a Lyapunov time is."""
+    ensemble, lyapunov = record["ensemble"], record["lyapunov"]
+    if lyapunov["time_unit"] != "published" or lyapunov["published_exponent"] is None:
+        return
+    interval = ensemble["time_step"] * ensemble["sampling_stride"]
+    try:
+        steps = durations.steps_per_lyapunov_time(lyapunov["published_exponent"], interval)
+    except ValueError as error:
+        yield f"lyapunov.published_exponent: {error}"
+        return
+    # both ends of a series are sampled
+    samples = math.floor(ensemble["duration"] / interval + 1e-9) + 1
+    yield from misfits(config, record, samples, steps)
+    if _kinds(config, name) & {"quadratic", "quadratic_filtered"}:
         try:
-            steps = durations.steps_per_lyapunov_time(lyapunov["published_exponent"], interval)
+            window_lt = config["forecasters"]["quadratic"]["window_lt"]
+            check_learnt_equations(samples, steps, window_lt)
         except ValueError as error:
-            yield f"lyapunov.published_exponent: {error}"
-        else:
-            # both ends of a series are sampled
-            samples = math.floor(ensemble["duration"] / interval + 1e-9) + 1
-            yield from misfits(config, record, samples, steps)
-            if kinds & {"quadratic", "quadratic_filtered"}:
-                try:
-                    window_lt = config["forecasters"]["quadratic"]["window_lt"]
-                    check_learnt_equations(samples, steps, window_lt)
-                except ValueError as error:
-                    yield str(error)
-            yield from _unfit_strategies(config, name, record, steps)
+            yield str(error)
+    yield from _unfit_strategies(config, name, record, steps)
 
 
 def _kinds(config: Settings, name: str) -> set[str]:
@@ -403,11 +421,7 @@ def _measured(config: Settings, name: str, own: Settings) -> Iterator[str]:
     for index, block in enumerate(config["control"]["strategies"]):
         if name in block.get("cases", []):
             yield f"control.strategies[{index}].cases: control needs equations, which data have not"
-    if config["probability"]["calibration_series"] == 0 and record["training"]["series"] < 2:
-        yield (
-            "training.series is 1, but probabilities are calibrated on series that are left out of "
-            "the training one by one: take 2 at least (data.blocks cuts a long one)"
-        )
+    yield from _left_out_one_by_one(config, record, "cut a long one (data.blocks)")
 
 
 def _filter(settings: Settings, record: Settings, whose: str) -> Iterator[str]:

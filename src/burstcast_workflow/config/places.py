@@ -6,6 +6,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
 
 from burstcast_workflow.config.kinds import Words, is_section
 
@@ -23,7 +24,8 @@ _KINDS = {
 class Place:
     """A place in the configuration; ``name`` is as a person reads it: ``campaign[0].neurons``.
 
-    The others are its type, the bounds of its values, and what `setting` was told.
+    The others are its type, the bounds of its values, what `setting` was told, and the value that
+    it has where a section is given without it (`PydanticUndefined` if it must not be left out).
     """
 
     kind: Any
@@ -32,6 +34,7 @@ class Place:
     meaning: str = ""
     unit: str = ""
     when: str = ""
+    default: Any = PydanticUndefined
     relations: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -55,7 +58,8 @@ class Place:
             known: Any = {"unit": "", **(found.json_schema_extra or {})}  # type: ignore[dict-item]
             known["unit"] = "Lyapunov times" if str(part).endswith("_lt") else known["unit"]
             place = Place(found.annotation, name, tuple(found.metadata), **known)
-            return replace(place, meaning=found.description or _said_of(place.kinds[0]))
+            meaning = found.description or _said_of(place.kinds[0])
+            return replace(place, meaning=meaning, default=found.default)
         if get_origin(kind) not in (list, dict):
             return Place(None, name)
         if get_origin(kind) is list:

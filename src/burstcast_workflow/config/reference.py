@@ -7,6 +7,8 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from pydantic_core import PydanticUndefined
+
 from burstcast_workflow.config.kinds import RELATIONS
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.places import Place
@@ -14,8 +16,9 @@ from burstcast_workflow.config.places import Place
 _HEAD = """\
 # Settings
 
-Every setting of a configuration, with its default from [config.yaml](../config.yaml). `campaign` is
-a list of blocks. An entry of `cases` may have any settings of `case_defaults`, which it overrides.
+Every setting of a configuration, with its default: that of [config.yaml](../config.yaml), or what
+holds where a section is given without it. `campaign` is a list of blocks. An entry of `cases` may
+have any settings of `case_defaults`, which it overrides.
 A case of another system than the shear flow starts from what its class says, and has of
 `case_defaults` only what has no units ([tutorial.md](tutorial.md)).
 Kinds of forecasters are modules of `burstcast.forecasters`; where they are chosen (`campaign`,
@@ -43,20 +46,27 @@ def _lines(config: Mapping[str, Any]) -> Iterator[str]:
                 others = [f"{RELATIONS[key]} `{other}`" for key, other in place.relations.items()]
                 unless = [f"unless `{place.when}` is empty"] if place.when else []
                 allowed = "; ".join([place.allowed(), *others, *unless])
-                default = _default(config, place.name)
+                default = _default(config, place)
                 yield _row([f"`{place.name}`", allowed, place.unit, default, place.meaning])
 
 
-def _default(config: Any, name: str) -> str:
-    """Value in config.yaml, except of what is repeated there."""
-    if name.startswith(("campaign", "cases")):
+def _default(config: Any, place: Place) -> str:
+    """Value in config.yaml, except of what is repeated there, or else the model's own."""
+    if place.name in ("campaign", "cases"):
         return "see config.yaml"
-    for part in name.split("."):
-        if config is None or part not in config:
-            return "left out"
+    for part in place.name.split("."):
+        if not isinstance(config, Mapping) or part not in config:
+            required = place.default is PydanticUndefined
+            return "required" if required else f"`{json.dumps(place.default)}`"
         config = config[part]
     return f"`{json.dumps(config)}`"
 
 
 def _row(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells).replace('<', '&lt;')} |"
+    # in code a < is itself; elsewhere it would begin an element
+    texts = ["`".join(_outside_code(cell.split("`"))) for cell in cells]
+    return f"| {' | '.join(texts)} |"
+
+
+def _outside_code(parts: Sequence[str]) -> list[str]:
+    return [part if number % 2 else part.replace("<", "&lt;") for number, part in enumerate(parts)]

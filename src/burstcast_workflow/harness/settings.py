@@ -59,14 +59,15 @@ class Settings(Mapping[str, Any]):
         return [
             leaf
             for path, value in self._declared.items()
-            for leaf in _leaves(path, value)
+            for leaf, _ in leaves(value, path)
             if not any(leaf == read or leaf.startswith(f"{read}.") for read in self._read)
         ]
 
 
-def _leaves(path: str, value: Any) -> Iterator[str]:
+def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """All settings below a path, with their values."""
     if isinstance(value, Mapping) and value:
-        for key, item in value.items():
-            yield from _leaves(f"{path}.{key}", item)
+        for key, below in value.items():
+            yield from leaves(below, f"{path}.{key}".removeprefix("."))
     else:
-        yield path
+        yield path, value
