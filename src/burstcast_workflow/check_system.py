@@ -3,7 +3,6 @@
 In seconds: whether it keeps to the interface, its exponents, and a case to paste into a config.
 """
 
-import argparse
 import os
 import re
 import sys
@@ -79,26 +78,20 @@ def report(system: str, parameters: Mapping[str, float], check: SystemCheck) -> 
     return "\n".join(lines) + "\n" + case_text(system, parameters, check)
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Check the system that the command line names; 0 if nothing is wrong with it."""
-    parser = argparse.ArgumentParser(
-        prog="burstcast check-system", description="Look at a dynamical system before a campaign."
-    )
-    parser.add_argument("system", help="lorenz63, ..., or <module>:<class> of your own")
-    parser.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of its equations")
-    options = parser.parse_args(arguments)
+def main(system: str, parameters: Sequence[str]) -> int:
+    """Check a system that a person names, with parameters (``rho=28``); 0 if nothing is wrong."""
     make_importable([os.fspath(Path.cwd())])
     try:
-        parameters = dict(map(_parameter, options.parameters))
-        check = check_system(make_system(options.system, parameters), stream(0, "check system"))
+        values = dict(map(_parameter, parameters))
+        check = check_system(make_system(system, values), stream(0, "check system"))
     except UnsoundSystemError as error:
         listed = "\n".join(f"  {problem}" for problem in error.problems)
-        print(f"{options.system} has mistakes:\n{listed}", file=sys.stderr)
+        print(f"{system} has mistakes:\n{listed}", file=sys.stderr)
         return 1
     except (ValueError, TypeError) as error:
         print(error, file=sys.stderr)
         return 1
-    print(report(options.system, parameters, check), end="")
+    print(report(system, values, check), end="")
     return 0
 
 

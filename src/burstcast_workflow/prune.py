@@ -62,7 +62,7 @@ def stale_note(results: str, workflow: Any) -> str:
     return said if count else ""
 
 
-def remove(results: str, names: Sequence[str]) -> None:
+def remove_files(results: str, names: Sequence[str]) -> None:
     """Remove files with their records, and directories that are empty then.
 
     Parameters
@@ -87,19 +87,19 @@ def remove(results: str, names: Sequence[str]) -> None:
                     above.rmdir()
 
 
-def main(arguments: Sequence[str], *, remove_them: bool = False) -> int:
+def main(arguments: Sequence[str], *, remove: bool = False) -> int:
     """List stale files; remove them if told so."""
     workflow = planned(arguments)
     run = names_of_rules(workflow)["run"]
     try:
         names = stale_files(run.results, workflow)
-        if remove_them:
-            remove(run.results, names)
+        if remove:
+            remove_files(run.results, names)
     except (PartOfCampaignError, OvertakenError) as error:
         print(error, file=sys.stderr)
         return 2
     for name in names:
         print(f"{run.results}/{name}")
-    what = "removed" if remove_them else "not of this campaign any more (--remove?)"
+    what = "removed" if remove else "not of this campaign any more (--remove?)"
     print(f"{len(names)} files in {run.results}: {what}")
     return 0

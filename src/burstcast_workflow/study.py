@@ -1,6 +1,7 @@
 """A study of one's own: a directory with a Snakefile, a config and four commands to begin with."""
 
 import shutil
+import sys
 from pathlib import Path
 
 from burstcast_workflow.project import project_root
@@ -108,3 +109,16 @@ def lay_out(directory: Path, preset: str) -> list[Path]:
     profile.parent.mkdir(parents=True)
     shutil.copy(project_root() / "profiles" / "default" / "config.yaml", profile)
     return [*(directory / file for file in files), profile]
+
+
+def main(directory: Path, preset: str) -> int:
+    """Lay out a study that a person asks for; 2 if that cannot be done."""
+    try:
+        files = lay_out(directory, preset)
+    except (StudyExistsError, OSError) as error:
+        print(f"burstcast init: {error}", file=sys.stderr)
+        return 2
+    for path in files:
+        print(path)
+    print(f"\ncd {directory}; snakemake")
+    return 0

@@ -16,7 +16,8 @@ from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
 from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast_workflow.check_system import case_text, main, report
+from burstcast_workflow.check_system import case_text, report
+from burstcast_workflow.command_line import main
 from burstcast_workflow.config.cases import case_records
 from burstcast_workflow.config.loading import load
 
@@ -153,7 +154,7 @@ def test_a_map_is_checked_like_everything_else() -> None:
 
 
 def test_the_command_line(capsys) -> None:
-    assert main(["lorenz63", "rho=28"]) == 0
+    assert main(["check-system", "lorenz63", "rho=28"]) == 0
     said = capsys.readouterr().out
     assert "Lorenz63: keeps to the interface" in said
     assert "leading exponent       0.9" in said
@@ -165,7 +166,7 @@ def test_the_command_line(capsys) -> None:
         (["lorenz63", "rho"], "write NAME=VALUE"),
         (["lorenz63", "rho=0.5"], "lorenz63 has mistakes:\n  all trajectories come to rest"),
     ):
-        assert main(arguments) == 1
+        assert main(["check-system", *arguments]) == 1
         assert message in capsys.readouterr().err
 
 

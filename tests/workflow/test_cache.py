@@ -1,4 +1,3 @@
-import json
 import multiprocessing
 import os
 import shutil
@@ -7,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from burstcast_workflow import cache_command
+from burstcast_workflow.command_line import main
 from burstcast_workflow.harness import cache
 from burstcast_workflow.harness.cache import entry_key, restore, store
 
@@ -213,8 +214,7 @@ def test_an_output_whose_partial_is_removed_says_nothing_about_the_entry(place, 
 def test_the_home_of_nobody_is_no_cache(monkeypatch):
     monkeypatch.setenv(cache.VARIABLE, "~nosuchuser/cache")
     assert cache.location() is None
-    with pytest.raises(SystemExit):
-        cache.main(["size"])
+    assert main(["cache", "size"]) == 2
 
 
 def _race(place: Path, number: int) -> None:
@@ -260,7 +260,7 @@ def left(directory: Path) -> set[str]:
 
 
 def test_prune_by_age(filled, capsys):
-    assert cache.main(["--cache", str(filled), "prune", "--older-than", "36h"]) == 0
+    assert main(["cache", "--cache", str(filled), "prune", "--older-than", "36h"]) == 0
     assert left(filled) == {"result 2 network"}
     assert "removed 2 entries" in capsys.readouterr().out
 
@@ -293,27 +293,35 @@ def test_prune_removes_what_killed_jobs_left(filled):
 def test_verify_removes_damaged_entries(filled, capsys):
     one = next(iter(cache.entries(filled)))
     (one.path / "notes").write_text("damaged")
-    assert cache.main(["--cache", str(filled), "verify"]) == 1
+    assert main(["cache", "--cache", str(filled), "verify"]) == 1
     assert "damaged" in capsys.readouterr().out
     assert len(left(filled)) == 2
-    assert cache.main(["--cache", str(filled), "verify"]) == 0
+    assert main(["cache", "--cache", str(filled), "verify"]) == 0
 
 
 def test_size(filled, capsys):
-    cache.main(["--cache", str(filled), "size"])
+    main(["cache", "--cache", str(filled), "size"])
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].split()[:2] == ["train", "3"]
     assert lines[-1].split()[:2] == ["all", "3"]
 
 
-@pytest.mark.parametrize("arguments", [["prune"], ["prune", "--to-size", "5 apples"], []])
+@pytest.mark.parametrize(
+    "arguments", [["prune", "--to-size", "5 apples"], ["prune", "--older-than", "20"], []]
+)
 def test_bad_arguments(filled, arguments):
     with pytest.raises(SystemExit):
-        cache.main(["--cache", str(filled), *arguments])
+        main(["cache", "--cache", str(filled), *arguments])
+
+
+def test_pruning_needs_a_limit(filled, capsys):
+    assert main(["cache", "--cache", str(filled), "prune"]) == 2
+    assert "--older-than or --to-size" in capsys.readouterr().err
+    assert len(left(filled)) == 3
 
 
 def test_readable_sizes():
-    assert cache.readable_size(0) == "0 B"
-    assert cache.readable_size(1536) == "1.5 KiB"
-    assert cache.readable_size(3 * 2**40) == "3.0 TiB"
-    assert json.dumps(cache._size("1.5G")) == str(1536 * 2**20)
+    assert cache_command.readable_size(0) == "0 B"
+    assert cache_command.readable_size(1536) == "1.5 KiB"
+    assert cache_command.readable_size(3 * 2**40) == "3.0 TiB"
+    assert cache_command.size("1.5G") == 1536 * 2**20

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from helpers_rebuilds import Project
 
-from burstcast_workflow.check_system import main
+from burstcast_workflow.command_line import main
 from burstcast_workflow.harness.tables import read_table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
@@ -45,8 +45,8 @@ def test_the_tutorial_has_the_parts_that_are_run_here():
 def test_the_look_at_the_system(directory, capsys, monkeypatch):
     monkeypatch.syspath_prepend(directory)
     (command,) = (command for command in COMMANDS if command.startswith("burstcast"))
-    _, name, *arguments = command.split()
-    assert name == "check-system"
+    _, *arguments = command.split()
+    assert arguments[0] == "check-system"
     assert main(arguments) == 0
     said = capsys.readouterr().out
     # what depends on no time that is measured is as written

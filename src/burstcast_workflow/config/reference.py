@@ -7,11 +7,13 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import yaml
 from pydantic_core import PydanticUndefined
 
 from burstcast_workflow.config.kinds import RELATIONS
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.places import Place
+from burstcast_workflow.project import project_root
 
 _HEAD = """\
 # Settings
@@ -70,3 +72,11 @@ def _row(cells: Sequence[str]) -> str:
 
 def _outside_code(parts: Sequence[str]) -> list[str]:
     return [part if number % 2 else part.replace("<", "&lt;") for number, part in enumerate(parts)]
+
+
+def main() -> int:
+    """Print the reference."""
+    print(
+        text(yaml.safe_load((project_root() / "config.yaml").read_text(encoding="utf-8"))), end=""
+    )
+    return 0

@@ -11,21 +11,14 @@ each time it is used. Trouble with the cache itself is logged and otherwise igno
 computes. Outputs are copied, not linked: a link would share its time stamp, which Snakemake acts
 on, with other campaigns.
 
-On the command line::
-
-    burstcast cache size
-    burstcast cache verify
-    burstcast cache prune --older-than 30d
-    burstcast cache prune --to-size 20G
+`burstcast_workflow.cache_command` is what a person sees of it.
 """
 
-import argparse
 import hashlib
 import json
 import logging
 import os
 import platform
-import re
 import shutil
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -343,78 +336,3 @@ def prune(
             if now - path.stat().st_mtime > _ABANDONED_SECONDS:  # no copy takes a day
                 _delete(path)
     return removed
-
-
-# -- command line ----------------------------------------------------------------------------------
-
-_SECONDS = {"s": 1, "min": 60, "h": 3600, "d": 86400, "w": 7 * 86400}
-_BYTES = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40}
-
-
-def _quantity(text: str, units: Mapping[str, int]) -> float:
-    match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([A-Za-z]*)", text)
-    if match is None or match[2] not in units:
-        names = ", ".join(name for name in units if name)
-        raise argparse.ArgumentTypeError(f"{text!r}: a number and one of {names}")
-    return float(match[1]) * units[match[2]]
-
-
-def _age(text: str) -> float:
-    return _quantity(text, _SECONDS)
-
-
-def _size(text: str) -> int:
-    return int(_quantity(text, _BYTES))
-
-
-def readable_size(size: float) -> str:
-    """Size in bytes as a person reads it: 1.5 GiB."""
-    for unit in ("B", "KiB", "MiB", "GiB"):
-        if size < 1024:
-            return f"{size:.0f} {unit}" if unit == "B" else f"{size:.1f} {unit}"
-        size /= 1024
-    return f"{size:.1f} TiB"
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Show the size of the cache, verify or prune it."""
-    parser = argparse.ArgumentParser(
-        prog="burstcast cache",
-        description="Results shared between campaigns: their size, verification and pruning.",
-    )
-    parser.add_argument(
-        "--cache", type=Path, default=location(), help=f"its directory (default: ${VARIABLE})"
-    )
-    commands = parser.add_subparsers(dest="command", required=True)
-    commands.add_parser("size", help="entries and bytes of each rule")
-    commands.add_parser("verify", help="read all entries, remove damaged ones")
-    pruning = commands.add_parser("prune", help="remove entries, least recently used first")
-    pruning.add_argument("--older-than", type=_age, help="unused for: 12h, 30d, 4w")
-    pruning.add_argument("--to-size", type=_size, help="until at most: 500M, 20G")
-    chosen = parser.parse_args(arguments)
-    if chosen.cache is None:
-        parser.error(f"which cache? Set {VARIABLE} or give --cache")
-    if not chosen.cache.is_dir():
-        print(f"{chosen.cache} does not exist: the cache is empty")
-        return 0
-    if chosen.command == "size":
-        _print_sizes(list(entries(chosen.cache)))
-        return 0
-    if chosen.command == "verify":
-        damaged = verify(chosen.cache)
-        for path in damaged:
-            print(f"damaged, removed: {path}")
-        print(f"{sum(1 for _ in entries(chosen.cache))} entries are sound")
-        return 1 if damaged else 0
-    if chosen.older_than is None and chosen.to_size is None:
-        parser.error("prune needs --older-than or --to-size")
-    removed = prune(chosen.cache, older_than=chosen.older_than, to_size=chosen.to_size)
-    print(f"removed {len(removed)} entries, {readable_size(sum(entry.size for entry in removed))}")
-    return 0
-
-
-def _print_sizes(found: Sequence[Entry]) -> None:
-    for rule in sorted({entry.rule for entry in found}):
-        sizes = [entry.size for entry in found if entry.rule == rule]
-        print(f"{rule:20} {len(sizes):6} {readable_size(sum(sizes)):>12}")
-    print(f"{'all':20} {len(found):6} {readable_size(sum(entry.size for entry in found)):>12}")
