@@ -86,6 +86,13 @@ def test_it_runs_to_its_end_and_makes_all_that_the_paper_has(miniature):
     assert "Nothing to be done" in miniature.project.snakemake().text
 
 
+def test_it_tells_what_its_jobs_took(miniature):
+    rows = read_table(miniature.project.directory / "results/miniature/benchmarks/rule_costs.csv")
+    assert {"simulate", "scan", "latex", "figure"} <= set(rows["rule"])
+    assert rows["jobs"].equals(rows["records"])
+    assert (rows["minutes"] > 0).all()
+
+
 def test_it_meets_what_a_small_campaign_meets(miniature):
     """Otherwise the tests below would not see how it is dealt with."""
     tables = miniature.project.directory / "results/miniature/tables"

@@ -196,7 +196,7 @@ class Decay(DynamicalSystem):
 WITHOUT_EFFECT = [
     Edit(
         "help of the cache's command line",
-        f"{WORKFLOW}/harness/cache.py",
+        f"{WORKFLOW}/command_line.py",
         'help="entries and bytes of each rule"',
         'help="how much there is of each rule"',
     ),
