@@ -65,8 +65,8 @@ def _draw_curves(axes: Axes, data: pd.DataFrame, curves: pd.DataFrame, neurons: 
     draw_references(axes, curves, "survival", "time", leave_out=["data"])
     axes.set_yscale("log")
     if axes.get_ylim()[0] > 0.1:  # less than a decade: numbers at all ticks
-        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:.1f}"))
-        axes.yaxis.set_minor_formatter(StrMethodFormatter("{x:.1f}"))
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axes.yaxis.set_minor_formatter(StrMethodFormatter("{x:g}"))
     else:
         axes.yaxis.set_minor_formatter(NullFormatter())
     axes.margins(x=0)
