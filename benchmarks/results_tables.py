@@ -281,7 +281,10 @@ def scores_of_forecasters(tables: Tables, case: str, metric: str) -> str:
 def _scores(tables: Tables, case: str, metric: str, groups: Sequence[dict[str, Any]]) -> str:
     cells = [(name_of(**group), _score_cells(tables, case, metric, group)) for group in groups]
     rows = [[name, *scores] for name, scores in cells if any(scores[:-1])]
-    return markdown(["", *(f"{time:g} LT" for time in TIMES_LT), "mean PH_ee [LT]"], rows)
+    head = ["", *(f"{time:g} LT" for time in TIMES_LT), "mean PH_ee [LT]"]
+    if metric != "f_score":  # the horizon stands beside one of the scores
+        head, rows = head[:-1], [row[:-1] for row in rows]
+    return markdown(head, rows)
 
 
 def _score_cells(tables: Tables, case: str, metric: str, group: dict[str, Any]) -> list[str]:
