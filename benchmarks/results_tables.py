@@ -279,22 +279,29 @@ def scores_of_forecasters(tables: Tables, case: str, metric: str) -> str:
 
 
 def _scores(tables: Tables, case: str, metric: str, groups: Sequence[dict[str, Any]]) -> str:
-    cells = [(name_of(**group), _score_cells(tables, case, metric, group)) for group in groups]
-    rows = [[name, *scores] for name, scores in cells if any(scores[:-1])]
-    head = ["", *(f"{time:g} LT" for time in TIMES_LT), "mean PH_ee [LT]"]
-    if metric != "f_score":  # the horizon stands beside one of the scores
-        head, rows = head[:-1], [row[:-1] for row in rows]
-    return markdown(head, rows)
+    with_horizon = metric == "f_score"  # it stands beside one of the scores
+    rows = [
+        [name_of(**group), *scores, *([_horizon_cell(tables, case, group)] if with_horizon else [])]
+        for group in groups
+        if any(scores := _score_cells(tables, case, metric, group))
+    ]
+    times = [f"{time:g} LT" for time in TIMES_LT]
+    return markdown(["", *times, *(["mean PH_ee [LT]"] if with_horizon else [])], rows)
 
 
 def _score_cells(tables: Tables, case: str, metric: str, group: dict[str, Any]) -> list[str]:
-    """Quartiles of a score at each prediction time, and of the mean prediction horizon."""
-    scores = [
+    """Quartiles of a score at each prediction time."""
+    scores = (
         tables.ensemble("classification", metric, case=case, prediction_time_lt=time, **group)
         for time in TIMES_LT
-    ]
+    )
+    return list(map(quartiles, scores))
+
+
+def _horizon_cell(tables: Tables, case: str, group: dict[str, Any]) -> str:
+    """Quartiles of the mean prediction horizon."""
     horizon = tables.ensemble("horizon", "mean_horizon_lt", case=case, **group)
-    return [*map(quartiles, scores), quartiles(horizon, lambda value: fixed(value, 2))]
+    return quartiles(horizon, lambda value: fixed(value, 2))
 
 
 def horizons_by_size(tables: Tables, case: str) -> str:
@@ -319,7 +326,8 @@ def scores_by_reynolds(tables: Tables, neurons: int) -> str:
     for row in tables.rows("dataset").to_dict("records"):
         for validation in VALIDATIONS:
             group = {"forecaster": "esn", "neurons": neurons, "validation": validation}
-            cells = _score_cells(tables, row["case"], "f_score", group)
+            scores = _score_cells(tables, row["case"], "f_score", group)
+            cells = [*scores, _horizon_cell(tables, row["case"], group)]
             if any(cells):
                 rows.append([f"{row['reynolds']:g}", validation, *cells])
     times = [f"F, {time:g} LT" for time in TIMES_LT]

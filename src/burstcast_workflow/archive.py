@@ -24,6 +24,7 @@ import yaml
 from burstcast_workflow.harness.cache import library_version
 from burstcast_workflow.harness.records import DIRECTORY
 from burstcast_workflow.harness.run import CLAIM
+from burstcast_workflow.harness.storage import atomic
 from burstcast_workflow.project import project_root, source_revision
 from burstcast_workflow.snakemake_plan import names_of_rules, planned
 from burstcast_workflow.why import jobs_to_run, report
@@ -75,16 +76,11 @@ def versions(results: Path) -> dict[str, Any]:
 
 def write_archive(target: Path, files: Mapping[str, bytes]) -> None:
     """Write files by their names into a zip, whole or not at all: equal files, equal bits."""
-    partial = target.with_name(f".{target.name}.partial")
-    try:
-        with zipfile.ZipFile(partial, "w") as archive:
-            for name in sorted(files):
-                entry = zipfile.ZipInfo(name, _TIME)
-                entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
-                archive.writestr(entry, files[name])
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
+    with atomic(target) as partial, zipfile.ZipFile(partial, "w") as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, _TIME)
+            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            archive.writestr(entry, files[name])
 
 
 def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, bytes]:

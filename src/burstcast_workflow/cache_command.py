@@ -2,40 +2,17 @@
 
 ::
 
-burstcast cache size
-burstcast cache verify
-burstcast cache prune --older-than 30d
-burstcast cache prune --to-size 20G
+    burstcast cache size
+    burstcast cache verify
+    burstcast cache prune --older-than 30d
+    burstcast cache prune --to-size 20G
 """
 
-import argparse
-import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from burstcast_workflow.harness.cache import VARIABLE, Entry, entries, location, prune, verify
-
-_SECONDS = {"s": 1, "min": 60, "h": 3600, "d": 86400, "w": 7 * 86400}
-_BYTES = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40}
-
-
-def _quantity(text: str, units: Mapping[str, int]) -> float:
-    match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([A-Za-z]*)", text)
-    if match is None or match[2] not in units:
-        names = ", ".join(name for name in units if name)
-        raise argparse.ArgumentTypeError(f"{text!r}: a number and one of {names}")
-    return float(match[1]) * units[match[2]]
-
-
-def age(text: str) -> float:
-    """Seconds of a time as a person writes it, with its unit: 12h, 30d."""
-    return _quantity(text, _SECONDS)
-
-
-def size(text: str) -> int:
-    """Bytes of a size as a person writes it: 500M, 20G."""
-    return int(_quantity(text, _BYTES))
 
 
 def readable_size(size: float) -> str:

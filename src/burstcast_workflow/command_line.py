@@ -4,15 +4,36 @@
 """
 
 import argparse
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 
-from burstcast_workflow.cache_command import age, size
-from burstcast_workflow.harness.cache import VARIABLE
 from burstcast_workflow.study import presets
 
 _OF_SNAKEMAKE = "options of snakemake follow, such as --configfile"
+
+
+_SECONDS = {"s": 1, "min": 60, "h": 3600, "d": 86400, "w": 7 * 86400}
+_BYTES = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40}
+
+
+def _quantity(text: str, units: Mapping[str, int]) -> float:
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([A-Za-z]*)", text)
+    if match is None or match[2] not in units:
+        names = ", ".join(name for name in units if name)
+        raise argparse.ArgumentTypeError(f"{text!r}: a number and one of {names}")
+    return float(match[1]) * units[match[2]]
+
+
+def _age(text: str) -> float:
+    """Seconds of a time as a person writes it, with its unit: 12h, 30d."""
+    return _quantity(text, _SECONDS)
+
+
+def _size(text: str) -> int:
+    """Bytes of a size as a person writes it: 500M, 20G."""
+    return int(_quantity(text, _BYTES))
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -70,14 +91,14 @@ def _parser() -> argparse.ArgumentParser:
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")
     cache = command("cache", "cache_command", "the cache that campaigns share: size, verify, prune")
     cache.add_argument(
-        "--cache", type=Path, dest="directory", help=f"its directory (default: ${VARIABLE})"
+        "--cache", type=Path, dest="directory", help="its directory (default: $BURSTCAST_CACHE)"
     )
     actions = cache.add_subparsers(dest="action", required=True)
     actions.add_parser("size", help="entries and bytes of each rule")
     actions.add_parser("verify", help="read all entries, remove damaged ones")
     pruning = actions.add_parser("prune", help="remove entries, least recently used first")
-    pruning.add_argument("--older-than", type=age, help="unused for: 12h, 30d, 4w")
-    pruning.add_argument("--to-size", type=size, help="until at most: 500M, 20G")
+    pruning.add_argument("--older-than", type=_age, help="unused for: 12h, 30d, 4w")
+    pruning.add_argument("--to-size", type=_size, help="until at most: 500M, 20G")
     return parser
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from burstcast_workflow import cache_command
+from burstcast_workflow import cache_command, command_line
 from burstcast_workflow.command_line import main
 from burstcast_workflow.harness import cache
 from burstcast_workflow.harness.cache import entry_key, restore, store
@@ -324,4 +324,4 @@ def test_readable_sizes():
     assert cache_command.readable_size(0) == "0 B"
     assert cache_command.readable_size(1536) == "1.5 KiB"
     assert cache_command.readable_size(3 * 2**40) == "3.0 TiB"
-    assert cache_command.size("1.5G") == 1536 * 2**20
+    assert command_line._size("1.5G") == 1536 * 2**20
