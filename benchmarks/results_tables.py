@@ -424,15 +424,33 @@ def control_of_the_paper(tables: Tables) -> str:
     return markdown([*head, "equations", "random alarms", "share of time under actuation"], rows)
 
 
+def control_by_forecaster(tables: Tables, case: str) -> str:
+    """The paper's control by all forecasters: exceedance and share of time under actuation."""
+    rows = []
+    for time in sorted(tables.rows("control", case=case)["prediction_time_lt"].unique()):
+        found = tables.rows("control_percentiles", case=case, prediction_time_lt=time)
+        for group in _groups(found[found["forecaster"] != "random"]):
+            where = {"case": case, "prediction_time_lt": time, **group}
+            metrics = ("exceedance_uncontrolled", "exceedance_controlled", "control_fraction")
+            cells = [quartiles(tables.ensemble("control", name, **where), _k) for name in metrics]
+            rows.append([f"{time:g}", name_of(**group), *cells])
+    head = ["prediction time [LT]", "forecaster", "without control", "with"]
+    return markdown([*head, "share of time under actuation"], rows)
+
+
 def _k(value: float) -> str:
     return fixed(value, 4)
 
 
-def strategies(tables: Tables, case: str, **conditions: Any) -> str:
+def strategies(
+    tables: Tables, case: str, *, laminarisations: bool = False, **conditions: Any
+) -> str:
     """What strategies of control leave, against what they spend, under one set of conditions.
 
     Parameters
     ----------
+    laminarisations
+        Whether to say how often flows become laminar, with control and without.
     conditions
         Columns of `control_strategies` and their values; the others have all that there are.
     """
@@ -445,17 +463,23 @@ def strategies(tables: Tables, case: str, **conditions: Any) -> str:
     for _, part in found.groupby(settings, dropna=False, sort=False):
         setting = dict(zip(settings, part[settings].to_numpy()[0], strict=True))
         values = {row["metric"]: row for row in part.to_dict("records")}
-        rows.append(
-            [
-                _setting(setting, conditions),
-                _who(setting),
-                _percent(values["relative_exceedance"]),
-                _percent(values["control_fraction"]),
-                fixed(values["switchings_per_lyapunov_time"]["value"]),
-            ]
-        )
-    head = ["strategy", "forecaster", "left [%]", "time under actuation [%]"]
-    return markdown([*head, "switched on per LT"], rows)
+        row = [
+            _setting(setting, conditions),
+            _who(setting),
+            _percent(values["relative_exceedance"]),
+            _percent(values["control_fraction"]),
+            fixed(values["switchings_per_lyapunov_time"]["value"]),
+        ]
+        if laminarisations:
+            row += [_with_ends(values[name], _in_ten_thousand) for name in _HAZARDS]
+        rows.append(row)
+    head = ["strategy", "forecaster", "left [%]", "time under actuation [%]", "switched on per LT"]
+    if laminarisations:
+        head += ["laminarisations [1e-4 / LT]", "without control"]
+    return markdown(head, rows)
+
+
+_HAZARDS = ("laminarisation_hazard_controlled", "laminarisation_hazard_uncontrolled")
 
 
 _NO_SETTINGS = ("case", "reynolds", "metric", "value", "low", "high")
@@ -493,8 +517,16 @@ def _who(setting: dict[str, Any]) -> str:
 
 
 def _percent(row: dict[Any, Any]) -> str:
-    value, low, high = (f"{100 * row[name]:.2g}" for name in ("value", "low", "high"))
-    return f"{value} ({low} to {high})"
+    return _with_ends(row, lambda share: _two_digits(100 * share))
+
+
+def _in_ten_thousand(value: float) -> str:
+    return _two_digits(1e4 * value)
+
+
+def _two_digits(value: float) -> str:
+    """Two significant digits, and all of those before the point."""
+    return f"{value:.0f}" if abs(value) >= 10 else f"{value:.2g}"
 
 
 def forecasters_apart(tables: Tables, case: str) -> str:
@@ -540,11 +572,11 @@ def probabilities(tables: Tables, case: str, metric: str) -> str:
     return markdown(["", *(f"{time:g} LT" for time in TIMES_LT)], rows)
 
 
-def _with_ends(row: dict[Any, Any] | None) -> str:
+def _with_ends(row: dict[Any, Any] | None, text: Callable[[float], str] = fixed) -> str:
     if row is None:
         return ""
-    ends = "" if np.isnan(row["low"]) else f" ({fixed(row['low'])} to {fixed(row['high'])})"
-    return fixed(row["value"]) + ends
+    ends = "" if np.isnan(row["low"]) else f" ({text(row['low'])} to {text(row['high'])})"
+    return text(row["value"]) + ends
 
 
 def sweep(tables: Tables, metric: str = "f_score") -> str:

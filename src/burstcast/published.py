@@ -190,7 +190,7 @@ def _with_keys(table: pd.DataFrame) -> pd.DataFrame:
     if "prediction_time_lt" not in table:
         table = table.assign(prediction_time_lt=float("nan"))
     numbers = {name: table[name].astype("float64").round(9) for name in _NUMBERS}
-    return table.assign(**numbers, validation=table["validation"].astype("object"))
+    return table.assign(**numbers, validation=table["validation"].astype("string"))
 
 
 def intervals_of_control(strategies: pd.DataFrame, control: pd.DataFrame) -> pd.DataFrame:
@@ -220,7 +220,7 @@ def intervals_of_control(strategies: pd.DataFrame, control: pd.DataFrame) -> pd.
         (strategies["strategy"] == "prediction_triggered") & (strategies["metric"] == metric)
     ]
     keys = ["case", "forecaster", "neurons", "validation", "seed", "prediction_time_lt"]
-    both = ours.merge(control[[*keys, metric]], on=keys)
+    both = _with_keys(ours).merge(_with_keys(control)[[*keys, metric]], on=keys)
     same = (both["value"] - both[metric]).abs() <= 1e-9 * both[metric].abs()
     columns = ["case", *_KEYS[:4], "seed", *_KEYS[4:], "low", "high"]
     return both.loc[same, columns].drop_duplicates(ignore_index=True)

@@ -144,7 +144,8 @@ def control_frontier(
     panels = [frontier]
     handles = _draw_frontier(frontier, simple, symbol)
     key.set_axis_off()
-    key.legend(handles=[*_forecaster_handles(runs), *handles], loc="center left", borderaxespad=0)
+    shown = pd.concat([simple, *tried.values()])
+    key.legend(handles=[*_forecaster_handles(shown), *handles], loc="center left", borderaxespad=0)
     if tried:
         panels += list(lower.subplots(1, len(tried), sharey=True, squeeze=False)[0])
         handles = _draw_conditions(panels[1:], tried, symbol)
