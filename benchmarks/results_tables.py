@@ -603,6 +603,63 @@ def sweep(tables: Tables, metric: str = "f_score") -> str:
     return markdown(["", *(name_of(**group) for group in groups)], rows)
 
 
+def choices_compared(best: Tables, other: Tables, case: str) -> str:
+    """Networks whose hyperparameters were chosen in two ways: medians, extremes, and who is lower.
+
+    Parameters
+    ----------
+    best, other
+        Campaigns that share the case and have networks of the same sizes and seeds.
+    """
+    both = [_by_network(tables, case) for tables in (best, other)]
+    shared = both[0].index.intersection(both[1].index)
+    first, second = (table.loc[shared] for table in both)
+    rows = []
+    for neurons in sorted(set(shared.get_level_values("neurons"))):
+        one, two = first.loc[neurons], second.loc[neurons]
+        changed = (one["objective"] != two["objective"]).to_numpy()
+        for name, (title, unit, digits) in _COMPARED.items():
+            a, b = unit * one[name].to_numpy(), unit * two[name].to_numpy()
+            rows.append(
+                [
+                    f"{neurons:g}",
+                    title,
+                    *(
+                        f"{fixed(np.median(x), digits)} "
+                        f"({fixed(x.min(), digits)} to {fixed(x.max(), digits)})"
+                        for x in (a, b)
+                    ),
+                    f"{(b < a)[changed].sum()} of {changed.sum()}",
+                ]
+            )
+    head = ["neurons", "", "by the objective alone", "by survival"]
+    return markdown([*head, "lower, of those that changed"], rows)
+
+
+_COMPARED = {
+    "escape_rate": ("escape rate [1e-4 per time unit]", 1e4, 2),
+    "discarded_fraction": ("discarded share of the long runs", 1, 3),
+    "kantorovich": ("Kantorovich metric [1e-3]", 1e3, 2),
+    "mean_log_error": ("mean logarithmic error", 1, 3),
+    "nrmse_u": ("NRMSE of u", 1, 4),
+    **{f"{time} LT": (f"F-score, {time} LT ahead", 1, 3) for time in (1, 2, 3, 4)},
+    "mean_horizon_lt": ("mean PH_ee [LT]", 1, 2),
+}
+
+
+def _by_network(tables: Tables, case: str) -> pd.DataFrame:
+    """All that `choices_compared` shows, a row for each network: by neurons and seed."""
+    keys = ["neurons", "seed"]
+    names = ("hyperparameters", "survival", "statistics", "horizon")
+    found = [tables.rows(name, case=case, forecaster="esn").set_index(keys) for name in names]
+    scores = tables.rows("classification", case=case, forecaster="esn")
+    for time in (1, 2, 3, 4):
+        ahead = scores[scores["prediction_time_lt"] == time].set_index(keys)["f_score"]
+        found.append(ahead.rename(f"{time} LT").to_frame())
+    wanted = ["objective", *_COMPARED]
+    return pd.concat([table[[n for n in wanted if n in table]] for table in found], axis=1)
+
+
 def costs(tables: Tables) -> str:
     """What the jobs of each rule took, beside the prediction, the most expensive first."""
     found = tables.rows("rule_costs").sort_values("minutes", ascending=False)
