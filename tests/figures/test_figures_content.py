@@ -172,6 +172,15 @@ def test_published_errors_of_the_training_set_are_on_the_right_edge() -> None:
         assert "published" not in texts(draw(table, None))
 
 
+def test_errors_beside_each_other_have_axes_of_one_kind() -> None:
+    table = statistics_rows()
+    of_u = (table["metric"] == "nrmse_u") & (table["forecaster"] == "floor")
+    far = table.assign(p25=table["p25"].where(~of_u, 1e-6), p50=table["p50"].where(~of_u, 1e-6))
+    for shown, scale in ((table, "linear"), (far, "log")):
+        panels = profiles_figure(shown, None).axes[3:]
+        assert [panel.get_yscale() for panel in panels] == [scale] * 3
+
+
 def long_term_figure(table: pd.DataFrame, published: pd.DataFrame | None) -> Figure:
     return long_term_density(
         EDGES, DENSITY, DENSITY, None, table, interval_rows(table), THRESHOLD, published=published

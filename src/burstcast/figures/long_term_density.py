@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
 from burstcast.figures.parts.percentile_curves import published_handles, require_single_case
-from burstcast.figures.parts.statistics_by_size import draw_statistic_by_size
+from burstcast.figures.parts.statistics_by_size import draw_statistics_by_size
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     NETWORK,
@@ -99,8 +99,8 @@ def long_term_density(
     density.set_xlim(float(bin_edges[0]), float(bin_edges[-1]))
     density.set_xlabel(observable_label(symbol, name))
     density.set_ylabel("PDF")
-    for metric in ("kantorovich", "mean_log_error"):
-        draw_statistic_by_size(panels[metric], percentiles, metric, intervals, published)
+    errors = {metric: panels[metric] for metric in ("kantorovich", "mean_log_error")}
+    draw_statistics_by_size(errors, percentiles, intervals, published)
     more = published_handles(panels.values())
     legend_above(figure, [density, panels["kantorovich"]], more)
     letter_panels([density, panels["kantorovich"], panels["mean_log_error"]])

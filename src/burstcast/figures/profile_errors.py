@@ -8,7 +8,7 @@ from burstcast.figures.parts.percentile_curves import (
     published_handles,
     require_single_case,
 )
-from burstcast.figures.parts.statistics_by_size import draw_statistic_by_size
+from burstcast.figures.parts.statistics_by_size import draw_statistics_by_size
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     NETWORK,
@@ -67,8 +67,7 @@ def profile_errors(
     require_single_case(percentiles)
     figure = new_figure(DOUBLE_COLUMN, 4.0)
     panels = figure.subplots(2, 3)
-    for index, (metric, label) in enumerate(PROFILES.items()):
-        profile, error = panels[:, index]
+    for index, (profile, label) in enumerate(zip(panels[0], PROFILES.values(), strict=True)):
         profile.plot(true[index], y, label="True", **TRUTH)
         profile.plot(training[index], y, label="Train", **TRAINING)
         if network is not None:
@@ -76,7 +75,8 @@ def profile_errors(
         profile.set_xlabel(label)
         profile.set_ylim(float(y[0]), float(y[-1]))
         profile.set_ylabel("$y$")
-        draw_statistic_by_size(error, percentiles, metric, intervals, published)
+    errors = dict(zip(PROFILES, panels[1], strict=True))
+    draw_statistics_by_size(errors, percentiles, intervals, published)
     more = published_handles(panels.flat)
     legend_above(figure, [panels[0, 0], panels[1, 0]], more)
     letter_panels(list(panels.flat))

@@ -1,5 +1,5 @@
-"""Typical evolution of the observable (the first kept series; extreme events shaded) and its
-probability density over all kept data. The line is the event threshold.
+"""Typical evolution of the observable (the first kept series that has extreme events; they are
+shaded) and its probability density over all kept data. The line is the event threshold.
 """
 
 import numpy as np
@@ -16,17 +16,19 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 @figure
 def draw(*, ensemble: str, time_unit: str | list[str], settings: Settings) -> Figure:
-    """Draw the first kept series and the histogram of all of them."""
+    """Draw the first kept series that has an event and the histogram of all of them."""
     system = system_of(settings)
     observable = read_netcdf(ensemble, "observable")["observable"]
+    threshold = settings["case.event_threshold"]
+    shown = observable[np.argmax(observable.max(axis=1) >= threshold)]  # the first if none has any
     edges = edges_of(settings["case.density"])
     counts = histogram(observable, edges)
     return observable_and_density(
         np.arange(observable.shape[1]) / lyapunov_time(settings, time_unit),
-        observable[0],
+        shown,
         counts.edges,
         counts.density,
-        settings["case.event_threshold"],
+        threshold,
         symbol=system.observable_symbol,
         name=system.observable_name,
     )

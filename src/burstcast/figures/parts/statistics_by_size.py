@@ -1,5 +1,7 @@
 """Errors in long-term statistics against reservoir size, beside the training set and the floor."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -21,32 +23,54 @@ from burstcast.figures.parts.style import (
 )
 
 LARGEST_LINEAR_RATIO = 20.0
-"""Values that differ by more than this factor are drawn on a logarithmic axis."""
+"""Values of a panel that differ by more than this factor make all axes logarithmic."""
 
 
-def draw_statistic_by_size(
-    axes: Axes,
+def draw_statistics_by_size(
+    panels: Mapping[str, Axes],
     percentiles: pd.DataFrame,
-    metric: str,
     intervals: pd.DataFrame,
     published: pd.DataFrame | None = None,
 ) -> None:
-    """Draw a statistic's error against reservoir size, with the training set and the floor.
+    """Draw statistics' errors against reservoir size, with the training set and the floor.
 
     Parameters
     ----------
-    axes
-        Where to draw.
+    panels
+        Where to draw, by metric; all have axes of one kind, so that they can be compared.
     percentiles
         Of one case; rows of forecaster ``training`` and ``floor`` are horizontal lines.
-    metric
-        What to draw.
     intervals
         Of the same case and each network by itself: neurons, validation, metric, low, high.
     published
         Published percentiles in the same form, drawn as open markers at the sizes of the table;
         those of the training set as an open marker on the right edge.
     """
+    for metric, axes in panels.items():
+        _draw(axes, percentiles, metric, intervals, published)
+    logarithmic = any(_spread(percentiles, metric) > LARGEST_LINEAR_RATIO for metric in panels)
+    for axes in panels.values():
+        if logarithmic:
+            axes.set_yscale("log")
+        else:
+            axes.set_ylim(0, 1.08 * axes.dataLim.y1)
+
+
+def _spread(percentiles: pd.DataFrame, metric: str) -> float:
+    """Largest over least of what is shown of a metric; 1 where there is nothing, or a zero."""
+    shown = percentiles.loc[percentiles["metric"] == metric, ["p25", "p50", "p75"]].to_numpy()
+    least, largest = np.nanmin(shown, initial=np.inf), np.nanmax(shown, initial=0.0)
+    return float(largest / least) if 0.0 < least <= largest else 1.0
+
+
+def _draw(
+    axes: Axes,
+    percentiles: pd.DataFrame,
+    metric: str,
+    intervals: pd.DataFrame,
+    published: pd.DataFrame | None,
+) -> None:
+    """Draw one statistic's error."""
     networks = percentiles[percentiles["forecaster"] == "esn"]
     for validation in ordered_validations(networks["validation"].dropna()):
         style = validation_style(validation)
@@ -66,12 +90,6 @@ def draw_statistic_by_size(
     if published is not None:
         rows = select(published, metric=metric, forecaster="training")
         draw_published_level(axes, rows, TRAINING["color"])
-    shown = percentiles.loc[percentiles["metric"] == metric, ["p25", "p50", "p75"]].to_numpy()
-    smallest, largest = np.nanmin(shown, initial=np.inf), np.nanmax(shown, initial=0.0)
-    if 0.0 < smallest < largest / LARGEST_LINEAR_RATIO:
-        axes.set_yscale("log")
-    else:
-        axes.set_ylim(0, 1.08 * axes.dataLim.y1)
     axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
     if networks["neurons"].nunique() > 4:
         for index, tick in enumerate(axes.get_xticklabels()):
