@@ -90,16 +90,17 @@ def control_tradeoff(
         both = fraction.merge(reduction, on="prediction_time_lt", suffixes=("_x", "_y"))
         _draw_both(right, both.sort_values("prediction_time_lt"), style)
         if forecaster == "esn":
-            for x, y, time in zip(
-                both["p50_x"], both["p50_y"], both["prediction_time_lt"], strict=True
-            ):
+            for row in both.to_dict("records"):
+                highest = row["p50_y"] == both["p50_y"].max()
                 right.annotate(
-                    f"{time:g} LT",
-                    (x, y),
-                    (4, -4),
+                    f"{row['prediction_time_lt']:g} LT",
+                    (row["p50_x"], row["p50_y"]),
+                    # the highest above its marker, the others below theirs: bars run sideways
+                    (0, 4 if highest else -4),
                     "data",
                     "offset points",
-                    va="top",
+                    ha="center",
+                    va="bottom" if highest else "top",
                     color=style["color"],
                 )
     if published is not None:
@@ -111,7 +112,7 @@ def control_tradeoff(
     lowest = min(0.0, left.dataLim.y0, right.dataLim.y0)
     highest = max(left.dataLim.y1, right.dataLim.y1)
     room = 0.06 * (highest - lowest or 1.0)
-    left.set_ylim(lowest - 2 * room, highest + room)
+    left.set_ylim(lowest - 2 * room, highest + 2 * room)
     for panel in (left, right):
         panel.axhline(0, color=GREY, linewidth=0.5, zorder=0.5)
     left.set_xlabel(PREDICTION_TIME_LABEL)

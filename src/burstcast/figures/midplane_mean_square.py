@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from burstcast.arrays import FloatArray
 from burstcast.figures.parts.planes import draw_plane
@@ -41,9 +42,11 @@ def midplane_mean_square(
     for panel in panels:
         panel.set_xlabel("$x$")
     panels[0].set_ylabel("$z$")
-    bar = figure.colorbar(mean, ax=panels[0], aspect=22, location="top")
+    bar = figure.colorbar(mean, ax=panels[0], aspect=22, location="top", ticks=MaxNLocator(4))
     bar.set_label(r"$\overline{u^2}_{\mathrm{True}}$ [$U_0^2$]", labelpad=5)
-    bar = figure.colorbar(mesh, ax=list(panels[1:]), aspect=46, location="top")
+    bar = figure.colorbar(
+        mesh, ax=list(panels[1:]), aspect=46, location="top", ticks=MaxNLocator(5)
+    )
     bar.set_label(
         r"$|\overline{u^2} - \overline{u^2}_{\mathrm{True}}|$ [$U_0^2$]: "
         f"(b) {network_label}, (c) training set",
