@@ -660,6 +660,35 @@ def _by_network(tables: Tables, case: str) -> pd.DataFrame:
     return pd.concat([table[[n for n in wanted if n in table]] for table in found], axis=1)
 
 
+def scatter(tables: Tables, case: str) -> str:
+    """Means of scores, and their scatter over training sets and over seeds that share one."""
+    found = tables.rows("training_realisations", case=case)
+    rows = []
+    for row in found.to_dict("records"):
+        time = row["prediction_time_lt"]
+        if row["metric"] not in _SCATTERED or not (pd.isna(time) or time in TIMES_LT):
+            continue
+        title, unit, digits = _SCATTERED[row["metric"]]
+        ahead = "" if pd.isna(time) else f", {time:g} LT ahead"
+        values = (unit * row[name] for name in _SCATTER)
+        who = name_of(**{key: row[key] for key in ("forecaster", "neurons", "validation")})
+        rows.append([who, f"{title}{ahead}", *(fixed(value, digits) for value in values)])
+    return markdown(["", "", "mean", "over training sets", "over seeds"], rows)
+
+
+_SCATTER = (
+    *("mean", "standard_deviation_over_training_sets"),
+    "standard_deviation_over_seeds",
+)
+_SCATTERED = {
+    "f_score": ("F-score", 1, 3),
+    "mean_horizon_lt": ("mean PH_ee [LT]", 1, 2),
+    "kantorovich": ("Kantorovich metric [1e-3]", 1e3, 2),
+    "mean_log_error": ("mean logarithmic error", 1, 3),
+    "escape_rate": ("escape rate [1e-4 per time unit]", 1e4, 2),
+}
+
+
 def costs(tables: Tables) -> str:
     """What the jobs of each rule took, beside the prediction, the most expensive first."""
     found = tables.rows("rule_costs").sort_values("minutes", ascending=False)

@@ -1,7 +1,9 @@
 """The report in its order: in which section each figure and each table stands."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -94,3 +96,10 @@ def category(kind: str, name: str) -> str:
         if name in getattr(section, kind):
             return f"{number} {section.title}"
     raise LookupError(f"{name} has no place in the report: give it one in {Path(__file__).name}")
+
+
+def category_of_table(table: str) -> str | Callable[[Any], str]:
+    """Section of a table, told its name; of a wildcard's, a function of the job's wildcards."""
+    if "{" not in table:
+        return category("tables", table)
+    return lambda wildcards: category("tables", wildcards.table)

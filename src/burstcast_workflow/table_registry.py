@@ -71,6 +71,10 @@ def _ends(name: str) -> str:
     return f"{name} {name}_low {name}_high"
 
 
+SCATTERED = ("classification", "horizon", "statistics", "survival")
+"""Tables whose scatter over seeds is told apart from that over training sets."""
+
+
 TABLES: dict[str, Table] = {
     "dataset": Table(
         "The ensemble of each case: series kept, extreme events, and the leading Lyapunov exponent "
@@ -185,8 +189,7 @@ TABLES: dict[str, Table] = {
         "Scatter of scores over choices of the training series, and over seeds that share one.",
         "prediction_time_lt metric mean standard_deviation_over_training_sets "
         "standard_deviation_over_seeds training_sets networks",
-        metrics="precision recall f_score mean_horizon_lt median_horizon_lt "
-        "survived_fraction escape_rate",
+        metrics=" ".join(name for table in SCATTERED for name in SUMMARIES[table].metrics),
         keys=NETWORK_KEYS,
         cases=lambda campaign: campaign.realised_cases,
         of_cases=False,

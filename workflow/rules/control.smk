@@ -11,13 +11,6 @@ def files_of_control(directory):
     return {name: f"{directory}/{{strategy}}/{file}" for name, file in names.items()}
 
 
-@of_job
-def voters_of_job(wildcards):
-    """The forecasters of a committee."""
-    voters = campaign.voters(wildcards.case, wildcards.forecaster)
-    return of_forecasters("forecaster.nc", voters)
-
-
 stage(
     "control/control",
     "control",
@@ -30,7 +23,7 @@ stage(
 stage(
     "control/control_committee",
     "control by a vote",
-    inputs={**files("ensemble summary time_unit"), "forecasters": voters_of_job},
+    inputs={**files("ensemble summary time_unit"), "forecasters": stages.voters_of_job},
     outputs=files_of_control(f"{FORECASTER}/control_committee"),
     settings="CONTROL case.controlled_density forecaster.options",
     cost="control",

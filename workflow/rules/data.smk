@@ -1,5 +1,7 @@
 """Data of a case: the ensemble, its exponents and statistics, what forecasters are judged on."""
 
+from burstcast_workflow.config.cases import realisation_of
+
 stage(
     "data/simulate",
     "integrate the ensemble",
@@ -12,7 +14,7 @@ stage(
 stage(
     "data/import_data",
     "check and copy measured series",
-    inputs={"sources": sources_of_data},
+    inputs={"sources": stages.sources_of_data},
     outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
     settings="SYSTEM case.data case.ensemble.time_step case.ensemble.sampling_stride "
     "case.laminarisation_threshold case.training.series case.test_series",
@@ -24,7 +26,7 @@ stage(
     # the series of another case, those that are trained on being others
     "data/training_realisation",
     "choose other training series",
-    inputs={"source": ensemble_of_source},
+    inputs={"source": stages.ensemble_of_source},
     outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
     settings="SYSTEM case.ensemble.time_step case.ensemble.sampling_stride "
     "case.training.series case.test_series probability.calibration_series",

@@ -1,17 +1,23 @@
 """Figures: one rule for all of them; `burstcast_workflow.figure_registry` says what each is made of."""
 
+from burstcast_workflow.figure_jobs import FigureJobs
+from burstcast_workflow.figure_registry import FIGURES, figure_names
+
+PUBLISHED = os.path.relpath(PROJECT / "resources" / "published_percentiles.csv")
+drawn = FigureJobs(stages, sources, PUBLISHED)
+
 
 rule figure:
     input:
-        unpack(files_of_figure),
+        unpack(drawn.files),
     output:
         pdf=f"{RESULTS}/figures/{{figure}}{{of_case}}.pdf",
         png=report(
             f"{RESULTS}/figures/{{figure}}{{of_case}}.png",
             caption="../report/figure.rst",
-            category=category_of_figure,
+            category=drawn.category,
             subcategory="Figures",
-            labels=labels_of_figure,
+            labels=drawn.labels,
         ),
     log:
         f"{LOGS}/figure/{{figure}}{{of_case}}.log",
@@ -26,10 +32,10 @@ rule figure:
     conda:
         ENVIRONMENT
     resources:
-        **needs("figure", "figure"),
+        **stages.needs("figure", "figure"),
     params:
-        settings=settings_of_figure,
-        code=code_of_figure,
+        settings=drawn.settings,
+        code=drawn.code,
     message:
         "figure: {wildcards.figure}{wildcards.of_case}"
     script:

@@ -18,8 +18,8 @@ stage(
     "Bayesian search",
     inputs={
         **files("ensemble time_unit"),
-        "scan": scan_of_network("csv"),
-        "scan_errors": scan_of_network("nc"),
+        "scan": stages.scan_of_network("csv"),
+        "scan_errors": stages.scan_of_network("nc"),
     },
     outputs={
         "hyperparameters": f"{FORECASTER}/hyperparameters.json",

@@ -1,5 +1,9 @@
 """Tables: each case's, gathered from the files of many jobs; then those of all cases, and LaTeX."""
 
+from burstcast_workflow.setting_groups import listed
+from burstcast_workflow.table_registry import SCATTERED, latex_names, table_names
+from burstcast_workflow.table_texts import source_of
+
 stage(
     "tables/dataset_table",
     "table of the dataset",
@@ -129,13 +133,13 @@ stage(
     settings="random_seed bootstrap",
     rows=in_case(campaign.strategy_runs, campaign.strategy_keys),
 )
-table_of_spectra = tables_in_case("lyapunov_spectrum")["lyapunov_spectrum"]
+table_of_spectra = stages.tables_in_case("lyapunov_spectrum")["lyapunov_spectrum"]
 stage(
     "tables/warnings_table",
     "look for warning signs",
     inputs={
         **files("ensemble data events_summary"),
-        **tables_in_case("dataset classification hyperparameters statistics"),
+        **stages.tables_in_case("dataset classification hyperparameters statistics"),
         # where the unit of time is an estimate that it may contradict
         "lyapunov_spectrum": of_job(
             lambda wildcards: (
@@ -159,14 +163,7 @@ stage(
 stage(
     "tables/all_cases",
     "the rows of all cases",
-    inputs={
-        "tables": of_job(
-            lambda wildcards: [
-                f"{RESULTS}/{case}/tables/{wildcards.table}.csv"
-                for case in cases_of_tables(campaign)[wildcards.table]
-            ]
-        )
-    },
+    inputs={"tables": stages.tables_of_cases},
     outputs={"table": in_report("{table}")},
     constraints={"table": "|".join(cases_of_tables(campaign))},
 )
@@ -190,18 +187,13 @@ stage(
     "search.spectral_radius search.input_scaling search.tikhonov",
     cases=campaign.of_each_case("case.training.noise"),
 )
-# Tables whose scatter over seeds is told apart from that over training sets.
-SCATTERED = [
-    name
-    for name in ("classification", "horizon", "statistics", "survival")
-    if name in cases_of_tables(campaign)
-]
+scattered = [name for name in SCATTERED if name in cases_of_tables(campaign)]
 stage(
     "tables/training_realisations",
     "scatter over training sets and over seeds",
-    inputs={"tables": [f"{TABLES}/{name}.csv" for name in SCATTERED]},
+    inputs={"tables": [f"{TABLES}/{name}.csv" for name in scattered]},
     outputs={"table": f"{TABLES}/training_realisations.csv"},
-    names=SCATTERED,
+    names=scattered,
     families=campaign.families(),
     kinds=sorted({one.name.kind for one in campaign.forecasters}),
 )

@@ -1,0 +1,253 @@
+"""What stages are made from and need: functions of a job's wildcards, which Snakemake asks."""
+
+import inspect
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
+from typing import Any, Protocol, TypeAlias
+
+from snakemake.io import local
+
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.config.cases import realisation_of
+from burstcast_workflow.config.measured_cases import data_files
+from burstcast_workflow.costs import CostModel
+from burstcast_workflow.fingerprint import Sources
+from burstcast_workflow.harness.thresholds import INPUT as THRESHOLDS
+from burstcast_workflow.harness.thresholds import cases_of_thresholds
+from burstcast_workflow.setting_groups import listed
+from burstcast_workflow.table_registry import cases_of_tables
+
+Paths: TypeAlias = str | list[str]
+OfJob: TypeAlias = Callable[..., Any]
+"""A function of a job's wildcards."""
+
+
+class InCase(Protocol):
+    """Who belongs to a case, and has files in a directory."""
+
+    @property
+    def case(self) -> str:
+        """Its case."""
+        ...
+
+    @property
+    def directory(self) -> str:
+        """Below the results directory."""
+        ...
+
+
+Chosen: TypeAlias = Sequence[InCase] | Callable[[Campaign, str], Iterable[InCase]]
+
+
+def of_job(function: OfJob) -> OfJob:
+    """Keep the signature of a function of a job.
+
+    Snakemake asks for it several times for each job, and working it out takes longer than calling
+    the function: a tenth of the time of planning.
+    """
+    function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    return function
+
+
+def one_of(names: Iterable[str]) -> str:
+    """Regular expression of a wildcard that is one of these names."""
+    return "|".join(map(re.escape, names)) or "(?!)"
+
+
+class Stages:
+    """Files, settings, code and resources of stages.
+
+    Parameters
+    ----------
+    campaign
+        Who is in it.
+    sources
+        The code that jobs run.
+    costs
+        What stages take.
+    """
+
+    def __init__(self, campaign: Campaign, sources: Sources, costs: CostModel) -> None:
+        self.campaign, self._sources, self._costs = campaign, sources, costs
+        self.results: str = campaign.config["results"]
+        # Outputs of stages by their names, which are those of the arguments of scripts. A function
+        # is asked for each job, which takes time: not for the unit of time where all exponents are
+        # published.
+        self._files: dict[str, Any] = {"time_unit": []}
+        if any(map(campaign.time_unit, campaign.cases)):
+            self._files["time_unit"] = of_job(
+                lambda wildcards: self.in_results(campaign.time_unit(wildcards.case))
+            )
+
+    # -- files -------------------------------------------------------------------------------------
+
+    def in_results(self, paths: str | Iterable[str]) -> Paths:
+        """Paths below the results directory, or one of them."""
+        if isinstance(paths, str):
+            return f"{self.results}/{paths}"
+        return [f"{self.results}/{path}" for path in paths]
+
+    def of_cases(self, name: str, cases: Iterable[str] | None = None) -> Paths:
+        """The file called ``name`` of every case, of the whole campaign unless told otherwise."""
+        cases = self.campaign.case_names if cases is None else cases
+        return self.in_results(f"{case}/{name}" for case in cases)
+
+    def of_forecasters(self, name: str, forecasters: Iterable[InCase] | None = None) -> Paths:
+        """The file called ``name`` of every forecaster, or of every run of control.
+
+        They are the forecasters of the whole campaign unless told otherwise.
+        """
+        forecasters = self.campaign.forecasters if forecasters is None else forecasters
+        return self.in_results(f"{one.directory}/{name}" for one in forecasters)
+
+    def made(self, outputs: Mapping[str, str]) -> None:
+        """Keep what a stage makes, by its names there; what two call the same is no name."""
+        for name, path in outputs.items():
+            self._files[name] = path if self._files.get(name, path) == path else None
+
+    def files(self, names: str) -> dict[str, Any]:
+        """Files that earlier stages make, by their names there: inputs of a stage."""
+        return {name: self._files[name] for name in names.split()}
+
+    def in_case(self, chosen: Chosen, function: Callable[..., Any], *arguments: Any) -> OfJob:
+        """``function`` of those who belong to a job's case, or whom ``chosen`` makes of it."""
+
+        @of_job
+        def found(wildcards: Any) -> Any:
+            case = wildcards.case
+            if callable(chosen):
+                return function(*arguments, chosen(self.campaign, case))
+            return function(*arguments, [one for one in chosen if one.case == case])
+
+        return found
+
+    def files_in_case(self, name: str, chosen: Chosen | None = None) -> OfJob:
+        """The file called ``name`` of forecasters, or runs of control, of a job's case."""
+        chosen = self.campaign.forecasters if chosen is None else chosen
+        return self.in_case(chosen, self.of_forecasters, name)
+
+    def tables_in_case(self, names: str) -> dict[str, OfJob]:
+        """Tables of a job's case, by their names; nothing for those that it does not have."""
+
+        def of_name(name: str) -> OfJob:
+            cases = cases_of_tables(self.campaign).get(name, [])
+            return of_job(
+                lambda wildcards: (
+                    self.in_results(f"{wildcards.case}/tables/{name}.csv")
+                    if wildcards.case in cases
+                    else []
+                )
+            )
+
+        return {name: of_name(name) for name in names.split()}
+
+    def tables_of_cases(self, wildcards: Any) -> Paths:
+        """The table of a job, of each case that has it."""
+        cases = cases_of_tables(self.campaign)[wildcards.table]
+        return self.of_cases(f"tables/{wildcards.table}.csv", cases)
+
+    def of_case(self, function: Callable[[Campaign, str], Any]) -> OfJob:
+        """``function`` of the campaign and a job's case."""
+        return of_job(lambda wildcards: function(self.campaign, wildcards.case))
+
+    def scan_of_network(self, suffix: str) -> OfJob:
+        """A file of the scan that a network's search goes on from."""
+
+        @of_job
+        def path(wildcards: Any) -> Paths:
+            reservoir, strategies = self.campaign.scan_of(wildcards.forecaster)
+            return self.in_results(f"{wildcards.case}/scan/{reservoir}-{strategies}.{suffix}")
+
+        return path
+
+    def ensemble_of_source(self, wildcards: Any) -> Paths:
+        """The ensemble that a case of other training series takes its series from."""
+        return self.in_results(f"{realisation_of(wildcards.case)[0]}/ensemble.nc")
+
+    def sources_of_data(self, wildcards: Any) -> Any:
+        """Files that the measured series of a case come in."""
+        data = self.campaign.cases[wildcards.case]["data"]
+        if data["case"] is not None:
+            return [self.in_results(f"{data['case']}/ensemble.nc")]
+        return [local(path) for path in data_files(data)]
+
+    def voters_of_job(self, wildcards: Any) -> Paths:
+        """The forecasters of a committee."""
+        voters = self.campaign.voters(wildcards.case, wildcards.forecaster)
+        return self.of_forecasters("forecaster.nc", voters)
+
+    # -- event thresholds --------------------------------------------------------------------------
+
+    @cached_property
+    def has_quantiles(self) -> bool:
+        """Whether a threshold is a quantile. Settings of all jobs are gone through only then."""
+        of_case = self.campaign.event_quantile
+        return any(of_case(case) is not None for case in self.campaign.cases)
+
+    def thresholds_of(self, settings: Any) -> Paths:
+        """Files of the event thresholds that settings of a job only know as quantiles."""
+        return self.of_cases("event_threshold.json", dict.fromkeys(cases_of_thresholds(settings)))
+
+    def with_thresholds(self, inputs: Mapping[str, Any], settings: OfJob) -> dict[str, Any]:
+        """Inputs of a stage, with thresholds that its settings only know as quantiles."""
+        if not self.has_quantiles:
+            return dict(inputs)
+        thresholds = of_job(lambda wildcards: self.thresholds_of(settings(wildcards)))
+        return {**inputs, THRESHOLDS: thresholds}
+
+    # -- settings, code and resources --------------------------------------------------------------
+
+    def reads(self, script: str, paths: str = "", **values: Any) -> dict[str, OfJob]:
+        """Parameters of a stage: the settings that its script reads, and the code that it runs.
+
+        Parameters
+        ----------
+        script
+            Below ``workflow/scripts``.
+        paths
+            Of the config, and names of `setting_groups`; ``case.`` stands for the job's case and
+            ``forecaster.options`` for the section of its kind.
+        values
+            Given as they are, or by functions of the job's wildcards.
+        """
+        names = listed(paths)
+
+        @of_job
+        def settings(wildcards: Any) -> Any:
+            found = {
+                name: value(wildcards) if callable(value) else value
+                for name, value in values.items()
+            }
+            return self.campaign.settings(names, wildcards, found)
+
+        @of_job
+        def code(wildcards: Any) -> list[str]:
+            return self._sources.fingerprint(script, self.campaign.modules(wildcards))
+
+        return {"settings": settings, "code": code}
+
+    def needs(self, stage: str, cost_class: str, cached: bool = False) -> dict[str, Any]:
+        """Resources of a stage: what a scheduler is asked for, and whether the cache has its files.
+
+        Parameters
+        ----------
+        stage
+            Its name, whatever the rule is called where this workflow is a module of another.
+        cost_class
+            What sort of work it is (`burstcast_workflow.costs`).
+        cached
+            Whether the cache keeps its results.
+        """
+
+        @of_job
+        def memory(wildcards: Any, attempt: int) -> int:
+            return self._costs.predicted(cost_class, stage, wildcards).mib_for(attempt)
+
+        @of_job
+        def runtime(wildcards: Any, attempt: int) -> int:
+            return self._costs.predicted(cost_class, stage, wildcards).minutes_for(attempt)
+
+        # for the report of costs
+        memory.cost_class, memory.stage = cost_class, stage  # type: ignore[attr-defined]
+        return {"mem_mb": memory, "runtime": runtime, "cached": int(cached)}
