@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from helpers_rules import workflow
+from helpers_rules import Wildcards, workflow
 
 from burstcast.forecasters.registry import available_kinds
 from burstcast_workflow.config.model import BlockForecasters, Choice
@@ -32,12 +32,6 @@ STAGES = rules_of_stages()
 
 def script_of(rule):
     return (ROOT / "workflow" / "rules" / workflow().rules[rule].script).resolve()
-
-
-class Wildcards(dict):
-    """Values by name or attribute, as Snakemake's."""
-
-    __getattr__ = dict.__getitem__
 
 
 def wildcards_of(rule):

@@ -30,3 +30,9 @@ def workflow():
 def groups():
     """Groups of the rules that have a script: the others only name what to make."""
     return {name: rule.ruleinfo.group for name, rule in workflow().rules.items() if rule.script}
+
+
+class Wildcards(dict):
+    """Values by name or attribute, as Snakemake's."""
+
+    __getattr__ = dict.__getitem__

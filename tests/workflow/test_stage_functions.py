@@ -1,0 +1,114 @@
+"""What rules ask for each job, without Snakemake's planning."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+from helpers_rules import Wildcards
+from snakemake.utils import update_config
+
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.costs import CostModel
+from burstcast_workflow.figure_jobs import FigureJobs, captions
+from burstcast_workflow.fingerprint import Sources
+from burstcast_workflow.harness.thresholds import INPUT as THRESHOLDS
+from burstcast_workflow.stages import Stages, of_job, one_of
+
+ROOT = Path(__file__).parents[2]
+PUBLISHED = "resources/published_percentiles.csv"
+
+
+def stages(*overlays):
+    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    for overlay in overlays:
+        update_config(config, overlay)
+    campaign = Campaign(load(config))
+    return Stages(campaign, Sources(ROOT), CostModel(campaign))
+
+
+@pytest.fixture(scope="module")
+def paper():
+    return stages()
+
+
+QUANTILE = {"case_defaults": {"event_threshold": {"quantile": 0.9}}}
+JOB = Wildcards(case="Re600", forecaster="esn-N2000-RV-seed3")
+
+
+def test_wildcards_of_some_names_and_of_none():
+    assert re.fullmatch(one_of(["Re400", "a.b"]), "a.b")
+    assert not re.fullmatch(one_of(["Re400", "a.b"]), "aXb")
+    assert not re.fullmatch(one_of([]), "")
+
+
+def test_files_of_cases_and_forecasters(paper):
+    assert paper.of_cases("dataset.json", ["Re600"]) == ["results/paper/Re600/dataset.json"]
+    assert len(paper.of_cases("dataset.json")) == 4
+    assert len(paper.of_forecasters("forecast.nc")) == 180 + 2 * 4
+    found = paper.files_in_case("horizon.nc")(JOB)
+    assert len(found) == 2 * 10 + 2
+    assert all(path.startswith("results/paper/Re600/") for path in found)
+    assert paper.files_in_case("x.nc", lambda campaign, case: [])(JOB) == []
+    (scan,) = [paper.scan_of_network("csv")(JOB)]
+    assert scan == "results/paper/Re600/scan/esn-N2000-seed3-RV+SSV.csv"
+
+
+def test_a_name_for_two_files_is_a_name_of_none(paper):
+    paper.made({"a": "one.nc", "b": "two.nc"})
+    paper.made({"a": "one.nc"})
+    assert paper.files("a b") == {"a": "one.nc", "b": "two.nc"}
+    paper.made({"b": "three.nc"})
+    assert paper.files("b") == {"b": None}
+    with pytest.raises(KeyError):
+        paper.files("of_no_stage")
+
+
+def test_tables_of_a_case_that_has_none(paper):
+    tables = paper.tables_in_case("dataset training_realisations")
+    assert tables["dataset"](JOB) == "results/paper/Re600/tables/dataset.csv"
+    assert tables["training_realisations"](JOB) == []
+
+
+def test_thresholds_are_inputs_where_they_are_quantiles(paper):
+    inputs = {"ensemble": "ensemble.nc"}
+    of_paper = paper.reads("data/events.py", "case.event_threshold")["settings"]
+    assert paper.with_thresholds(inputs, of_paper) == inputs
+    other = stages(QUANTILE)
+    settings = other.reads("data/events.py", "case.event_threshold")["settings"]
+    found = other.with_thresholds(inputs, settings)
+    assert found[THRESHOLDS](JOB) == ["results/paper/Re600/event_threshold.json"]
+    unread = other.reads("data/simulate.py", "case.ensemble")["settings"]
+    assert other.with_thresholds(inputs, unread)[THRESHOLDS](JOB) == []
+
+
+def test_values_of_a_stage_are_given_or_asked_for(paper):
+    values = {"given": 3, "asked": of_job(lambda wildcards: wildcards["case"])}
+    settings = paper.reads("data/events.py", "case.event_threshold", **values)["settings"](JOB)
+    assert dict(settings) == {"case.event_threshold": 0.1, "given": 3, "asked": "Re600"}
+
+
+def test_more_memory_for_each_attempt_and_what_the_cache_keeps(paper):
+    needed = paper.needs("forecast", "closed_loop", cached=True)
+    first, second = (needed["mem_mb"](JOB, attempt) for attempt in (1, 2))
+    assert 0 < first < second
+    assert needed["cached"] == 1
+    assert (needed["mem_mb"].cost_class, needed["mem_mb"].stage) == ("closed_loop", "forecast")
+
+
+def test_a_figure_of_another_case_and_its_overlay():
+    job = Wildcards(figure="long_term_density", of_case="_Re600")
+    for overlay in (False, True):
+        made = stages({"figures": {"published_overlay": overlay}})
+        drawn = FigureJobs(made, Sources(ROOT), PUBLISHED)
+        assert drawn.case(job) == "Re600"
+        assert ("published" in drawn.files(job)) == overlay
+        assert drawn.labels(job) == {"figure": "long_term_density", "case": "Re600"}
+        assert drawn.category(job).endswith("Long-term statistics")
+
+
+def test_every_figure_and_table_has_a_caption(paper):
+    found = captions(paper.campaign, ROOT / "workflow" / "scripts" / "figures")
+    assert all(text for texts in found.values() for text in texts.values())
+    assert {"figures", "tables"} == set(found)
