@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from snakemake.exceptions import WorkflowError
-
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
@@ -27,6 +25,9 @@ from burstcast_workflow.snakemake_patches import (
     refuse_what_nothing_makes,
     start_jobs_without_delay,
 )
+
+REFUSALS = (CodeChangedError, ConfigError, OvertakenError)
+"""Why a run does not start: what a person is told, without a traceback."""
 
 
 class Started(NamedTuple):
@@ -51,32 +52,31 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> Started:
 
     Raises
     ------
-    WorkflowError
-        If the code is not that which is imported, the config has a mistake, or another run has
-        overtaken this one; without the traceback, in which nobody would find the message.
+    CodeChangedError
+        If the code is not that which is imported.
+    ConfigError
+        If the config has a mistake.
+    OvertakenError
+        If another run has overtaken this one.
     """
     # Planning makes millions of objects and keeps them: looking through them for garbage all the
     # time takes a tenth of it.
     gc.set_threshold(200_000, 50, 1000)
-    try:
-        check_imports(packages_of(project))
-        if workflow.is_main_process:
-            directories = search_directories(workflow.configfiles, project)
-            make_importable(directories)
-            whole = load(config, workflow.configfiles, defaults=project / "config.yaml")
-            # where another workflow's prefix puts it, if it has this one as a module
-            run = Run.new(workflow.modifier.path_modifier.replace_prefix(whole["results"]))
-        else:
-            run = Run.of_job()
-            whole, directories = run.plan()["config"], run.plan()["directories"]
-            make_importable(directories)
-        sources = Sources(project, own_modules(whole))
-        if workflow.is_main_process:
-            compile_by_content(packages_of(project), sources.own_files().values())
-    except (CodeChangedError, ConfigError, OvertakenError) as error:
-        raise WorkflowError(str(error)) from None
+    check_imports(packages_of(project))
+    if workflow.is_main_process:
+        directories = search_directories(workflow.configfiles, project)
+        make_importable(directories)
+        whole = load(config, workflow.configfiles, defaults=project / "config.yaml")
+        # where another workflow's prefix puts it, if it has this one as a module
+        run = Run.new(workflow.modifier.path_modifier.replace_prefix(whole["results"]))
+    else:
+        run = Run.of_job()
+        whole, directories = run.plan()["config"], run.plan()["directories"]
+        make_importable(directories)
+    sources = Sources(project, own_modules(whole))
     plan_by_records(run.results)
     if workflow.is_main_process:
+        compile_by_content(packages_of(project), sources.own_files().values())
         start_jobs_without_delay()
         interrupt_quietly()
         refuse_what_nothing_makes(run.results)
