@@ -1,10 +1,15 @@
 """Tables for papers from the rows of a campaign's tables."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 
 from burstcast_workflow.jobs.wide_tables import wide_tables
 from burstcast_workflow.table_texts import LAYOUTS
+
+SCRIPTS = Path(__file__).parents[2] / "workflow" / "scripts"
 
 
 def rows(case: str, forecaster: str, seeds: list[float]) -> pd.DataFrame:
@@ -52,3 +57,21 @@ def test_what_no_case_has_is_no_column():
     with_published = table.assign(lyapunov_exponent_paper=0.9)
     ((_, texts, _),) = wide_tables(with_published, layout)
     assert len(texts.columns) == 2 + len(names)
+
+
+def test_settings_that_only_later_cases_have_tell_their_rows_apart(tmp_path):
+    """As where only one case has committees: their share of votes stands among the settings."""
+    first = rows("Re600", "equations", [0.0])
+    second = pd.concat([rows("Re400", "equations", [0.0]) for _ in range(2)])
+    second.insert(list(second.columns).index("metric"), "vote_share", [0.1, 0.5])
+    paths = [tmp_path / "first.csv", tmp_path / "second.csv"]
+    for table, path in zip((first, second), paths, strict=True):
+        table.to_csv(path, index=False)
+    whole = tmp_path / "whole.csv"
+    join = runpy.run_path(str(SCRIPTS / "tables" / "all_cases.py"))["join"]
+    join(tables=[str(path) for path in paths], table=str(whole), settings={})
+    joined = pd.read_csv(whole)
+    assert list(joined.columns) == list(second.columns)
+    assert joined["vote_share"].isna().tolist() == [True, False, False]
+    (_, of_first, _), (_, of_second, _) = wide_tables(joined, LAYOUTS["control_strategies"])
+    assert (len(of_first), len(of_second)) == (1, 2)
