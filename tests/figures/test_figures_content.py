@@ -431,6 +431,16 @@ def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_cond
     assert "receding horizon, every 0.25 LT, 0.5 of the votes" in texts(figure)
 
 
+def test_the_frontier_of_strategies_that_act_as_often_has_ticks() -> None:
+    table = frontier_rows()
+    spent = table["metric"] == "control_fraction"
+    narrow = 0.03 + 0.1 * table.loc[spent, ["value", "low", "high"]]
+    table.loc[spent, ["value", "low", "high"]] = narrow.clip(upper=0.045)
+    axes = control_frontier(table, USUAL).axes[0]
+    low, high = axes.get_xlim()
+    assert sum(low <= tick <= high for tick in axes.get_xticks()) >= 2
+
+
 def test_the_frontier_leaves_out_other_spans_starts_and_spells_of_quiet() -> None:
     table = frontier_rows()
     plain = control_frontier(table, USUAL)

@@ -10,7 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
+from matplotlib.ticker import (
+    FixedLocator,
+    FuncFormatter,
+    MaxNLocator,
+    NullFormatter,
+    NullLocator,
+)
 
 from burstcast.arrays import FloatArray
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
@@ -309,10 +315,13 @@ def _draw_frontier(axes: Axes, runs: pd.DataFrame, symbol: str) -> list[Line2D]:
             first = _forecasters(middle["forecaster"])[0]
             _label_ends(axes, middle[middle["forecaster"] == first], along)
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(FixedLocator([0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]))
+    axes.margins(x=0.08)
+    low, high = axes.get_xlim()
+    ticks = [tick for tick in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if low <= tick <= high]
+    # of a narrow range, at least two that are nice between its ends
+    axes.xaxis.set_major_locator(FixedLocator(ticks) if len(ticks) > 1 else MaxNLocator(5))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.margins(x=0.08)
     axes.set_xlabel("Share of the time under actuation")
     return _kind_handles(runs, linestyles)
 
