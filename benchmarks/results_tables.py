@@ -676,16 +676,13 @@ def scatter(tables: Tables, case: str) -> str:
     return markdown(["", "", "mean", "over training sets", "over seeds"], rows)
 
 
-_SCATTER = (
-    *("mean", "standard_deviation_over_training_sets"),
-    "standard_deviation_over_seeds",
-)
+_SCATTER = ("mean", "standard_deviation_over_training_sets", "standard_deviation_over_seeds")
 _SCATTERED = {
     "f_score": ("F-score", 1, 3),
-    "mean_horizon_lt": ("mean PH_ee [LT]", 1, 2),
-    "kantorovich": ("Kantorovich metric [1e-3]", 1e3, 2),
-    "mean_log_error": ("mean logarithmic error", 1, 3),
-    "escape_rate": ("escape rate [1e-4 per time unit]", 1e4, 2),
+    **{
+        name: _COMPARED[name]
+        for name in ("mean_horizon_lt", "kantorovich", "mean_log_error", "escape_rate")
+    },
 }
 
 
