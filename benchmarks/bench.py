@@ -533,7 +533,7 @@ class Stages:
             fixed_point=None,
         )
         interval = data.case["ensemble"]["time_step"] * data.case["ensemble"]["sampling_stride"]
-        steps = setting["duration"] / interval
+        steps = (setting["duration"] or data.case["ensemble"]["duration"]) / interval
         return self._of_forecaster(
             "long-term statistics",
             f"{setting['starting_points']} runs of {steps:.0f} steps",
@@ -690,7 +690,7 @@ def main() -> None:
     options = parser.parse_args()
     sizes = [1000] if options.quick else options.sizes
     pin_to_one_core()
-    clock = Clock(repeats=2 if options.quick else 3)
+    clock = Clock(repeats=2 if options.quick else 5)
     config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
     campaign = Campaign(load(config))
     data = Data(campaign, series=24 if options.quick else 80)
