@@ -6,10 +6,10 @@
 
 Each stage is timed at the size that ``config.yaml`` gives it for Re = 400, or at a part of it and
 extrapolated; with how much of the machine's peak it reaches (dgemm, measured in between); and
-against the same work in the textbook implementation (``textbook.py``) and without compiled code
-(numpy and the scipy backend), in the same run. Times are the processor's, the least of several
-repetitions: other programs on the machine disturb them little. ``--write`` puts the tables into
-docs/performance.md.
+against the same work in the textbook implementation (``textbook.py``), without compiled code (numpy
+and the scipy backend) and in ReservoirPy (``reservoirpy_network.py``), in the same run. Times are
+the processor's, the least of several repetitions: other programs on the machine disturb them
+little. ``--write`` puts the tables into docs/performance.md.
 """
 
 import argparse
@@ -19,11 +19,13 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import textbook
 import yaml
+from reservoirpy_network import ReservoirpyNetwork
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from burstcast import durations
@@ -38,7 +40,7 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import MomentsAccumulator, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
-from burstcast.esn.training import TrainingSeries, collect
+from burstcast.esn.training import TrainingSeries, collect, train
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecast.starting_points import (
     crossing_points,
@@ -63,7 +65,13 @@ from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.cost_report import job_table, predicted_jobs, report, rule_costs
+from burstcast_workflow.cost_report import (
+    PredictedJob,
+    job_table,
+    predicted_jobs,
+    report,
+    rule_costs,
+)
 from burstcast_workflow.costs import SECONDS_PER
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -71,6 +79,13 @@ DOCUMENT = ROOT / "docs" / "performance.md"
 CASE = "Re400"
 SPECTRAL_RADIUS, INPUT_SCALING, TIKHONOV = 0.6, 1.0, 1e-9
 CORES = 2  # of the machine that the campaign's duration is predicted for
+# Rules of what the paper does not have, and those whose arithmetic bounds what it has.
+BEYOND_THE_PAPER = (
+    *("lyapunov_spectrum", "lyapunov_spectrum_table", "calibration_set", "calibration_forecast"),
+    *("calibrate", "committee_event", "probability_scores", "probability_diagrams"),
+    *("lead_times", "threshold_sweep"),
+)
+OF_NETWORKS = ("scan", "search", "forecast", "horizon", "long_term", "control")
 # Operations of one hyperbolic tangent in the compiled backend, and of what joins its argument.
 TANH_OPERATIONS = 33
 
@@ -175,6 +190,15 @@ class Row:
 HEAD = [
     *("stage", "work", "neurons", "seconds", "ns per neuron-step", "GFLOP/s", "of dgemm"),
     *("textbook x", "numpy/scipy x"),
+]
+
+
+# What is done by ReservoirPy, too: forecasts, and steps of each.
+RESERVOIRPY_FORECASTS, RESERVOIRPY_STEPS = 200, 100
+RESERVOIRPY_HEAD = [
+    *("neurons", "training on the ten series [s]", "ReservoirPy x"),
+    f"{RESERVOIRPY_FORECASTS} forecasts of {RESERVOIRPY_STEPS} steps [s]",
+    "ReservoirPy x",
 ]
 
 
@@ -541,6 +565,34 @@ class Stages:
             setting["starting_points"] / len(points) * steps / run.steps,
         )
 
+    def beside_reservoirpy(self) -> list[str]:
+        """Cells of one row: training and forecasts, and how many times longer ReservoirPy takes."""
+        training, washout = self._data.training, self._data.plan.washout
+        network = ReservoirpyNetwork(self._compiled)
+        states = np.tile(self._closed_states, (1, 4))[:, :RESERVOIRPY_FORECASTS]
+
+        def ours(steps: int = RESERVOIRPY_STEPS) -> np.ndarray:
+            return self._compiled.closed_loop(
+                self._readout.weights, training.input_range, states, steps
+            )[0]
+
+        def theirs(steps: int = RESERVOIRPY_STEPS) -> np.ndarray:
+            return network.closed_loop(training.input_range, states, steps)
+
+        trained = (
+            self._clock.seconds(
+                lambda: train(self._compiled, training, washout=washout, tikhonov=TIKHONOV)
+            ),
+            self._clock.seconds(lambda: network.train(training, washout, TIKHONOV), 2),
+        )
+        # the same work gives the same forecasts, as long as chaos has not magnified rounding
+        np.testing.assert_allclose(theirs(5), ours(5), rtol=0, atol=1e-4)
+        forecast = self._clock.seconds(ours), self._clock.seconds(theirs, 2)
+        cells = [str(self._neurons)]
+        for mine, other in (trained, forecast):
+            cells += [f"{mine:.3g}", f"{other / mine:.3g}"]
+        return cells
+
     def connection_seconds(self) -> float:
         """Seconds per neuron-step of one more connection in the closed loop."""
         reservoir = self._compiled.reservoir
@@ -568,9 +620,26 @@ class Stages:
             "neuron step": self._closed_rates["compiled"] / self._neurons
             - connectivity * connection,
             "connection step": connection,
-            "gram product": self._gram_seconds[0] / (self._rows * float(self._neurons) ** 2),
             "solve product": self._ridge_seconds[0] / float(self._neurons) ** 3,
         }
+
+    @property
+    def seconds_per_centred_state(self) -> float:
+        """Seconds of the moments per neuron of a row of states, at this size."""
+        return self._gram_seconds[0] / (self._rows * float(self._neurons))
+
+
+def moment_rates(sizes: list[int], seconds: list[float]) -> dict[str, float]:
+    """Constants of the moments: a line through the seconds per neuron of a row, by size.
+
+    Of a single size: what is left above the model's own constant.
+    """
+    constant = SECONDS_PER["centred state"]
+    if len(sizes) > 1:
+        product, constant = np.polyfit(sizes, seconds, 1)
+    else:
+        product = (seconds[0] - constant) / sizes[0]
+    return {"gram product": float(product), "centred state": float(constant)}
 
 
 class ByNumpy(DynamicalSystem):
@@ -656,18 +725,64 @@ def table(head: list[str], rows: list[list[str]]) -> list[str]:
     return ["| " + " | ".join(cells) + " |" for cells in (head, ["---"] * len(head), *rows)]
 
 
-def prediction(rates: dict[str, float]) -> list[str]:
-    """Lines with the predicted cost of the whole campaign, by rule."""
-    project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
-    jobs = predicted_jobs(project, {**SECONDS_PER, **rates})
-    minutes = sum(job.cost.seconds for job in jobs) / 60
+def prediction(rates: dict[str, float], peak: float, dimension: int) -> list[str]:
+    """Lines with the predicted cost of the whole campaign, by rule, and what bounds it."""
+    jobs = _jobs({**SECONDS_PER, **rates})
+    minutes = _minutes(jobs)
+    of_paper = _minutes([job for job in jobs if job.rule not in BEYOND_THE_PAPER])
+    limit = arithmetic(peak, dimension)
     return [
         "```",
         report(rule_costs(job_table(jobs))),
         "```",
         "",
         f"On {CORES} cores: **{minutes / 60 / CORES:.1f} hours**.",
+        "",
+        *table(
+            ["", "core-minutes", f"hours on {CORES} cores"],
+            [
+                [what, f"{some:.0f}", f"{some / 60 / CORES:.1f}"]
+                for what, some in (
+                    ("what the paper has: without probabilities and networks' exponents", of_paper),
+                    ("the limit: its networks' arithmetic at dgemm's rate", limit),
+                )
+            ],
+        ),
+        "",
+        f"That is **{of_paper / limit:.2f} times** the machine's limit.",
     ]
+
+
+def arithmetic(peak: float, dimension: int) -> float:
+    """Minutes that the arithmetic of the paper's networks takes at dgemm's rate.
+
+    Gram matrices, ridge regressions, steps of networks; without `train`, whose Gram matrices a
+    search has had.
+    """
+    operation = 1e-9 / peak
+    nothing = dict.fromkeys(SECONDS_PER, 0.0)
+    units = {
+        "neuron step": (2 + TANH_OPERATIONS + 2 * dimension) * operation,
+        "connection step": 2 * operation,
+        # of a symmetric matrix half; products with the targets
+        "gram product": operation,
+        "centred state": 2 * dimension * operation,
+        "solve product": operation / 3,
+    }
+    start_up, whole = (
+        _minutes([job for job in _jobs(nothing | some) if job.rule in OF_NETWORKS])
+        for some in ({}, units)
+    )
+    return whole - start_up
+
+
+def _jobs(seconds_per: dict[str, float]) -> list[PredictedJob]:
+    project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
+    return predicted_jobs(project, seconds_per)
+
+
+def _minutes(jobs: list[PredictedJob]) -> float:
+    return sum(job.cost.seconds for job in jobs) / 60
 
 
 def write(section: str, lines: list[str]) -> None:
@@ -694,24 +809,31 @@ def main() -> None:
     config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
     campaign = Campaign(load(config))
     data = Data(campaign, series=24 if options.quick else 80)
-    rows, rates = [], {}
+    rows, beside, of_moments, rates = [], [], [], {}
     for neurons in sizes:
         stages = Stages(data, neurons, clock, quick=options.quick)
         rows += stages.rows()
+        beside.append(stages.beside_reservoirpy())
+        of_moments.append(stages.seconds_per_centred_state)
         rates = stages.rates()  # those of the last size
         print(f"{neurons} neurons measured", flush=True)
+    rates |= moment_rates(sizes, of_moments)
     integrations, integration_rates = integration(data, clock)
     rates |= integration_rates
     measured = [
         f"{machine()}. One thread; dgemm reaches {clock.peak:.1f} GFLOP/s.",
         "",
         *table(HEAD, [row.cells(clock.peak) for row in (*integrations, *rows)]),
+        "",
+        f"Beside ReservoirPy {version('reservoirpy')}, with the same sparse matrix, one thread:",
+        "",
+        *table(RESERVOIRPY_HEAD, beside),
     ]
     constants = table(
         ["unit", "measured", "in `costs.py`"],
         [[unit, f"{rate:.2g}", f"{SECONDS_PER[unit]:.2g}"] for unit, rate in rates.items()],
     )
-    predicted = [*constants, "", *prediction(rates)]
+    predicted = [*constants, "", *prediction(rates, clock.peak, data.system.dimension)]
     print("\n".join(["", *measured, "", *predicted]))
     if options.write:
         write("measured", measured)

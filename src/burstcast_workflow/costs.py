@@ -18,14 +18,16 @@ from burstcast_workflow.identifiers import ForecasterName, parsed
 
 SECONDS_PER = {
     # one Runge-Kutta step of one trajectory; the same with nine perturbations and two neighbours
-    "integration step": 5.0e-8,
-    "tangent step": 9.0e-7,
+    "integration step": 2.9e-8,
+    "tangent step": 5.0e-7,
     # one step of a network in one trajectory: per neuron, and per connection of a neuron
-    "neuron step": 1.6e-9,
-    "connection step": 1.0e-10,
-    # a Gram matrix: per row and squared neuron; a ridge regression: per cubed neuron
-    "gram product": 2.9e-11,
-    "solve product": 2.0e-11,
+    "neuron step": 1.3e-9,
+    "connection step": 4.9e-11,
+    # a Gram matrix: per row and squared neuron, and per row and neuron, whose state is centred and
+    # multiplied with the targets; a ridge regression: per cubed neuron
+    "gram product": 1.8e-11,
+    "centred state": 3.5e-9,
+    "solve product": 1.0e-11,
     # one fit of the Gaussian process, with the proposal of the next point
     "surrogate fit": 0.2,
     # a number of the ensemble read and reduced, a bootstrap sample of one series, a small file read
@@ -36,8 +38,9 @@ SECONDS_PER = {
 """Seconds that a unit of work takes on one core."""
 
 # Seconds before a script computes, and MiB that it holds then: Python with NumPy and NetCDF; with
-# SciPy and the compiled backend; with scikit-optimize, too; with Matplotlib.
-_PLAIN, _COMPILED, _SEARCHING, _DRAWING = (0.6, 90), (0.7, 160), (2.0, 260), (2.5, 210)
+# SciPy and the compiled backend; with scikit-optimize, too; with pandas; with Matplotlib.
+_PLAIN, _COMPILED, _SEARCHING = (0.8, 90), (1.1, 160), (2.4, 260)
+_TABLES, _DRAWING = (1.3, 90), (3.2, 210)
 _MIB_PER_NUMBER = 8 / 2**20
 _CANDIDATES = 5.0  # points of a search that its objective cannot tell from the best
 _SCIPY_SLOWER = 4.0  # a network's step with the backend that is not compiled
@@ -240,7 +243,8 @@ def _leave_one_out(job: _Job) -> _Account:
     if job("probability.calibration_series"):
         return start_up, work, held
     _, training, moments = _training(job, solves=job.training_series)
-    work = _together(work, training)
+    merged = job.training_series * (job.training_series - 2) * job.neurons**2
+    work = _together(_together(work, training), {"number": merged})
     # the moments of each series, and those of all but one
     return start_up, work, held + moments + (job.training_series + 1) * job.neurons**2
 
@@ -271,6 +275,7 @@ def _training(job: _Job, points: float = 1, loops: float = 0, solves: float = 1)
     work = {
         **_network_steps(job, points * (rows + loops)),
         "gram product": points * rows * job.neurons**2,
+        "centred state": points * rows * job.neurons,
         "solve product": points * solves * job.neurons**3,
     }
     # training series, the Gram matrix with its copies, panels of a thousand states
@@ -329,7 +334,7 @@ _CLASSES: dict[str, Callable[[_Job], _Account]] = {
     "spectrum": _spectrum,
     "control": _control,
     # small files of all forecasters into a table; the same with intervals of scores
-    "gather": lambda job: (_PLAIN, {"file": job.forecasters}, 20 / _MIB_PER_NUMBER),
+    "gather": lambda job: (_TABLES, {"file": job.forecasters}, 20 / _MIB_PER_NUMBER),
     "bootstrap": _bootstrap,
     "bootstrap_runs": _bootstrap_runs,
     # the largest figure holds the observable of the whole ensemble, and what it draws of it

@@ -219,9 +219,12 @@ def test_random_alarms_cost_the_flows_of_control_without_forecasts():
     flows = predicted("integration", "control_random", **WILDCARDS["control"]).seconds
     control = predicted("control", "control").seconds
     assert flows < control
-    costs = model(control__prediction_times_lt=[2, 12])
-    far = predicted("integration", "control_random", costs, **{**NETWORK, "strategy": windows(12)})
-    assert far.seconds / flows == pytest.approx((12 + 1 + 20) / (2 + 1 + 20), rel=0.1)
+    costs = model(control__prediction_times_lt=[2, 12, 32])
+    far, farther = (
+        predicted("integration", "control_random", costs, **{**NETWORK, "strategy": windows(time)})
+        for time in (12, 32)
+    )
+    assert farther.seconds - flows == pytest.approx(3 * (far.seconds - flows), rel=0.02)
 
 
 def test_decisions_cost_what_they_look_ahead_and_how_often():
