@@ -692,20 +692,20 @@ def costs(tables: Tables) -> str:
     shown = found[found["minutes"] >= 1.0]
     rest = found[~(found["minutes"] >= 1.0)]
     rows = [_cost(row["rule"], row) for row in shown.to_dict("records")]
-    sums = ["jobs", "predicted_minutes", "minutes", "processor_minutes", "disk_mib"]
+    sums = ["jobs", "predicted_minutes", "minutes", "disk_mib"]
     for name, part in ((f"{len(rest)} other rules", rest), ("**all**", found)):
         row = {**part[sums].sum().to_dict(), "memory_mib": part["memory_mib"].max()}
         rows.append(_cost(name, row))
-    head = ["rule", "jobs", "predicted [min]", "took [min]", "of processor [min]"]
-    return markdown([*head, "largest memory [MiB]", "disk [MiB]"], rows)
+    head = ["rule", "jobs", "predicted [min]", "took [min]", "largest memory [MiB]", "disk [MiB]"]
+    return markdown(head, rows)
 
 
 def _cost(name: str, row: dict[Any, Any]) -> list[str]:
-    minutes = [fixed(row[k], 1) for k in ("predicted_minutes", "minutes", "processor_minutes")]
     return [
         name,
         f"{row['jobs']:.0f}",
-        *minutes,
+        fixed(row["predicted_minutes"], 1),
+        fixed(row["minutes"], 1),
         fixed(row["memory_mib"], 0),
         fixed(row["disk_mib"], 0),
     ]

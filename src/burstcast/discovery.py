@@ -15,6 +15,7 @@ import os
 import pkgutil
 import traceback
 from collections.abc import Iterable, Mapping
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import TypeVar
@@ -24,7 +25,13 @@ Base = TypeVar("Base")
 
 def module_names(package: ModuleType) -> list[str]:
     """Names of the modules of a package, without the package's own, sorted."""
-    return sorted(module.name for module in pkgutil.iter_modules(package.__path__))
+    return list(_module_names(*package.__path__))
+
+
+@cache
+def _module_names(*directories: str) -> tuple[str, ...]:
+    """Names in a package's directories, which do not change while a process goes on."""
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(directories)))
 
 
 def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[type[Base]]:

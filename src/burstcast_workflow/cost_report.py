@@ -63,21 +63,17 @@ class PredictedJob:
     def measured(self) -> dict[str, float]:
         """What Snakemake measured, and the size of those of its outputs that are there.
 
-        ``seconds`` is wall time, ``memory_mib`` the largest resident set. ``processor_seconds`` is
-        as far as Snakemake sampled it: of short jobs all, of long ones nearly all. It depends less
-        than the wall time on what else the machine did.
+        ``seconds`` is wall time, ``memory_mib`` the largest resident set that was sampled. The
+        processor's time is not among them: samples are up to half a minute apart, and what a job
+        does after the last of them is lost.
         """
         with self.record.open(encoding="utf-8") as file:
             row = list(csv.DictReader(file, delimiter="\t"))[-1]
         # a job that is over at once is not sampled
-        memory, processor = (
-            0.0 if row[name] in ("-", "NA") else float(row[name])
-            for name in ("max_rss", "cpu_time")
-        )
+        memory = 0.0 if row["max_rss"] in ("-", "NA") else float(row["max_rss"])
         size = sum(path.stat().st_size for path in self.outputs if path.is_file())
         return {
             "seconds": float(row["s"]),
-            "processor_seconds": processor,
             "memory_mib": memory,
             "disk_mib": size / 2**20,
         }
@@ -146,7 +142,7 @@ def _request(job: Any) -> Any:
 
 
 _WHOSE = ("case", "forecaster", "reservoir", "strategies")
-_MEASURED = ("seconds", "processor_seconds", "memory_mib", "disk_mib")
+_MEASURED = ("seconds", "memory_mib", "disk_mib")
 
 
 def job_table(jobs: Iterable[PredictedJob]) -> pd.DataFrame:
@@ -186,9 +182,8 @@ def rule_costs(jobs: pd.DataFrame) -> pd.DataFrame:
     A row for each rule, in the order of the jobs: ``rule``; ``jobs``, how many the campaign has;
     ``predicted_longest_seconds`` and ``predicted_memory_mib``, the most of any;
     ``predicted_minutes``, of all; ``records``, how many have run. The rest is of these, and empty
-    without any: ``median_seconds`` and ``predicted_median_seconds``; ``minutes`` and
-    ``processor_minutes``, wall and processor time of all; ``longest_seconds`` and ``memory_mib``,
-    the most of any; ``disk_mib``, the size of all outputs.
+    without any: ``median_seconds`` and ``predicted_median_seconds``; ``minutes`` of all;
+    ``longest_seconds`` and ``memory_mib``, the most of any; ``disk_mib``, the size of all outputs.
     """
     has_run = jobs["seconds"].notna()
     jobs = jobs.assign(predicted_of_run=jobs["predicted_seconds"].where(has_run))
@@ -203,7 +198,6 @@ def rule_costs(jobs: pd.DataFrame) -> pd.DataFrame:
             "median_seconds": rules["seconds"].median(),
             "predicted_median_seconds": rules["predicted_of_run"].median(),
             "minutes": rules["seconds"].sum(min_count=1) / 60,
-            "processor_minutes": rules["processor_seconds"].sum(min_count=1) / 60,
             "longest_seconds": rules["seconds"].max(),
             "memory_mib": rules["memory_mib"].max(),
             "disk_mib": rules["disk_mib"].sum(min_count=1),
@@ -251,14 +245,13 @@ def forecaster_costs(jobs: pd.DataFrame, campaign: Campaign) -> pd.DataFrame:
     A row for each case and kind, of networks for each size and strategy: ``case``,
     ``forecaster``, ``neurons``, ``validation``; ``forecasters``, how many of them have records of
     all their jobs; of ``training_``, all that makes a forecaster, and of ``forecast_``, its
-    forecast of the evaluation set, the medians of ``seconds`` and ``processor_seconds`` and the
-    largest ``memory_mib``.
+    forecast of the evaluation set, the median of ``seconds`` and the largest ``memory_mib``.
     """
     has_run = jobs[jobs["seconds"].notna()]
     keys = has_run[["stage", *_WHOSE]].itertuples(index=False)
     known = {
         tuple(part for part in key if isinstance(part, str)): row
-        for key, row in zip(keys, has_run[list(_MEASURED[:3])].to_numpy(), strict=True)
+        for key, row in zip(keys, has_run[list(_MEASURED[:2])].to_numpy(), strict=True)
     }
     rows = []
     for one in campaign.forecasters:
@@ -271,10 +264,10 @@ def forecaster_costs(jobs: pd.DataFrame, campaign: Campaign) -> pd.DataFrame:
         *training, forecast = (known.get(key) for key in (*made, ("forecast", *whose)))
         if forecast is None or any(part is None for part in training):
             continue
-        seconds, processor, memory = zip(*training, strict=True)
+        seconds, memory = zip(*training, strict=True)
         kind = one.name.kind, one.name.neurons, one.name.validation
-        rows.append([one.case, *kind, sum(seconds), sum(processor), max(memory), *forecast])
-    quantities = [f"{of}_{name}" for of in ("training", "forecast") for name in _MEASURED[:3]]
+        rows.append([one.case, *kind, sum(seconds), max(memory), *forecast])
+    quantities = [f"{of}_{name}" for of in ("training", "forecast") for name in _MEASURED[:2]]
     names = ["case", "forecaster", "neurons", "validation"]
     table = pd.DataFrame(rows, columns=[*names, *quantities]).astype({"neurons": "Int64"})
     groups = table.groupby(names, sort=False, dropna=False)

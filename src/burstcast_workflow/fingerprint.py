@@ -154,8 +154,7 @@ def _reached(waiting: list[str], roots: tuple[_Root, ...]) -> dict[str, Path]:
     while waiting:
         for name in _with_parents(waiting.pop()):
             module = _VERSION if f"{name}.".startswith(f"{_HARNESS}.") else name
-            path = _located(module, roots)
-            if module in found or path is None:
+            if module in found or (path := _located(module, roots)) is None:
                 continue
             found[module] = path
             package = module if path.name == "__init__.py" else module.rpartition(".")[0]
@@ -206,7 +205,13 @@ def _located(module: str, roots: tuple[_Root, ...]) -> Path | None:
 @cache
 def _parsed(path: Path) -> tuple[str, list[tuple[str, int]]]:
     """Hash of a file's code, and its imports: names with their numbers of leading dots."""
-    tree = ast.parse(path.read_bytes(), str(path))
+    return _parsed_source(path.read_bytes(), str(path))
+
+
+# a job looks at its files twice, and they are hardly ever others the second time
+@cache
+def _parsed_source(source: bytes, path: str) -> tuple[str, list[tuple[str, int]]]:
+    tree = ast.parse(source, path)
     parts: list[str] = []
     _serialise(tree, parts)
     digest = hashlib.sha256("\x1f".join(parts).encode("utf-8", "surrogatepass")).hexdigest()

@@ -284,8 +284,8 @@ def times_of_rules(costs: pd.DataFrame) -> list[dict[str, str]]:
 
     Returns
     -------
-    Rows: rule, number of jobs that have run, time of all of them, of the processor, of the longest,
-    and the largest memory.
+    Rows: rule, number of jobs that have run, time of all of them, of the longest, and the largest
+    memory.
     """
     ran = costs[costs["records"] > 0].sort_values("minutes", ascending=False)
     return [
@@ -293,7 +293,6 @@ def times_of_rules(costs: pd.DataFrame) -> list[dict[str, str]]:
             "rule": cost["rule"],
             "jobs": f"{cost['records']}",
             "time": _duration(60 * cost["minutes"]),
-            "of the processor": _duration(60 * cost["processor_minutes"]),
             "longest": _duration(cost["longest_seconds"]),
             "most memory": f"{cost['memory_mib']:.0f} MiB",
         }

@@ -11,6 +11,7 @@ import snakemake.api  # noqa: F401 - other modules of Snakemake cannot be import
 from snakemake.dag import DAG
 from snakemake.exceptions import WorkflowError
 from snakemake.persistence import PersistenceBase
+from snakemake.rules import Rule
 from snakemake.scheduling.job_scheduler import JobScheduler
 from snakemake.script import PythonScript
 
@@ -28,6 +29,7 @@ FIRST_LINE = (
 _stop_caching = PersistenceBase.deactivate_cache
 _plan = DAG.init
 _make_scheduler = JobScheduler.__init__
+_group_of_job = Rule.expand_group
 _write_script = PythonScript.write_script
 
 
@@ -89,6 +91,19 @@ def refuse_what_nothing_makes(results: str) -> None:
             )
 
     DAG.init = planned
+
+
+def plan_without_idle_groups() -> None:
+    """Leave jobs in no group where they run right here.
+
+    Snakemake groups only what it submits, but plans by the groups all the same: it goes through all
+    members of a group, and what lies between them, at each of its jobs.
+    """
+
+    def group_of_job(self: Rule, wildcards: Mapping[str, str]) -> str | None:
+        return None if self.workflow.local_exec else _group_of_job(self, wildcards)
+
+    Rule.expand_group = group_of_job
 
 
 def start_jobs_without_delay() -> None:

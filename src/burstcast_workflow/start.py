@@ -22,6 +22,7 @@ from burstcast_workflow.project import packages_of
 from burstcast_workflow.snakemake_patches import (
     claim_before_jobs,
     interrupt_quietly,
+    plan_without_idle_groups,
     refuse_what_nothing_makes,
     start_jobs_without_delay,
 )
@@ -78,6 +79,7 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> Started:
     if workflow.is_main_process:
         compile_by_content(packages_of(project), sources.own_files().values())
         start_jobs_without_delay()
+        plan_without_idle_groups()
         interrupt_quietly()
         refuse_what_nothing_makes(run.results)
         claim_before_jobs(run, dict(whole), sources, directories)

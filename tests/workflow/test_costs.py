@@ -277,7 +277,7 @@ def test_committees_cost_the_forecasts_of_all_who_vote():
     # the filter of 40 members runs once, over 30 steps; all of them look 122 steps ahead
     of_members = seconds("control_committee", "quadratic_filtered")
     of_mean = seconds("control", "quadratic_filtered")
-    assert of_members / of_mean == pytest.approx(40 * (30 + 122) / (40 * 30 + 122), rel=0.1)
+    assert of_members / of_mean == pytest.approx(40 * (30 + 122) / (40 * 30 + 122), rel=0.15)
 
 
 def test_memory_holds_the_arrays():
@@ -418,7 +418,7 @@ def test_rules_ask_for_what_is_predicted(directory):
 
 def write_record(path, seconds, memory):
     path.parent.mkdir(parents=True, exist_ok=True)
-    columns = {"s": seconds, "h:m:s": "0:00:01", "max_rss": memory, "cpu_time": seconds / 2}
+    columns = {"s": seconds, "h:m:s": "0:00:01", "max_rss": memory}
     path.write_text("\n".join("\t".join(map(str, row)) for row in (columns, columns.values())))
 
 
@@ -457,7 +457,6 @@ def test_records_are_compared_with_the_predictions_of_their_jobs(tmp_path, capsy
     assert rows.loc["search", "minutes"] == pytest.approx(
         sum(f * job.cost.seconds for f, job in zip((1, 3, 1), of_rule["search"], strict=False)) / 60
     )
-    assert rows.loc["search", "processor_minutes"] == rows.loc["search", "minutes"] / 2
     assert rows.loc["train", ["records", "median_seconds", "disk_mib"]].tolist() == [1, 1000, 3]
     assert rows.loc["scan"].dropna().index.tolist() == [
         "jobs",
@@ -503,13 +502,12 @@ def test_training_and_forecasting_are_told_by_kind_of_forecaster(tmp_path):
     assert network.split() == ["Re400", "esn-N30-RV", "3", "32.0", "92", "8.0", "92"]
     assert quadratic.split() == ["Re400", "quadratic", "1", "0.5", "60", "3.0", "0"]
     assert forecasters_report(forecaster_costs(job_table([]), found)) == ""
-    # the same as a table, with the time of the processor
+    # the same as a table
     write_costs(table, found, tmp_path)
     rows = read_table(tmp_path / "forecaster_costs.csv").set_index("forecaster")
     assert rows.index.tolist() == ["esn", "quadratic"]
     assert rows.loc["esn", ["neurons", "forecasters", "training_seconds"]].tolist() == [30, 3, 32]
     assert rows["forecast_seconds"].tolist() == [8, 3]
-    assert rows["training_processor_seconds"].tolist() == [16, 0.25]
     assert rows["training_memory_mib"].tolist() == [92, 60]
 
 

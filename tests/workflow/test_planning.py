@@ -4,11 +4,15 @@ from types import SimpleNamespace
 
 import pytest
 from snakemake.cli import get_argument_parser
+from snakemake.rules import Rule
 from snakemake.scheduling.job_scheduler import JobRateLimiter, JobScheduler
 from snakemake.settings.types import MaxJobsPerTimespan
 
 from burstcast_workflow import snakemake_patches
-from burstcast_workflow.snakemake_patches import start_jobs_without_delay
+from burstcast_workflow.snakemake_patches import (
+    plan_without_idle_groups,
+    start_jobs_without_delay,
+)
 
 
 def limit_left(monkeypatch, limit, local=True):
@@ -42,3 +46,16 @@ def test_a_cluster_is_not_flooded(monkeypatch, default):
 def test_a_limit_that_was_set_is_kept(monkeypatch):
     limit = MaxJobsPerTimespan.parse_choice("60/1m")
     assert limit_left(monkeypatch, limit).max_jobs == 60
+
+
+def test_jobs_are_in_groups_where_they_are_submitted(monkeypatch):
+    monkeypatch.setattr(Rule, "expand_group", Rule.expand_group)
+    plan_without_idle_groups()
+
+    def group(*, local):
+        workflow = SimpleNamespace(local_exec=local, parent_groupids={})
+        rule = SimpleNamespace(workflow=workflow, group="forecaster")
+        return Rule.expand_group(rule, {})
+
+    assert group(local=False) == "forecaster"
+    assert group(local=True) is None
