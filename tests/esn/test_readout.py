@@ -168,6 +168,14 @@ def test_reciprocal_condition_of_a_known_matrix():
     np.testing.assert_allclose(readout.weights[:, 0], [0.25, 0.5, 1.0, 0.0])
 
 
+def test_reciprocal_condition_has_no_digits_that_depend_on_where_memory_lies():
+    states = np.random.default_rng(3).normal(size=(30, 40))
+    gram = np.asfortranarray(states @ states.T)
+    moments = Moments(40, np.zeros(30), np.zeros(1), gram, np.ones((30, 1)))
+    found = solve_ridge(moments, 1e-6).reciprocal_condition
+    assert found == float(f"{found:.3g}")
+
+
 def test_several_regularisations_from_the_same_moments(training):
     moments = accumulate(*training)
     kept = moments.gram.copy()

@@ -175,7 +175,8 @@ class Readout:
     solver
         How the linear system was solved: "cholesky" or "ldl".
     reciprocal_condition
-        Estimate of the reciprocal condition number of the system's matrix, in the 1-norm.
+        Estimate of the reciprocal condition number of the system's matrix, in the 1-norm, to three
+        digits.
     """
 
     weights: FloatArray
@@ -236,7 +237,9 @@ def solve_ridge(moments: Moments, tikhonov: float) -> Readout:
     weights = np.vstack([weights, bias])
     if not np.isfinite(weights).all():
         raise np.linalg.LinAlgError(f"the readout weights are not finite at beta = {tikhonov}")
-    return Readout(weights, float(tikhonov), solver, float(reciprocal_condition))
+    # an estimate, whose last bits depend on where LAPACK's working memory happens to lie, unlike
+    # those of the weights: as it is, the same network would be another file each time
+    return Readout(weights, float(tikhonov), solver, float(f"{reciprocal_condition:.3g}"))
 
 
 def _system_matrix(moments: Moments, tikhonov: float, kappa: float) -> FloatArray:
