@@ -18,9 +18,10 @@ import platform
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import textbook
@@ -68,11 +69,12 @@ from burstcast_workflow.config.loading import load
 from burstcast_workflow.cost_report import (
     PredictedJob,
     job_table,
-    predicted_jobs,
+    jobs_with_costs,
     report,
     rule_costs,
 )
-from burstcast_workflow.costs import SECONDS_PER
+from burstcast_workflow.costs import SECONDS_PER, CostModel
+from burstcast_workflow.snakemake_plan import names_of_rules, planned
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "performance.md"
@@ -776,9 +778,16 @@ def arithmetic(peak: float, dimension: int) -> float:
     return whole - start_up
 
 
-def _jobs(seconds_per: dict[str, float]) -> list[PredictedJob]:
+@cache
+def _planned() -> Any:
+    """The workflow with all jobs of the campaign: planned once, for whatever its jobs may take."""
     project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
-    return predicted_jobs(project, seconds_per)
+    return planned([*project, "--forceall"])
+
+
+def _jobs(seconds_per: dict[str, float]) -> list[PredictedJob]:
+    campaign = names_of_rules(_planned())["campaign"]
+    return jobs_with_costs(_planned(), campaign, CostModel(campaign, seconds_per), ROOT)
 
 
 def _minutes(jobs: list[PredictedJob]) -> float:

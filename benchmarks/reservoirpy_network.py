@@ -5,6 +5,7 @@ A yardstick of ``bench.py``; nothing else uses it.
 
 import numpy as np
 from reservoirpy.nodes import Reservoir, Ridge
+from textbook import input_matrix
 
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.training import TrainingSeries
@@ -15,9 +16,7 @@ class ReservoirpyNetwork:
 
     def __init__(self, dynamics: Dynamics) -> None:
         reservoir = dynamics.reservoir
-        fed = np.zeros((reservoir.neurons, reservoir.dimension + 1))
-        fed[np.arange(reservoir.neurons), reservoir.input_column] = reservoir.input_weight
-        fed *= dynamics.input_scaling
+        fed = input_matrix(dynamics)
         self._reservoir = Reservoir(
             W=dynamics.spectral_radius * reservoir.recurrent,
             Win=fed[:, :-1],

@@ -14,10 +14,7 @@ class TextbookNetwork:
     def __init__(self, dynamics: Dynamics) -> None:
         reservoir = dynamics.reservoir
         self._recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray()
-        self._input = np.zeros((reservoir.neurons, reservoir.dimension + 1))
-        rows = np.arange(reservoir.neurons)
-        weights = dynamics.input_scaling * reservoir.input_weight
-        self._input[rows, reservoir.input_column] = weights
+        self._input = input_matrix(dynamics)
         self._input_bias = reservoir.input_bias
 
     def open_loop(self, inputs: np.ndarray, state: np.ndarray) -> np.ndarray:
@@ -42,6 +39,15 @@ class TextbookNetwork:
     def _step(self, current: np.ndarray, state: np.ndarray) -> np.ndarray:
         fed = np.append(current, self._input_bias)
         return np.tanh(self._input @ fed + self._recurrent @ state)
+
+
+def input_matrix(dynamics: Dynamics) -> np.ndarray:
+    """W_in as a dense matrix ``(neurons, dimension + 1)``; its last column is that of the bias."""
+    reservoir = dynamics.reservoir
+    matrix = np.zeros((reservoir.neurons, reservoir.dimension + 1))
+    rows = np.arange(reservoir.neurons)
+    matrix[rows, reservoir.input_column] = dynamics.input_scaling * reservoir.input_weight
+    return matrix
 
 
 def products(states: np.ndarray, targets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

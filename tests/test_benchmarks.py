@@ -15,7 +15,7 @@ def test_a_short_benchmark_measures_and_predicts():
     command = [sys.executable, str(ROOT / "benchmarks" / "bench.py"), "--quick"]
     text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     rows = re.findall(
-        r"^\| ([a-z ]+) \|.*\| 1000 \| ([\d.]+) \|", text, re.MULTILINE | re.IGNORECASE
+        r"^\| ([a-z -]+) \|.*\| 1000 \| ([\d.]+) \|", text, re.MULTILINE | re.IGNORECASE
     )
     assert len(rows) == 8
     assert all(float(seconds) > 0 for _, seconds in rows)
