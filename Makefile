@@ -7,6 +7,9 @@ SNAKEMAKE := $(BIN)/snakemake
 # One thread of linear algebra per job: jobs run side by side, and results do not depend on --cores.
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
+# Libraries are compiled when they are first imported (below). Where nothing may be written down,
+# each job would do it again, which doubles what it takes to start.
+unexport PYTHONDONTWRITEBYTECODE
 
 # What `make` and `make help` say: the words after ##.
 .PHONY: help demo test test-long test-slurm paper why prune report archive results bench slurm check clean

@@ -4,10 +4,7 @@ Snakemake does not notice that a module which a script imports has changed. Each
 carries the fingerprints of its script and of all modules of the project that the script reaches
 through imports, as a parameter, and Snakemake compares them as it does any other parameter.
 
-A fingerprint is a hash of the syntax tree without positions, comments, docstrings, the texts of
-errors and of the log, and what people alone ask for: a class's ``__repr__``, and what a module
-offers besides its own names (``__getattr__``, ``__dir__``). None of that changes a result. The tree
-is walked here rather than by `ast.dump`, whose output differs between Python versions. What imports
+A fingerprint is a hash of what a file's code does (`burstcast_workflow.code_hash`). What imports
 do not show must not happen, and a test keeps it out. Two things are known otherwise:
 
 * Modules that a registry finds by name (systems, forecasters, validation strategies). A script that
@@ -18,16 +15,15 @@ do not show must not happen, and a test keeps it out. Two things are known other
   the one number of `burstcast_workflow.harness.version` is, raised when it changes a result.
 """
 
-import ast
-import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
 from burstcast.discovery import top_level_directory
+from burstcast_workflow import code_hash
+from burstcast_workflow.code_hash import code_of
 from burstcast_workflow.project import is_installed, packages_of
 
-_HASH_LENGTH = 12
 _HARNESS = "burstcast_workflow.harness"
 _VERSION = f"{_HARNESS}.version"
 # the project's packages, where others may lie in the same directory
@@ -73,13 +69,13 @@ class Sources:
 
     def all_fingerprints(self) -> list[str]:
         """Fingerprints of all modules and all scripts, in the form of `fingerprint`."""
-        entries = [f"{path.name}@{_parsed(path)[0]}" for path in self._scripts.rglob("*.py")]
+        entries = [f"{path.name}@{code_of(path).digest}" for path in self._scripts.rglob("*.py")]
         for path in self._packages.glob("burstcast*/**/*.py"):
             parts = path.relative_to(self._packages).with_suffix("").parts
             module = ".".join(parts).removesuffix(".__init__")
-            entries.append(f"{module}@{_parsed(path)[0]}")
+            entries.append(f"{module}@{code_of(path).digest}")
         for module, path in self.own_files().items():
-            entries.append(f"{module}@{_parsed(path)[0]}")
+            entries.append(f"{module}@{code_of(path).digest}")
         return sorted(entries)
 
     def own_files(self) -> dict[str, Path]:
@@ -127,7 +123,7 @@ def fingerprint(script: Path, source_root: Path, extra_modules: Sequence[str] = 
 def forget_files() -> None:
     """Forget all files that were read, so that edits are seen by this process."""
     _fingerprint.cache_clear()
-    _parsed.cache_clear()
+    code_hash.forget_files()
     _located.cache_clear()
 
 
@@ -141,9 +137,9 @@ def _fingerprint(script: Path, source_root: Path, extra_modules: tuple[str, ...]
     for module in extra_modules:
         if _located(module, roots) is None:
             raise FileNotFoundError(f"there is no module {module} in {source_root}")
-    digest, imports = _parsed(script)
+    digest, imports = code_of(script)
     waiting = [*(name for name, level in imports if level == 0), *extra_modules]
-    entries = {name: _parsed(path)[0] for name, path in _reached(waiting, roots).items()}
+    entries = {name: code_of(path).digest for name, path in _reached(waiting, roots).items()}
     entries[script.name] = digest
     return sorted(f"{name}@{digest}" for name, digest in entries.items())
 
@@ -158,7 +154,7 @@ def _reached(waiting: list[str], roots: tuple[_Root, ...]) -> dict[str, Path]:
                 continue
             found[module] = path
             package = module if path.name == "__init__.py" else module.rpartition(".")[0]
-            imports = _parsed(path)[1]
+            imports = code_of(path).imports
             waiting += [_absolute(name, level, package) for name, level in imports]
     return found
 
@@ -200,127 +196,3 @@ def _located(module: str, roots: tuple[_Root, ...]) -> Path | None:
             if package in ("", first) and candidate.is_file():
                 return candidate
     return None
-
-
-@cache
-def _parsed(path: Path) -> tuple[str, list[tuple[str, int]]]:
-    """Hash of a file's code, and its imports: names with their numbers of leading dots."""
-    return _parsed_source(path.read_bytes(), str(path))
-
-
-# a job looks at its files twice, and they are hardly ever others the second time
-@cache
-def _parsed_source(source: bytes, path: str) -> tuple[str, list[tuple[str, int]]]:
-    tree = ast.parse(source, path)
-    parts: list[str] = []
-    _serialise(tree, parts)
-    digest = hashlib.sha256("\x1f".join(parts).encode("utf-8", "surrogatepass")).hexdigest()
-    return digest[:_HASH_LENGTH], list(_imports(tree))
-
-
-def _imports(tree: ast.Module) -> Iterator[tuple[str, int]]:
-    """Imports of a module, at its top or in a function."""
-    own = [node for node in tree.body if not _for_people(node, ast.Module)]
-    for node in (inner for outer in own for inner in ast.walk(outer)):
-        if isinstance(node, ast.Import):
-            for alias in node.names:
-                yield alias.name, 0
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            yield base, node.level
-            for alias in node.names:
-                # a module, or a name in one: only the former is found as a file
-                yield f"{base}.{alias.name}" if base else alias.name, node.level
-
-
-# fields that say nothing about what the code does, or that repeat its position
-_IGNORED_FIELDS = frozenset({"ctx", "kind", "type_comment", "type_ignores"})
-# functions that only people call, by what they are defined in
-_FOR_PEOPLE: dict[type[ast.AST], tuple[str, ...]] = {
-    ast.Module: ("__getattr__", "__dir__"),
-    ast.ClassDef: ("__repr__",),
-}
-
-
-def _serialise(node: ast.AST, parts: list[str]) -> None:
-    """Append the tree below a node in a form that depends only on what the code does.
-
-    Fields that are empty are left out, since later Python versions have fields that earlier ones
-    have not; statements without effect (docstrings, other bare constants, pass) likewise.
-    """
-    kind = type(node)
-    parts.append(kind.__name__)
-    if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
-        # which error it is, but not its text
-        _serialise(node.exc.func, parts)
-        return
-    if kind is ast.Constant:
-        parts.append(_constant(node.value))  # type: ignore[attr-defined]
-        return
-    for field in kind._fields:
-        value = getattr(node, field, None)
-        if value is None or value == [] or field in _IGNORED_FIELDS:
-            continue
-        if isinstance(value, list):
-            value = [item for item in value if not _left_out(item, kind)]
-            if kind is ast.Module and not value:
-                continue  # a module that does nothing, whatever it says of itself
-            parts += [field, "["]
-            for item in value:
-                if isinstance(item, ast.AST):
-                    _serialise(item, parts)
-                else:
-                    parts.append(repr(item))  # names, and None for what is absent in a row
-            parts.append("]")
-        elif isinstance(value, ast.AST):
-            parts.append(field)
-            _serialise(value, parts)
-        else:
-            parts += [field, repr(value)]
-    parts.append(")")
-
-
-def _constant(value: object) -> str:
-    return f"{type(value).__name__} {value!r}"
-
-
-def _empty_text(node: ast.AST, parent: type[ast.AST]) -> bool:
-    """Whether it is empty text in an f-string, which only some Python versions put there."""
-    return parent is ast.JoinedStr and isinstance(node, ast.Constant) and node.value == ""
-
-
-def _left_out(item: object, parent: type[ast.AST]) -> bool:
-    return isinstance(item, ast.AST) and (
-        _without_effect(item) or _empty_text(item, parent) or _for_people(item, parent)
-    )
-
-
-def _for_people(node: ast.AST, parent: type[ast.AST]) -> bool:
-    """Whether it is a function that no job calls."""
-    return isinstance(node, ast.FunctionDef) and node.name in _FOR_PEOPLE.get(parent, ())
-
-
-def _without_effect(node: ast.AST) -> bool:
-    kind = type(node)
-    if kind is ast.Expr:
-        value = node.value  # type: ignore[attr-defined]
-        return type(value) is ast.Constant or _says_something(value)
-    return kind is ast.Pass or _makes_logger(node)
-
-
-def _says_something(node: ast.AST) -> bool:
-    """Whether it is a call of ``logger.info`` and the like."""
-    called = node.func if isinstance(node, ast.Call) else None
-    return (
-        isinstance(called, ast.Attribute)
-        and isinstance(called.value, ast.Name)
-        and called.value.id == "logger"
-    )
-
-
-def _makes_logger(node: ast.AST) -> bool:
-    """Whether it is one of the lines that a module's first message brings along."""
-    return isinstance(node, ast.Import | ast.Assign) and ast.unparse(node) in (
-        "import logging",
-        "logger = logging.getLogger(__name__)",
-    )

@@ -15,6 +15,7 @@ from snakemake.rules import Rule
 from snakemake.scheduling.job_scheduler import JobScheduler
 from snakemake.script import PythonScript
 
+from burstcast_workflow import code_hash
 from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.run import OvertakenError, Run
 
@@ -59,6 +60,7 @@ def claim_before_jobs(
                 run.claim(config, code, directories)
             except OvertakenError as error:
                 raise WorkflowError(str(error)) from None
+            code_hash.keep(run.results)
 
     PersistenceBase.deactivate_cache = planning_is_over
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from burstcast_workflow import code_hash
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
@@ -74,6 +75,7 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> Started:
         run = Run.of_job()
         whole, directories = run.plan()["config"], run.plan()["directories"]
         make_importable(directories)
+    code_hash.recall(run.results)
     sources = Sources(project, own_modules(whole))
     plan_by_records(run.results)
     if workflow.is_main_process:

@@ -1,5 +1,6 @@
 """The tiny preset from the equations to the figures, as Snakemake runs it."""
 
+import hashlib
 import json
 import math
 import re
@@ -149,6 +150,15 @@ def test_tables_have_every_network(finished, name):
     assert set(zip(networks["neurons"], networks["validation"], strict=True)) == NETWORKS
     times = 3 if name == "classification" else 1
     assert len(rows) == times * (len(NETWORKS) + len(others))
+
+
+def test_the_run_keeps_what_all_sources_do_for_its_jobs(finished):
+    directory = finished.project.directory
+    modules = [*directory.glob("src/burstcast*/**/*.py")]
+    scripts = [*directory.glob("workflow/scripts/**/*.py")]
+    contents = {hashlib.sha256(path.read_bytes()).hexdigest() for path in modules + scripts}
+    kept = json.loads((finished.project.results / ".code.json").read_text())
+    assert kept["sources"].keys() == contents
 
 
 def test_a_perfect_forecaster_is_perfect_and_a_noisy_one_nearly(finished):

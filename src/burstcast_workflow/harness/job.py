@@ -29,6 +29,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
+from burstcast_workflow import code_hash
 from burstcast_workflow.canonical import canonical, canonical_json
 from burstcast_workflow.harness.cache import (
     LIBRARIES,
@@ -116,6 +117,8 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     plan: dict[str, Any] = {"code": code, "directories": []} if run is None else run.plan()
     planned = plan["code"]
     make_importable(plan["directories"])
+    if run is not None:
+        code_hash.recall(run.results)
     check_code(script, code, planned)
     for path in snakemake.output:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
