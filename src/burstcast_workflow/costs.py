@@ -39,8 +39,8 @@ SECONDS_PER = {
 
 # Seconds before a script computes, and MiB that it holds then: Python with NumPy and NetCDF; with
 # SciPy and the compiled backend; with scikit-optimize, too; with pandas; with Matplotlib.
-_PLAIN, _COMPILED, _SEARCHING = (0.8, 90), (1.1, 160), (2.4, 260)
-_TABLES, _DRAWING = (1.3, 90), (3.2, 210)
+_PLAIN, _COMPILED, _SEARCHING = (0.5, 90), (0.75, 160), (2.1, 260)
+_TABLES, _DRAWING = (0.75, 90), (2.5, 210)
 _MIB_PER_NUMBER = 8 / 2**20
 _CANDIDATES = 5.0  # points of a search that its objective cannot tell from the best
 _SCIPY_SLOWER = 4.0  # a network's step with the backend that is not compiled

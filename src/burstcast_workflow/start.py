@@ -1,5 +1,6 @@
 """What the workflow does before any rule: check itself, read the config, patch Snakemake."""
 
+import atexit
 import gc
 import sys
 from collections.abc import Mapping, Sequence
@@ -62,8 +63,9 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> Started:
         If another run has overtaken this one.
     """
     # Planning makes millions of objects and keeps them: looking through them for garbage all the
-    # time takes a tenth of it.
+    # time takes a tenth of it; doing so once more when the process ends is as useless.
     gc.set_threshold(200_000, 50, 1000)
+    atexit.register(gc.freeze)
     check_imports(packages_of(project))
     if workflow.is_main_process:
         directories = search_directories(workflow.configfiles, project)

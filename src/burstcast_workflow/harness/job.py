@@ -12,6 +12,8 @@ rule declares and ``provenance`` what goes into the output files as their origin
 those that it needs.
 """
 
+import atexit
+import gc
 import inspect
 import logging
 import os
@@ -71,6 +73,8 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
     SystemExit
         With status 1 if ``function`` raises; the traceback is in the log, one line on stderr.
     """
+    # at its end, Python would look through all objects for garbage: a tenth of a second with SciPy
+    atexit.register(gc.freeze)
     log = Path(snakemake.log[0])
     log.parent.mkdir(parents=True, exist_ok=True)
     label = _label(snakemake)

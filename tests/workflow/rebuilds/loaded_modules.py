@@ -18,6 +18,10 @@ HARNESS = "burstcast_workflow.harness"
 REGISTRIES = ("systems", "forecasters", "tuning/strategies", "control/strategies")
 
 
+def _take_anything(*_: object, **__: object) -> None:
+    pass
+
+
 class EmptyHarness(MetaPathFinder, Loader):
     """Finds modules of the harness that have every name, with nothing behind it."""
 
@@ -26,7 +30,8 @@ class EmptyHarness(MetaPathFinder, Loader):
         return ModuleSpec(name, self, is_package=name == HARNESS) if ours else None
 
     def exec_module(self, module: ModuleType) -> None:
-        module.__dict__["__getattr__"] = lambda name: type(name, (), {})
+        # a class, or what decorates a function
+        module.__dict__["__getattr__"] = lambda name: type(name, (), {"__init__": _take_anything})
 
 
 def loaded(load: Callable[[], object]) -> list[str]:

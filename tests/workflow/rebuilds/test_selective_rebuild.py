@@ -1,8 +1,8 @@
 """What must run again after an edit does, nothing else does, and the results have the same bits.
 
-The long tests make every edit: pytest -m long tests/workflow/rebuilds. They go on where they were
-stopped if BURSTCAST_TRIALS names a directory; ``python trial.py DIRECTORY`` prints the table that
-docs/selective_rebuilds.md shows.
+The long tests make every edit: pytest -m long tests/workflow/rebuilds. Plans (-k plan) take half an
+hour, all trials many hours: they go on where they were stopped if BURSTCAST_TRIALS names a
+directory; ``python trial.py DIRECTORY`` prints the table that docs/selective_rebuilds.md shows.
 """
 
 import os
@@ -158,3 +158,9 @@ def test_every_setting(whole_lab, name):
 @pytest.mark.parametrize("path", code_files())
 def test_every_module_and_script(whole_lab, path):
     assert whole_lab.code_trial(path).problems == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("path", code_files())
+def test_the_plan_of_every_module_and_script(whole_lab, path):
+    assert whole_lab.plan_of_code_trial(path) == []

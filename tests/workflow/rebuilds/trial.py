@@ -114,6 +114,23 @@ class Laboratory:
         expected = self.jobs_with(edit.module)
         return self._judged(work, {}, scratch, edit.what, edit, expected, start)
 
+    def plan_of_code_trial(self, path: str) -> list[str]:
+        """Change a module or a script, and only plan: what is wrong with the plan."""
+        edit, work = added_statement(path), self._to_plan_in
+        file = work.directory / path
+        before = file.read_text()
+        try:
+            file.write_text(edit.text)
+            planned = {_job(name) for name in work.planned()}
+        finally:
+            file.write_text(before)
+        of_tables = {job for job in planned if job.partition("/")[0] in TABLE_SCRIPTS}
+        return _otherwise_than(self.jobs_with(edit.module), of_tables)
+
+    @cached_property
+    def _to_plan_in(self) -> Project:
+        return self.base.copy(self.directory / "plans")
+
     def jobs_with(self, module: str) -> set[str]:
         """Jobs that must run again when a module or script has changed."""
         if module == VERSION_OF_HARNESS:
@@ -199,10 +216,7 @@ class Laboratory:
             problems.append(f"the run failed: {outcome.text[-2000:]}")
         ran = jobs_since(before, work.logs())
         rerun = {_job(name) for name in ran}
-        if missed := expected - rerun:
-            problems.append(f"did not run again: {', '.join(sorted(missed))}")
-        if extra := rerun - expected:
-            problems.append(f"ran again for nothing: {', '.join(sorted(extra))}")
+        problems += _otherwise_than(expected, rerun)
         tables = work.tables()
         different = sorted(name for name in scratch if tables.get(name) != scratch[name])
         if different:
@@ -236,6 +250,15 @@ class Laboratory:
 OF_TABLES = ("percentiles", "all_cases", "latex")
 TABLE_SCRIPTS = {job.partition("/")[0] for job in ALL}
 _TOLD_APART = {job.partition("/")[0] for job in ALL if "/" in job}
+
+
+def _otherwise_than(expected: set[str], rerun: set[str]) -> list[str]:
+    """What is wrong with the jobs that run again, in words."""
+    differences = {
+        "did not run again": expected - rerun,
+        "ran again for nothing": rerun - expected,
+    }
+    return [f"{what}: {', '.join(sorted(jobs))}" for what, jobs in differences.items() if jobs]
 
 
 def _job(log: str) -> str:
