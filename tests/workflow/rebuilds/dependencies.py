@@ -3,7 +3,8 @@
 Nothing here comes from the workflow's own code. ``case.x`` stands for the setting x of a case,
 wherever the config says it. Jobs of one rule that depend on different things are told apart, as
 ``rule/what``: those of forecasters by the kind that forecasts, percentiles, rows of all cases
-and LaTeX by the table.
+and LaTeX by the table. What other strategies of control than the paper's do is by the strategy,
+too: only the paper's has alarms at random beside it.
 """
 
 from fnmatch import fnmatchcase
@@ -71,6 +72,7 @@ READS = {
     "long_term/esn": f"{_LONG_TERM} {_NETWORK} {_JUDGED}",
     "lyapunov_spectrum/esn": f"{_SPECTRUM} {_NETWORK}",
     "control/esn": f"{_CONTROL} case.training.noise {_NETWORK}",
+    "control/esn/receding_horizon": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
     "control/equations": _CONTROL,
     "control_random/esn": _CONTROL,
     "control_without_forecast": _OTHER_CONTROL,
@@ -141,6 +143,7 @@ COMES_FROM = {
     "long_term/esn": "simulate train",
     "lyapunov_spectrum/esn": "simulate train long_term/esn",
     "control/esn": "simulate train",
+    "control/esn/receding_horizon": "simulate train",
     "control/equations": "simulate fit/equations",
     "control_random/esn": "simulate control/esn",
     "control_committee/esn": "simulate train",
@@ -153,8 +156,9 @@ COMES_FROM = {
     "control_density_table": "control/esn control/equations control_random/esn",
     "warnings_table": """simulate events reference_statistics dataset_table classification_table
         hyperparameters_table statistics_table""",
-    "control_strategies_table": """control/esn control/equations control_random/esn
-        control_without_forecast control_committee/esn control_committee/quadratic_filtered""",
+    "control_strategies_table": """control/esn control/esn/receding_horizon control/equations
+        control_random/esn control_without_forecast control_committee/esn
+        control_committee/quadratic_filtered""",
     "dataset_table": "simulate events lyapunov",
     "hyperparameters_table": "search",
     "horizon_table": """horizon/esn horizon/equations horizon/equations_noisy
@@ -267,7 +271,8 @@ FORECASTERS_BY_NAME = "burstcast.forecasters.registry", "burstcast.forecasters."
 # Strategies of control are those of the job.
 STRATEGIES_BY_NAME = "burstcast.control.strategies.registry", "burstcast.control.strategies."
 STRATEGIES = {
-    "control/esn": ("prediction_triggered", "receding_horizon"),
+    "control/esn": ("prediction_triggered",),
+    "control/esn/receding_horizon": ("receding_horizon",),
     "control/equations": ("prediction_triggered",),
     "control_random/esn": ("prediction_triggered",),
     "control_without_forecast": ("reactive",),

@@ -207,7 +207,7 @@ _EXPECTED: dict[str, set[str]] = {
     | TABLES_OF_NETWORKS
     | TABLES_OF_LONG_RUNS
     | OF_CONTROLLING_NETWORKS
-    | {"control_committee/esn"},
+    | {"control/esn/receding_horizon", "control_committee/esn"},
     "campaign.0.forecasters.esn.validation": TABLES_OF_NETWORKS,
     "campaign.0.forecasters.equations": TABLES_OF_FORECASTERS | TABLES_OF_CONTROL,
     "campaign.0.forecasters.equations_noisy": TABLES_OF_FORECASTERS,

@@ -156,7 +156,7 @@ class Laboratory:
         }
         registry, prefix = FORECASTERS_BY_NAME
         if registry in loaded:
-            kind = "esn" if job in JOBS_OF_NETWORKS else job.partition("/")[2]
+            kind = "esn" if job in JOBS_OF_NETWORKS else job.partition("/")[2].partition("/")[0]
             by_name.add(f"{prefix}{kind}")
         registry, prefix = STRATEGIES_BY_NAME
         if registry in loaded:
@@ -266,7 +266,11 @@ def _job(log: str) -> str:
     rule, *parts = log.removesuffix(".log").split("/")
     if rule not in _TOLD_APART:
         return rule
-    return f"{rule}/{parts[-1] if rule in OF_TABLES else parts[1].partition('-')[0]}"
+    if rule in OF_TABLES:
+        return f"{rule}/{parts[-1]}"
+    job = f"{rule}/{parts[1].partition('-')[0]}"
+    strategy = parts[-1].partition("-")[0]
+    return f"{job}/{strategy}" if f"{job}/{strategy}" in ALL else job
 
 
 def _jobs_of(script: str) -> list[str]:
