@@ -75,7 +75,8 @@ READS = {
     "control/esn/receding_horizon": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
     "control/equations": _CONTROL,
     "control_random/esn": _CONTROL,
-    "control_without_forecast": _OTHER_CONTROL,
+    # what reacts looks at noisy observations
+    "control_without_forecast": f"{_OTHER_CONTROL} case.training.noise",
     "control_committee/esn": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
     "control_committee/quadratic_filtered": f"{_OTHER_CONTROL} case.training.noise {_LEARNT}",
     "statistics_table": f"{_SYSTEM} random_seed bootstrap.* statistics.profile_points",

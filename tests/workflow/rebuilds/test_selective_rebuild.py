@@ -161,6 +161,12 @@ def test_every_module_and_script(whole_lab, path):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("name", CONFIG_EDITS)
+def test_the_plan_of_every_setting(whole_lab, name):
+    assert whole_lab.plan_of_config_trial(CONFIG_EDITS[name]) == []
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("path", code_files())
 def test_the_plan_of_every_module_and_script(whole_lab, path):
     assert whole_lab.plan_of_code_trial(path) == []

@@ -114,6 +114,11 @@ class Laboratory:
         expected = self.jobs_with(edit.module)
         return self._judged(work, {}, scratch, edit.what, edit, expected, start)
 
+    def plan_of_config_trial(self, edit: ConfigEdit) -> list[str]:
+        """Change a setting, and only plan: what is wrong with the plan's rules."""
+        planned = self._to_plan_in.dry_run("tables", overlay=edit.overlay())
+        return _otherwise_than({job.partition("/")[0] for job in edit.expected}, {*planned})
+
     def plan_of_code_trial(self, path: str) -> list[str]:
         """Change a module or a script, and only plan: what is wrong with the plan."""
         edit, work = added_statement(path), self._to_plan_in
