@@ -81,12 +81,15 @@ def recall(results: str) -> None:
 
 
 def keep(results: str) -> None:
-    """Write down what the files that this process has looked at do."""
+    """Write down what the files that this process has looked at do, if there is room for it."""
     sources = {key: _known[key] for key in sorted({*_seen.values()})}
     memory = Path(results) / MEMORY
     partial = memory.with_name(f"{MEMORY}.{secrets.token_hex(8)}")
-    partial.write_text(json.dumps({"found_out_by": _tools(), "sources": sources}))
-    os.replace(partial, memory)
+    try:
+        partial.write_text(json.dumps({"found_out_by": _tools(), "sources": sources}))
+        os.replace(partial, memory)
+    except OSError:
+        partial.unlink(missing_ok=True)
 
 
 def _tools() -> str:

@@ -94,3 +94,14 @@ def test_only_what_was_looked_at_is_kept(tmp_path, module):
     code_hash.keep(str(tmp_path))
     assert len(json.loads((tmp_path / MEMORY).read_text())["sources"]) == 1
     assert sorted(os.listdir(tmp_path)) == [MEMORY, "module.py"]
+
+
+def test_without_room_nothing_is_kept(tmp_path, module, monkeypatch):
+    code_of(module)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    code_hash.keep(str(tmp_path))
+    assert os.listdir(tmp_path) == ["module.py"]
