@@ -24,7 +24,16 @@ from dependencies import (
     VERSION_OF_HARNESS,
     and_what_follows,
 )
-from edits import CodeEdit, ConfigEdit, added_statement, changed_meanings, merged, tiny_config
+from edits import (
+    CodeEdit,
+    ConfigEdit,
+    added_statement,
+    changed_meanings,
+    code_files,
+    config_edits,
+    merged,
+    tiny_config,
+)
 from helpers_rebuilds import PARTS, ROOT, JobServer, Outcome, Project, jobs_since
 
 _EDITS_TRIED = 3
@@ -312,18 +321,19 @@ def summary(directory: Path) -> str:
         Trial(**json.loads(path.read_text()))
         for path in sorted((directory / "trials").glob("*.json"))
     ]
+    planned = len(config_edits()) + len(code_files())
     failed = sum(bool(trial.problems) for trial in trials)
     with_effect = sum(trial.tables_changed > 0 for trial in trials)
     lines = [
         "# Trials of selective rebuilds",
         "",
-        "Every leaf of the config, module and script of the `tiny` preset was edited in turn, and",
-        "finished results were brought up to date ([selective_rebuilds.md](selective_rebuilds.md),",
+        "Leaves of the config, modules and scripts of the `tiny` preset were edited one at a time,",
+        "and finished results brought up to date ([selective_rebuilds.md](selective_rebuilds.md),",
         "how it is tested). *Jobs* ran again for the tables; *figure jobs* would have. *Equal",
         "bits*: all tables are those of a run from scratch, no job ran that should not have, none",
         "was left out, and nothing was left to do.",
         "",
-        f"{len(trials)} edits, {failed} failed; {with_effect} of them changed tables.",
+        f"{len(trials)} edits of {planned} so far, {failed} failed; {with_effect} changed tables.",
         "",
         "| edit | what | jobs | rules run again | figure jobs | tables changed | verdict |",
         "|---|---|---|---|---|---|---|",
