@@ -69,12 +69,12 @@ from burstcast_workflow.config.loading import load
 from burstcast_workflow.cost_report import (
     PredictedJob,
     job_table,
-    jobs_with_costs,
+    jobs_of_plan,
     report,
     rule_costs,
 )
-from burstcast_workflow.costs import SECONDS_PER, CostModel
-from burstcast_workflow.snakemake_plan import names_of_rules, planned
+from burstcast_workflow.costs import SECONDS_PER
+from burstcast_workflow.snakemake_plan import planned
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "performance.md"
@@ -786,8 +786,7 @@ def _planned() -> Any:
 
 
 def _jobs(seconds_per: dict[str, float]) -> list[PredictedJob]:
-    campaign = names_of_rules(_planned())["campaign"]
-    return jobs_with_costs(_planned(), campaign, CostModel(campaign, seconds_per), ROOT)
+    return jobs_of_plan(_planned(), seconds_per)
 
 
 def _minutes(jobs: list[PredictedJob]) -> float:

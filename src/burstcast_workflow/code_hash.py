@@ -13,13 +13,13 @@ bytes: what is kept cannot be out of date, and where it is missing, sources are 
 import ast
 import hashlib
 import json
-import os
-import secrets
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
+
+from burstcast_workflow.harness.storage import atomic
 
 _HASH_LENGTH = 12
 
@@ -81,15 +81,16 @@ def recall(results: str) -> None:
 
 
 def keep(results: str) -> None:
-    """Write down what the files that this process has looked at do, if there is room for it."""
+    """Write down what the files that this process has looked at do, if there is room for it.
+
+    Raises
+    ------
+    OvertakenError
+        If a newer run has the results now.
+    """
     sources = {key: _known[key] for key in sorted({*_seen.values()})}
-    memory = Path(results) / MEMORY
-    partial = memory.with_name(f"{MEMORY}.{secrets.token_hex(8)}")
-    try:
+    with suppress(OSError), atomic(Path(results) / MEMORY) as partial:
         partial.write_text(json.dumps({"found_out_by": _tools(), "sources": sources}))
-        os.replace(partial, memory)
-    except OSError:
-        partial.unlink(missing_ok=True)
 
 
 def _tools() -> str:

@@ -83,11 +83,13 @@ def predicted_jobs(
     arguments: Sequence[str] = (), seconds_per: Mapping[str, float] = SECONDS_PER
 ) -> list[PredictedJob]:
     """All jobs of the campaign that options of snakemake name, rule by rule, done or not."""
-    return _jobs(planned([*arguments, "--forceall"]), seconds_per)
+    return jobs_of_plan(planned([*arguments, "--forceall"]), seconds_per)
 
 
-def _jobs(workflow: Any, seconds_per: Mapping[str, float] = SECONDS_PER) -> list[PredictedJob]:
-    """All jobs of a plan."""
+def jobs_of_plan(
+    workflow: Any, seconds_per: Mapping[str, float] = SECONDS_PER
+) -> list[PredictedJob]:
+    """All jobs of a campaign that Snakemake has planned, rule by rule."""
     campaign = names_of_rules(workflow)["campaign"]
     above = Path(workflow.overwrite_workdir or "")
     return jobs_with_costs(workflow, campaign, CostModel(campaign, seconds_per), above)
@@ -321,7 +323,7 @@ def _ratio(measured: float, prediction: float) -> str:
 def main(arguments: Sequence[str]) -> int:
     """Print the reports of a campaign."""
     workflow = planned([*arguments, "--forceall"])
-    jobs = job_table(_jobs(workflow))
+    jobs = job_table(jobs_of_plan(workflow))
     print(report(rule_costs(jobs)))
     if text := forecasters_report(forecaster_costs(jobs, names_of_rules(workflow)["campaign"])):
         print(f"\n{text}")

@@ -58,9 +58,9 @@ def claim_before_jobs(
             code = sources.all_fingerprints()
             try:
                 run.claim(config, code, directories)
+                code_hash.keep(run.results)
             except OvertakenError as error:
                 raise WorkflowError(str(error)) from None
-            code_hash.keep(run.results)
 
     PersistenceBase.deactivate_cache = planning_is_over
 

@@ -277,7 +277,7 @@ def test_committees_cost_the_forecasts_of_all_who_vote():
     # the filter of 40 members runs once, over 30 steps; all of them look 122 steps ahead
     of_members = seconds("control_committee", "quadratic_filtered")
     of_mean = seconds("control", "quadratic_filtered")
-    assert of_members / of_mean == pytest.approx(40 * (30 + 122) / (40 * 30 + 122), rel=0.15)
+    assert of_members / of_mean == pytest.approx(40 * (30 + 122) / (40 * 30 + 122), rel=0.1)
 
 
 def test_memory_holds_the_arrays():

@@ -170,4 +170,4 @@ def test_every_page_is_in_the_index():
 def test_what_the_demo_is_said_to_take():
     """A few minutes on two cores, by the cost model."""
     jobs = predicted_jobs(["--configfile", str(ROOT / "workflow/presets/quick.yaml")])
-    assert sum(job.cost.seconds for job in jobs) < 9 * 60
+    assert sum(job.cost.seconds for job in jobs) < 8 * 60

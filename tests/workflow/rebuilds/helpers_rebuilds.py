@@ -227,6 +227,20 @@ class Project:
             str(path.relative_to(logs)): path.stat().st_mtime_ns for path in logs.rglob("*.log")
         }
 
+    @contextmanager
+    def restored(self, *names: str) -> Iterator[None]:
+        """Take back whatever happens to these files: edits, and that they are there at all."""
+        paths = [self.directory / name for name in names]
+        before = [path.read_text() if path.exists() else None for path in paths]
+        try:
+            yield
+        finally:
+            for path, text in zip(paths, before, strict=True):
+                if text is None:
+                    path.unlink(missing_ok=True)
+                else:
+                    path.write_text(text)
+
     def edit(self, name: str, old: str, new: str) -> None:
         """Replace the one place of a text in a file."""
         path = self.directory / name

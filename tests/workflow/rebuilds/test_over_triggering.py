@@ -54,21 +54,13 @@ def project(tmp_path_factory, finished) -> Project:
 @contextmanager
 def edited(project: Project, *edits: Edit) -> Iterator[None]:
     """Make edits, and take them back."""
-    paths = [project.directory / edit.path for edit in edits]
-    before = [path.read_text() if path.exists() else None for path in paths]
-    try:
+    with project.restored(*(edit.path for edit in edits)):
         for edit in edits:
             if edit.old:
                 project.edit(edit.path, edit.old, edit.new)
             else:
                 (project.directory / edit.path).write_text(edit.new)
         yield
-    finally:
-        for path, text in zip(paths, before, strict=True):
-            if text is None:
-                path.unlink(missing_ok=True)
-            else:
-                path.write_text(text)
 
 
 def beyond(planned: set[str], allowed: str) -> set[str]:

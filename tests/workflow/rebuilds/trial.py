@@ -131,13 +131,9 @@ class Laboratory:
     def plan_of_code_trial(self, path: str) -> list[str]:
         """Change a module or a script, and only plan: what is wrong with the plan."""
         edit, work = added_statement(path), self._to_plan_in
-        file = work.directory / path
-        before = file.read_text()
-        try:
-            file.write_text(edit.text)
+        with work.restored(path):
+            (work.directory / path).write_text(edit.text)
             planned = {_job(name) for name in work.planned()}
-        finally:
-            file.write_text(before)
         of_tables = {job for job in planned if job.partition("/")[0] in TABLE_SCRIPTS}
         return _otherwise_than(self.jobs_with(edit.module), of_tables)
 
