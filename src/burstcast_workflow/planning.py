@@ -4,6 +4,10 @@ Snakemake keeps records of its own, by the paths of files, in the directory that
 say nothing about files that were exchanged, restored, made by another copy of the project, or that
 outlived that directory. Here it is told what the results' own records say instead
 (`burstcast_workflow.harness.records`).
+
+By itself, Snakemake checks nothing about an intermediate file that was deleted. Here the record of
+a deleted file counts like that of any other file: its job runs again if settings, code or inputs
+have changed, and is left out otherwise, until a job needs the file.
 """
 
 import os
@@ -33,44 +37,45 @@ def plan_by_records(results: str) -> None:
     records = Records(results)
 
     @cache
-    def found(path: str, _changed: int) -> tuple[Record | None, str]:
-        return records.found(path)
+    def found(path: str, changed: int | None) -> tuple[Record | None, str]:
+        return records.read(path) if changed is None else records.found(path)
 
-    def content(path: str) -> str | None:
-        """Digest of a file as it is now; None if it is not there, or damaged."""
-        if not os.path.exists(path):
-            return None
+    def fits(path: str, value: str) -> bool:
+        """Whether an input is what a file was made from; a damaged one is made again anyway."""
+        changed = _time_of_change(path)
         if not path.startswith(f"{results}/"):
-            return digest(path)
-        record, _ = found(path, os.stat(path).st_mtime_ns)
-        return None if record is None else record.digest
+            return changed is None or digest(path) == value
+        record, _ = found(path, changed)
+        return changed is not None if record is None else record.digest == value
 
     @cache
-    def known(path: str, changed: int) -> MetadataRecord:
+    def known(path: str, changed: int | None) -> MetadataRecord | None:
         record, problem = found(path, changed)
         if record is None:
+            if changed is None:
+                return None  # never made; what was made from it nevertheless, does not fit
             # parameters that no job has: it runs again, and Snakemake says why
             return MetadataRecord(record_format_version=RECORD_FORMAT_VERSION, params=[problem])
         inputs = {records.path(name): value for name, value in record.inputs.items()}
+        end = (changed or 0) / 1e9
         return MetadataRecord(
             record_format_version=RECORD_FORMAT_VERSION,
             rule=record.identity["rule"],
             params=sorted(map(repr, record.parameters.values())),
             input=sorted(
-                path if content(path) in (value, None) else path + FORMER
-                for path, value in inputs.items()
+                path if fits(path, value) else path + FORMER for path, value in inputs.items()
             ),
             input_checksums={path: f"sha256:{value}" for path, value in inputs.items()},
             log=[records.path(record.log)],
-            starttime=changed / 1e9 - record.seconds,
-            endtime=changed / 1e9,
+            starttime=end - record.seconds,
+            endtime=end,
         )
 
     def metadata(self: PersistenceBase, target: Any) -> MetadataRecord | None:
         path = str(target)
         if not path.startswith(f"{results}/"):
             return _snakemakes_own(self, target)
-        return known(path, os.stat(path).st_mtime_ns) if os.path.exists(path) else None
+        return known(path, _time_of_change(path))
 
     async def incomplete(self: PersistenceBase, job: Any) -> list[Any]:
         """Outputs that were being made when Snakemake was killed, and were not finished since."""
@@ -79,3 +84,11 @@ def plan_by_records(results: str) -> None:
 
     PersistenceBase.metadata = metadata
     PersistenceBase.incomplete = incomplete
+
+
+def _time_of_change(path: str) -> int | None:
+    """Time of a file's last change, in nanoseconds; None if there is no such file."""
+    try:
+        return os.stat(path).st_mtime_ns
+    except FileNotFoundError:
+        return None

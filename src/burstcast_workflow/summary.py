@@ -66,14 +66,7 @@ def summary_table(tables: Path) -> pd.DataFrame | None:
     horizons = _medians(tables / "horizon_percentiles.csv", "mean_horizon_lt")
     if horizons is not None:
         columns["mean PH_ee [LT]"] = horizons.set_index(_KEYS)["p50"]
-    for metric, title in (
-        ("exceedance_uncontrolled", "exceedance"),
-        ("exceedance_controlled", "under control"),
-    ):
-        exceedance = _medians(tables / "control_percentiles.csv", metric)
-        if exceedance is not None:
-            # of the prediction times the one that leaves least
-            columns[title] = exceedance.groupby(_KEYS)["p50"].min()
+    columns |= _control(tables / "control_percentiles.csv")
     if not columns:
         return None
     table = pd.DataFrame(columns).dropna(how="all")
@@ -85,6 +78,23 @@ def summary_table(tables: Path) -> pd.DataFrame | None:
     table = table.sort_values("case", key=lambda cases: cases.map(place), kind="stable")
     table.insert(1, "who", [_who(row) for row in table[_KEYS].to_dict("records")])
     return table.drop(columns=_KEYS[1:])
+
+
+def _control(path: Path) -> dict[str, "pd.Series[float]"]:
+    """Exceedance without and under control, at the prediction time that leaves least of it."""
+    controlled, uncontrolled = (
+        _medians(path, f"exceedance_{flows}") for flows in ("controlled", "uncontrolled")
+    )
+    if controlled is None or uncontrolled is None:
+        return {}
+    least = controlled.loc[controlled.groupby(_KEYS)["p50"].idxmin()]
+    pairs = least.merge(uncontrolled, on=[*_KEYS, "prediction_time_lt"], suffixes=("", "_free"))
+    pairs = pairs.set_index(_KEYS)
+    return {
+        "exceedance": pairs["p50_free"],
+        "under control": pairs["p50"],
+        "PT [LT]": pairs["prediction_time_lt"],
+    }
 
 
 def warnings_summary(tables: Path) -> str:

@@ -252,8 +252,6 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
         for text in texts or ["not made yet"]:
             yield "", text
         return
-    if job.missing:
-        yield "", "results were deleted"
     settled = False
     if job.recorded_settings is not None:
         for case, text in differences(job.recorded_settings, job.settings):
@@ -261,7 +259,10 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
             yield case, text
     if job.recorded_code is not None:
         for module in changed_modules(job.recorded_code, job.code):
+            settled = True
             yield "", f"code of {module} changed"
+    if job.missing and not settled:
+        yield "", "results were deleted"
     recorded = job.recorded_inputs
     if not settled and recorded is not None and sorted(recorded) != sorted(job.inputs):
         former = [path.removesuffix(FORMER) for path in recorded if path.endswith(FORMER)]

@@ -62,6 +62,19 @@ def test_a_large_campaign_is_cut_and_says_so(tmp_path):
     assert "and 4 more" in lines[-1]
 
 
+def test_exceedances_are_of_one_prediction_time(tmp_path):
+    """Not the least of each, which would pair two experiments."""
+    at_times = {1: (0.12, 0.02), 2: (0.11, 0.05)}
+    pd.concat(
+        percentiles(f"exceedance_{flows}", {ESN: values[number]}, prediction_time_lt=time)
+        for time, values in at_times.items()
+        for number, flows in enumerate(("uncontrolled", "controlled"))
+    ).to_csv(tmp_path / "control_percentiles.csv", index=False)
+    heads, row = campaign_summary(tmp_path).splitlines()
+    assert heads.endswith("exceedance  under control  PT [LT]")
+    assert row.split()[-3:] == ["0.12", "0.02", "1"]
+
+
 def test_tables_of_no_byte_are_none(tmp_path):
     for name in ("classification_percentiles", "horizon_percentiles", "warnings"):
         (tmp_path / f"{name}.csv").touch()

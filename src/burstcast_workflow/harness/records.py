@@ -108,6 +108,23 @@ class Records:
         )
         return [name for name in found if os.path.exists(self.path(name))]
 
+    def read(self, path: str) -> tuple[Record | None, str]:
+        """Read the record of a file, which may have been deleted.
+
+        Returns
+        -------
+        The record, or None and what is wrong.
+        """
+        try:
+            record = Record(**json.loads(self.file(path).read_bytes()))
+        except FileNotFoundError:
+            return None, NO_RECORD
+        except (OSError, ValueError, TypeError) as error:
+            return None, f"the record of {path} cannot be read ({type(error).__name__})"
+        if record.path != self.name(path):
+            return None, f"the record of {path} is that of another file, {record.path}"
+        return record, ""
+
     def found(self, path: str, *, read: bool = False) -> tuple[Record | None, str]:
         """Find the record of a file, if the file is still what its job wrote.
 
@@ -122,15 +139,9 @@ class Records:
         -------
         The record, or None and what is wrong.
         """
-        name = self.name(path)
-        try:
-            record = Record(**json.loads(self.file(path).read_bytes()))
-        except FileNotFoundError:
-            return None, NO_RECORD
-        except (OSError, ValueError, TypeError) as error:
-            return None, f"the record of {path} cannot be read ({type(error).__name__})"
-        if record.path != name:
-            return None, f"the record of {path} is that of another file, {record.path}"
+        record, problem = self.read(path)
+        if record is None:
+            return None, problem
         state = stamp(path)
         if record.stamp == state and not (read and state[0] < _LARGE):
             return record, ""

@@ -6,6 +6,7 @@ directory; ``python trial.py DIRECTORY`` prints the table that docs/selective_re
 """
 
 import os
+import random
 from pathlib import Path
 
 import pytest
@@ -170,3 +171,20 @@ def test_the_plan_of_every_setting(whole_lab, name):
 @pytest.mark.parametrize("path", code_files())
 def test_the_plan_of_every_module_and_script(whole_lab, path):
     assert whole_lab.plan_of_code_trial(path) == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", CONFIG_EDITS)
+def test_deleted_files_hide_no_edit(finished, tmp_path, name):
+    """Whatever files are deleted, an edit makes at least the jobs run that it would run anyway."""
+    whole, overlay = finished.project, CONFIG_EDITS[name].overlay()
+    project = whole.copy(tmp_path / "project")
+    chance = random.Random(f"{os.environ.get('BURSTCAST_SEED', 0)} {name}")
+    kept = (".records", "logs", "benchmarks", "tables")
+    files = [path for path in sorted(project.results.glob("[!.]*/**/*.*")) if path.is_file()]
+    for path in files:
+        if path.relative_to(project.results).parts[0] not in kept and chance.random() < 0.6:
+            path.unlink()
+    with_all = whole.dry_run("tables", overlay=overlay)
+    jobs = project.dry_run("tables", overlay=overlay)
+    assert {rule: count for rule, count in with_all.items() if jobs.get(rule, 0) < count} == {}

@@ -106,6 +106,52 @@ def test_what_was_made_from_another_version_of_a_file_is_made_again(project, fin
     repaired(project, finished)
 
 
+OF_A_NETWORK = ["Re400/esn-N40-RV-seed0/hyperparameters.json", "Re400/scan/*"]
+DELETED = {
+    "ensemble.duration 400 -> 420": (
+        ["Re400/ensemble.nc"],
+        {"case_defaults": {"ensemble": {"duration": 420}}},
+    ),
+    "search.bayesian_points 1 -> 2": (OF_A_NETWORK[:1], {"search": {"bayesian_points": 2}}),
+    "search.grid 2 -> 3": (OF_A_NETWORK[1:], {"search": {"grid": 3}}),
+    "random_seed 2022 -> 7": (["Re400/*.nc", *OF_A_NETWORK], {"random_seed": 7}),
+}
+
+
+def delete(project: Project, names: list[str]) -> None:
+    for path in [path for name in names for path in project.results.glob(name)]:
+        path.unlink()
+
+
+@pytest.mark.parametrize("change", DELETED)
+def test_an_edit_counts_for_deleted_files_too(project, change):
+    names, overlay = DELETED[change]
+    jobs = project.dry_run("tables", overlay=overlay)
+    delete(project, names)
+    assert project.dry_run("tables") == {}  # they are not needed
+    assert project.dry_run("tables", overlay=overlay) == jobs
+    assert change in project.why("tables", overlay=overlay)
+
+
+def test_edited_code_counts_for_deleted_files_too(project):
+    delete(project, OF_A_NETWORK)
+    project.edit("src/burstcast/tuning/search.py", "nu=2.5", "nu=1.5")
+    assert project.dry_run("tables")["search"] == 4
+    assert "code of burstcast.tuning.search changed" in project.why("tables")
+
+
+def test_a_deleted_file_without_its_record_is_made_again(project, finished):
+    """The same files with the record of another version: what was made from them does not fit."""
+    (project.results / NETWORKS[0]).unlink()
+    record_of(project, NETWORKS[0]).unlink()
+    assert project.dry_run("tables")["train"] == 1
+    (project.results / NETWORKS[1]).unlink()
+    record = json.loads(record_of(project, NETWORKS[1]).read_text())
+    record_of(project, NETWORKS[1]).write_text(json.dumps(record | {"digest": "0" * 64}))
+    assert project.dry_run("tables")["train"] == 2
+    repaired(project, finished)
+
+
 def test_an_input_that_is_damaged_when_a_job_reads_it_fails_the_job(project):
     """A disk that has lost a bit: the stamp says nothing."""
     name = "Re400/events.nc"
