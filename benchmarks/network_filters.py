@@ -26,8 +26,8 @@ from burstcast.forecast.starting_points import segments, starting_points
 from burstcast.forecast.windows import WindowSummaries, crosses, summarise, window_boundaries
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.netcdf import read_attributes, read_netcdf, read_rows
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast_workflow.harness.storage import read_attributes, read_netcdf, read_rows
 
 SEED, NOISE, TRAINING, STEPS_PER_LT, THRESHOLD = 2022, 0.01, 10, 61, 0.1
 WASHOUT, START_UP, VOTERS = 30, 10, 10

@@ -17,7 +17,7 @@ from burstcast.dataset import component_scales, observed_series
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import MomentsAccumulator, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
-from burstcast_workflow.harness.storage import read_rows
+from burstcast.netcdf import read_rows
 
 WASHOUT, INTERVAL, SERIES, INTERVALS = 30, 122, 3, 30
 

@@ -11,8 +11,10 @@ do not show must not happen, and a test keeps it out. Two things are known other
   reaches a registry depends on those of its modules that its job is about, and on no others. A
   system of one's own lies elsewhere: what its module imports of the same directory, or of the same
   installed package, counts, too.
-* The harness, which runs scripts, logs, caches and writes files. It is in no fingerprint; instead,
-  the one number of `burstcast_workflow.harness.version` is, raised when it changes a result.
+* The harness, which runs scripts, logs, caches, and reads and writes files (the NetCDF files with
+  `burstcast.netcdf`). It is in no fingerprint: an edit of it would run everything again. Instead,
+  the one number of `burstcast_workflow.harness.version` is, raised when the harness changes what
+  a file holds; tests hold that for each version.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,8 +26,8 @@ from burstcast_workflow import code_hash
 from burstcast_workflow.code_hash import code_of
 from burstcast_workflow.project import is_installed, packages_of
 
-_HARNESS = "burstcast_workflow.harness"
-_VERSION = f"{_HARNESS}.version"
+_HARNESS = ("burstcast_workflow.harness.", "burstcast.netcdf.")
+_VERSION = "burstcast_workflow.harness.version"
 # the project's packages, where others may lie in the same directory
 _OURS = ("burstcast", "burstcast_workflow")
 
@@ -149,7 +151,7 @@ def _reached(waiting: list[str], roots: tuple[_Root, ...]) -> dict[str, Path]:
     found: dict[str, Path] = {}
     while waiting:
         for name in _with_parents(waiting.pop()):
-            module = _VERSION if f"{name}.".startswith(f"{_HARNESS}.") else name
+            module = _VERSION if f"{name}.".startswith(_HARNESS) else name
             if module in found or (path := _located(module, roots)) is None:
                 continue
             found[module] = path

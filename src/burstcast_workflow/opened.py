@@ -1,7 +1,6 @@
 """The results of a campaign, opened to look at: forecasters, tables, figures, series, config.
 
-It is here rather than in the library, which knows nothing of where the workflow keeps its files;
-``burstcast.open_campaign`` loads it when it is asked for.
+Users call it as ``burstcast_workflow.open_campaign``.
 """
 
 import json
@@ -16,9 +15,9 @@ from burstcast.arrays import FloatArray
 from burstcast.backends import usable_backend
 from burstcast.discovery import suggestion
 from burstcast.forecasters.base import Forecaster
+from burstcast.netcdf import read_rows
 from burstcast_workflow.campaign import Campaign, CaseForecaster
 from burstcast_workflow.harness.run import CLAIM
-from burstcast_workflow.harness.storage import read_rows
 from burstcast_workflow.jobs.data import kept_series, observed_rows
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.setting_groups import listed

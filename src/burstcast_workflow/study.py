@@ -54,7 +54,7 @@ A study with burstcast, the forecasting and control of extreme events after
 
 Results are in `{results}`: `tables/`, `figures/`. `burstcast settings` lists all settings with
 their units and defaults; config.yaml is laid over these. In a notebook:
-`burstcast.open_campaign("{results}")`.
+`burstcast_workflow.open_campaign("{results}")`.
 """
 
 

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from helpers_rebuilds import Project
 
-from burstcast_workflow.harness.storage import read_netcdf
+from burstcast.netcdf import read_netcdf
 
 pytestmark = pytest.mark.long
 

@@ -10,7 +10,7 @@ import pytest
 import yaml
 from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
 
-from burstcast_workflow.harness.storage import read_attributes, read_netcdf
+from burstcast.netcdf import read_attributes, read_netcdf
 from burstcast_workflow.harness.tables import read_table
 
 KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]

@@ -10,8 +10,9 @@ from numpy.testing import assert_array_equal
 from burstcast import forecaster_options
 from burstcast.event_forecaster import forecaster
 from burstcast.event_forecaster.forecaster import EventForecaster
+from burstcast.netcdf import read_attributes, read_netcdf
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast_workflow.harness.storage import read_attributes, read_json, read_netcdf
+from burstcast_workflow.harness.storage import read_json
 
 ROOT = Path(__file__).parents[2]
 CASE = "Re400"

@@ -9,7 +9,8 @@ from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.training import train
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.forecasters.registry import available_kinds, forecaster_class
-from burstcast_workflow.harness.storage import Variable, read_attributes, write_netcdf
+from burstcast.netcdf import Variable, read_attributes
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import (
     forecasting_case,

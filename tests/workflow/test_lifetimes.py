@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from burstcast_workflow.harness.storage import Variable, write_netcdf
+from burstcast.netcdf import Variable
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.lifetimes import lifetimes_of_training
 
 KEPT = np.array([1, 2, 5, 6, 9])

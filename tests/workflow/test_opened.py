@@ -1,4 +1,4 @@
-"""`burstcast.open_campaign`: results to look at in a notebook."""
+"""`burstcast_workflow.open_campaign`: results to look at in a notebook."""
 
 import shutil
 
@@ -7,15 +7,15 @@ import pandas as pd
 import pytest
 from numpy.testing import assert_array_equal
 
-import burstcast
+import burstcast_workflow
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.netcdf import read_netcdf
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast_workflow.harness.storage import read_netcdf
 
 
 @pytest.fixture(scope="module")
 def opened(finished):
-    return burstcast.open_campaign(finished.project.results)
+    return burstcast_workflow.open_campaign(finished.project.results)
 
 
 def test_it_says_what_there_is(opened):
@@ -79,7 +79,7 @@ def test_its_tables_and_figures(opened, tmp_path):
     shutil.copy(opened.results / ".run.json", tmp_path)
     (tmp_path / "figures").mkdir()
     (tmp_path / "figures" / "survival.png").touch()
-    moved = burstcast.open_campaign(tmp_path)
+    moved = burstcast_workflow.open_campaign(tmp_path)
     assert moved.figures["survival"] == tmp_path / "figures" / "survival.png"
     assert dict(moved.networks) == {}
     assert "0 networks (of 4)" in repr(moved)
@@ -89,7 +89,7 @@ def test_its_tables_and_figures(opened, tmp_path):
 
 def test_a_directory_without_results_is_refused(tmp_path):
     with pytest.raises(ValueError, match="holds no campaign"):
-        burstcast.open_campaign(tmp_path)
+        burstcast_workflow.open_campaign(tmp_path)
     (tmp_path / ".run.json").write_text("[]")
     with pytest.raises(ValueError, match="the directory that the config calls `results`"):
-        burstcast.open_campaign(tmp_path)
+        burstcast_workflow.open_campaign(tmp_path)

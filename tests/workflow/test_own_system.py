@@ -8,8 +8,9 @@ import pytest
 import yaml
 from helpers_rebuilds import TINY, Project
 
+from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.run import VARIABLE
-from burstcast_workflow.harness.storage import read_json, read_netcdf
+from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import read_table
 
 # No Jacobian, initial states from a sampler, a threshold as a quantile; what the class says of its

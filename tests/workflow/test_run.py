@@ -8,7 +8,7 @@ import pytest
 
 from burstcast_workflow.harness.records import Records
 from burstcast_workflow.harness.run import VARIABLE, OvertakenError, Run
-from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.harness.storage import write_json, write_netcdf
 
 CODE = ["burstcast.durations@1", "train.py@2"]
 
@@ -44,6 +44,8 @@ def test_the_jobs_of_older_runs_do_not():
     os.environ[VARIABLE] = f"{first.token} {first.results}"  # in a job that was left behind
     with pytest.raises(OvertakenError, match="results/of mine belongs to a newer run now"):
         write_json("results/of mine/a.json", {"seed": 1})
+    with pytest.raises(OvertakenError):
+        write_netcdf("results/of mine/a.nc", {}, {"seed": 1})
     with pytest.raises(OvertakenError):
         Records("results/of mine").write(["results/of mine/a.json"], {}, {}, {}, "a.log", 0)
     assert sorted(os.listdir("results/of mine")) == [".run.json", "a.json"]

@@ -5,6 +5,7 @@ import pytest
 
 from burstcast.esn.dynamics import Dynamics
 from burstcast.forecasters.esn import ReservoirSeed
+from burstcast.netcdf import Variable
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.tuning.hyperparameters import HyperparameterPoint
@@ -12,7 +13,7 @@ from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
-from burstcast_workflow.harness.storage import Variable, write_netcdf
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.searches import (
     point_validator,
     read_log_errors,

@@ -9,7 +9,8 @@ import pytest
 import yaml
 from helpers_rebuilds import ROOT, Project
 
-from burstcast_workflow.harness.storage import read_json, read_netcdf
+from burstcast.netcdf import read_netcdf
+from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import read_table
 
 TEXT = (ROOT / "docs" / "tutorial_data.md").read_text(encoding="utf-8")

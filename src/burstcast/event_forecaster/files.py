@@ -10,6 +10,7 @@ import numpy as np
 
 from burstcast.event_forecaster.observed_states import Observable
 from burstcast.forecasters.base import ForecasterRecord
+from burstcast.netcdf import Variable, read_attributes, read_netcdf, write_netcdf
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system, parameters_of
 
@@ -39,30 +40,26 @@ class SavedForecaster:
 def write_saved(path: str | Path, saved: SavedForecaster) -> None:
     """Write an event forecaster, but for an observable that is a function or a system of one's own.
 
-    Raises
-    ------
-    ImportError
-        If what writes the workflow's files is not installed.
+    The file replaces one that is there.
     """
-    storage = _storage()
     variables = {}
     for number, member in enumerate(saved.members):
         for name, array in member.arrays.items():
             label = f"member{number}_{name}"
             axes = tuple(f"{label}_{axis}" for axis in range(array.ndim))
             meaning = f"{name.replace('_', ' ')} of member {number}"
-            variables[label] = storage.Variable(axes, array, "1", meaning)
+            variables[label] = Variable(axes, array, "1", meaning)
     parameters = {
         **saved.parameters,
         "observable": _observable_record(saved.parameters["observable"]),
     }
     fitted = {**saved.fitted, "members": [dict(member.attributes) for member in saved.members]}
-    attributes = {
+    attributes: dict[str, str | int] = {
         "event_forecaster": _FORMAT,
         "parameters": json.dumps(parameters, sort_keys=True, default=_plain),
         "fitted": json.dumps(fitted, sort_keys=True, default=_plain),
     }
-    storage.write_netcdf(path, variables, attributes)
+    write_netcdf(path, variables, attributes)
 
 
 def read_saved(path: str | Path, observable: Observable | None) -> SavedForecaster:
@@ -80,11 +77,10 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
     ValueError
         If the file holds no such forecaster, or its observable is needed and not given.
     """
-    storage = _storage()
-    attributes, arrays = storage.read_attributes(path), storage.read_netcdf(path)
+    attributes, arrays = read_attributes(path), read_netcdf(path)
     if attributes.get("event_forecaster") != _FORMAT:
         raise ValueError(f"{path} holds no event forecaster that this version can read")
-    parameters, fitted = (json.loads(attributes[name]) for name in ("parameters", "fitted"))
+    parameters, fitted = (json.loads(str(attributes[name])) for name in ("parameters", "fitted"))
     parameters |= {name: tuple(parameters[name]) for name in _TUPLES}
     parameters["observable"] = _observable_of(parameters["observable"], observable, path)
     members = []
@@ -97,18 +93,6 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
         }
         members.append(ForecasterRecord(own, found))
     return SavedForecaster(parameters, fitted, members)
-
-
-def _storage() -> Any:
-    """What reads and writes the workflow's files, which the library alone does without."""
-    try:
-        from burstcast_workflow.harness import storage
-    except ImportError as error:
-        raise ImportError(
-            f"saving and loading takes the workflow's libraries: pip install 'burstcast[workflow]' "
-            f"({error})"
-        ) from error
-    return storage
 
 
 def _plain(value: Any) -> Any:

@@ -346,11 +346,6 @@ class EventForecaster(Estimator):
         """Write all that was fitted to a NetCDF file, nothing of it pickled.
 
         A function or a system of one's own as the observable is not written: `load` takes it again.
-
-        Raises
-        ------
-        ImportError
-            If what writes the workflow's files is not installed: burstcast[workflow].
         """
         self._check_fitted()
         alarms = [{"prediction_time": time, **one.record()} for time, one in self.alarms_.items()]

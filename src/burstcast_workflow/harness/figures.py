@@ -17,9 +17,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from burstcast.figures.parts.style import render
+from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.job import arguments_for, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import atomic, read_json, read_netcdf
+from burstcast_workflow.harness.storage import atomic, read_json
 from burstcast_workflow.harness.tables import read_table
 
 __all__ = ["Arrays", "Record", "Settings", "Table", "figure", "run_figure"]

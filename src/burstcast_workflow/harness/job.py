@@ -31,6 +31,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
+from burstcast.atomic_files import remove_partial
 from burstcast_workflow import code_hash
 from burstcast_workflow.canonical import canonical, canonical_json
 from burstcast_workflow.harness.cache import (
@@ -46,7 +47,7 @@ from burstcast_workflow.harness.records import Inputs, Records
 from burstcast_workflow.harness.run import Run
 from burstcast_workflow.harness.search_path import make_importable
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json, remove_partial
+from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.thresholds import INPUT, with_thresholds
 
 logger = logging.getLogger(__name__)

@@ -23,13 +23,8 @@ from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
 from burstcast.control.timing import Clock
 from burstcast.dataset import component_scales
-from burstcast_workflow.harness.storage import (
-    Variable,
-    read_json,
-    read_rows,
-    write_json,
-    write_netcdf,
-)
+from burstcast.netcdf import Variable, read_rows
+from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
 from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.systems import equations_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time

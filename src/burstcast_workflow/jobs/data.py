@@ -8,7 +8,7 @@ from typing import Any
 
 from burstcast.arrays import FloatArray
 from burstcast.dataset import component_scales, observed_series
-from burstcast_workflow.harness.storage import read_netcdf, read_rows
+from burstcast.netcdf import read_netcdf, read_rows
 from burstcast_workflow.jobs.length_checks import check_kept_series
 
 Settings = Mapping[str, Any]

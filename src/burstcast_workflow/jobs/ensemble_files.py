@@ -5,7 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
-from burstcast_workflow.harness.storage import Variable, write_json, write_netcdf
+from burstcast.netcdf import Variable
+from burstcast_workflow.harness.storage import write_json, write_netcdf
 
 
 def write_ensemble(

@@ -7,12 +7,8 @@ from typing import Any
 from burstcast.arrays import FloatArray
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import forecaster_class
-from burstcast_workflow.harness.storage import (
-    Variable,
-    read_attributes,
-    read_netcdf,
-    write_netcdf,
-)
+from burstcast.netcdf import Variable, read_attributes, read_netcdf
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.identifiers import parsed
 from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.systems import system_of

@@ -9,8 +9,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from burstcast.netcdf import read_attributes
 from burstcast_workflow.canonical import canonical_json
-from burstcast_workflow.harness.storage import read_attributes, read_json
+from burstcast_workflow.harness.storage import read_json
 
 Record = Mapping[str, Any]
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import IntArray
+from burstcast.netcdf import read_netcdf
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.survival import Lifetimes
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
 Settings = Mapping[str, Any]

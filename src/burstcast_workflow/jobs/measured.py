@@ -15,8 +15,8 @@ from burstcast.measured_data import (
     check_equidistant,
     series_of_runs,
 )
+from burstcast.netcdf import read_netcdf
 from burstcast.systems.measured import MeasuredSeries
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.series_files import read_runs
 from burstcast_workflow.jobs.time_unit import sampling_interval
 

@@ -7,8 +7,9 @@ import numpy as np
 
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
+from burstcast.netcdf import Variable
 from burstcast.probability.members import EnsembleForecaster, has_members
-from burstcast_workflow.harness.storage import Variable, write_netcdf
+from burstcast_workflow.harness.storage import write_netcdf
 
 
 def with_members(forecaster: Forecaster) -> EnsembleForecaster:

@@ -7,7 +7,8 @@ from burstcast import durations
 from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.starting_points import segments
 from burstcast.forecast.windows import window_boundaries
-from burstcast_workflow.harness.storage import Variable, read_rows, write_netcdf
+from burstcast.netcdf import Variable, read_rows
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.length_checks import check_classification
 from burstcast_workflow.jobs.systems import system_of

@@ -9,11 +9,12 @@ import numpy as np
 from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.windows import WindowSummaries, crosses
+from burstcast.netcdf import read_netcdf
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
 from burstcast.resampling import bootstrap_weights
-from burstcast_workflow.harness.storage import read_json, read_netcdf
+from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.jobs.gather import gathered
 
 Settings = Mapping[str, Any]

@@ -7,9 +7,10 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.esn.reservoir import Reservoir
+from burstcast.netcdf import Variable, read_netcdf
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
 from burstcast.tuning.validation import PointValidator, Validation
-from burstcast_workflow.harness.storage import Variable, read_netcdf, write_netcdf
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.length_checks import (
     check_recycle_validation,
     check_single_shot_validation,

@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from burstcast.arrays import FloatArray
+from burstcast.netcdf import Variable, read_netcdf
 from burstcast.systems.lyapunov import LyapunovSpectrum
-from burstcast_workflow.harness.storage import Variable, read_netcdf, write_netcdf
+from burstcast_workflow.harness.storage import write_netcdf
 
 
 def write_spectrum(

@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from burstcast.netcdf import Variable, read_netcdf
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
-from burstcast_workflow.harness.storage import Variable, read_netcdf, write_netcdf
+from burstcast_workflow.harness.storage import write_netcdf
 
 
 def write_statistics(

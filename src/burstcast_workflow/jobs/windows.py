@@ -5,7 +5,8 @@ from typing import Any
 
 from burstcast.arrays import BoolArray
 from burstcast.forecast.windows import WindowSummaries
-from burstcast_workflow.harness.storage import Variable, write_netcdf
+from burstcast.netcdf import Variable
+from burstcast_workflow.harness.storage import write_netcdf
 
 
 def windows_of(settings: Mapping[str, Any]) -> tuple[float, int]:

@@ -3,9 +3,10 @@
 from burstcast.control.example import follow_event
 from burstcast.control.outcome import largest_suppressed_event
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
+from burstcast.netcdf import variables_of
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import variables_of, write_netcdf
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.control import control_experiment, control_noise, control_strategy
 from burstcast_workflow.jobs.forecasters import read_forecaster
 

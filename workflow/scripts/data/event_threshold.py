@@ -1,9 +1,10 @@
 """Turn a quantile into an event threshold, from the training series alone."""
 
 from burstcast.event_threshold import threshold_at
+from burstcast.netcdf import read_rows
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_rows, write_json
+from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.data import kept_series
 from burstcast_workflow.jobs.length_checks import check_kept_series
 

@@ -9,16 +9,11 @@ from burstcast.forecast.starting_points import (
     horizon_events,
     segments,
 )
+from burstcast.netcdf import Variable, read_netcdf, read_rows
 from burstcast.warning_signs import few_events
 from burstcast_workflow.harness.job import Provenance, run_job, tell
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import (
-    Variable,
-    read_netcdf,
-    read_rows,
-    write_json,
-    write_netcdf,
-)
+from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.length_checks import check_horizon, check_kept_series
 from burstcast_workflow.jobs.time_unit import lyapunov_time

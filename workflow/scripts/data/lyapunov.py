@@ -3,6 +3,7 @@
 import numpy as np
 
 from burstcast import random_streams
+from burstcast.netcdf import read_rows
 from burstcast.systems.base import has_own
 from burstcast.systems.lyapunov import (
     alignment_of,
@@ -14,7 +15,7 @@ from burstcast.systems.lyapunov import (
 )
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_rows, write_json
+from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.data import kept_series
 from burstcast_workflow.jobs.length_checks import check_kept_series
 from burstcast_workflow.jobs.spectrum_files import write_spectrum

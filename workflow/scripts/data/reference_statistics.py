@@ -5,12 +5,13 @@ from dataclasses import fields
 import numpy as np
 
 from burstcast import random_streams
+from burstcast.netcdf import Variable, read_rows
 from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import Variable, read_json, read_rows, write_netcdf
+from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.statistics_files import write_statistics
 from burstcast_workflow.jobs.systems import system_of

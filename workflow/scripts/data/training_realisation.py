@@ -1,9 +1,9 @@
 """Take an ensemble in another order, so that other series of it are trained on."""
 
+from burstcast.netcdf import read_netcdf
 from burstcast.training_realisations import rows_of_realisation
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.ensemble_files import write_ensemble
 from burstcast_workflow.jobs.length_checks import check_kept_series
 from burstcast_workflow.jobs.systems import system_of

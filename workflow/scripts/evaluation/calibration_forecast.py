@@ -4,10 +4,10 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.netcdf import read_netcdf
 from burstcast.probability.out_of_sample import leave_one_out_summaries
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import (
     forecasting_case,

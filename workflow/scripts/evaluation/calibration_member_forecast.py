@@ -2,10 +2,10 @@
 
 from burstcast import durations
 from burstcast.forecast.windows import window_boundaries
+from burstcast.netcdf import read_netcdf
 from burstcast.probability.members import leave_one_out_member_summaries, member_summaries
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.data import observed_rows, training_states
 from burstcast_workflow.jobs.forecasters import forecasting_case, read_forecaster
 from burstcast_workflow.jobs.members import with_members, write_member_forecasts

@@ -15,15 +15,10 @@ from burstcast.forecast.examples import (
 from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
+from burstcast.netcdf import read_netcdf, read_rows, variables_of
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import (
-    read_json,
-    read_netcdf,
-    read_rows,
-    variables_of,
-    write_netcdf,
-)
+from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.horizons import horizon_search
 from burstcast_workflow.jobs.systems import system_of

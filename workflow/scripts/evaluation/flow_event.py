@@ -9,9 +9,10 @@ from burstcast.forecast.example_events import (
     isolated_events,
     predicted_event,
 )
+from burstcast.netcdf import read_rows, variables_of
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json, read_rows, variables_of, write_netcdf
+from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen_rows
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time

@@ -3,9 +3,9 @@
 import numpy as np
 
 from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time

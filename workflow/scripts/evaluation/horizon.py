@@ -1,9 +1,10 @@
 """Measure how long before each extreme event a forecaster predicts it."""
 
 from burstcast.forecast.horizon import prediction_horizons
+from burstcast.netcdf import Variable, read_netcdf
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import Variable, read_json, read_netcdf, write_netcdf
+from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.horizons import horizon_search
 from burstcast_workflow.jobs.systems import system_of

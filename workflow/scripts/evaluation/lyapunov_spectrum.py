@@ -3,11 +3,11 @@
 import numpy as np
 
 from burstcast import random_streams
+from burstcast.netcdf import read_netcdf
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.lifetimes import long_run_steps
 from burstcast_workflow.jobs.long_runs import long_run_washouts

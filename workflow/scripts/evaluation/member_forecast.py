@@ -1,10 +1,10 @@
 """Forecast the evaluation set with every member of an ensemble; keep only window summaries."""
 
 from burstcast.forecast.windows import window_boundaries
+from burstcast.netcdf import read_netcdf
 from burstcast.probability.members import member_summaries
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.members import with_members, write_member_forecasts
 from burstcast_workflow.jobs.systems import system_of

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 
 from burstcast.figures.committee_event import CommitteeForecast, SeenEvent, committee_event
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
+from burstcast.netcdf import read_attributes, read_record
 from burstcast.probability.committee_event import CommitteeEvent
 from burstcast_workflow.harness.figures import Settings, figure
-from burstcast_workflow.harness.storage import read_attributes, read_record
 from burstcast_workflow.jobs.systems import system_of
 
 

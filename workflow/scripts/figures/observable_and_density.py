@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.observable_and_density import observable_and_density
+from burstcast.netcdf import read_netcdf
 from burstcast.statistics.densities import histogram
 from burstcast_workflow.harness.figures import Settings, figure
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
+from burstcast.netcdf import read_rows
 from burstcast.tuning.strategies.base import use_of_series
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast_workflow.harness.figures import Settings, figure
-from burstcast_workflow.harness.storage import read_rows
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 from burstcast_workflow.jobs.validation_plans import validation_plan

@@ -9,17 +9,12 @@ import numpy as np
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.forecast.examples import forecast_observable
+from burstcast.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.probability.committee_event import member_observables, see_event
 from burstcast.probability.typical_event import typical_event
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import (
-    read_json,
-    read_netcdf,
-    read_rows,
-    variables_of,
-    write_netcdf,
-)
+from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.members import with_members

@@ -7,11 +7,11 @@ import numpy as np
 from burstcast import durations
 from burstcast.forecast.classification import count_by_series
 from burstcast.forecast.starting_points import SeriesPoints, crossing_points
+from burstcast.netcdf import read_rows
 from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.lead_times import SeriesRatio, lead_time_scores, lead_times
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_rows
 from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities, read_rules
 

@@ -3,9 +3,9 @@
 from burstcast import random_streams
 from burstcast.forecast.classification import bootstrap_interval, score_forecasts, total
 from burstcast.forecast.windows import WindowSummaries
+from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
 

@@ -3,10 +3,10 @@
 from itertools import pairwise
 from typing import Any
 
+from burstcast.netcdf import read_netcdf
 from burstcast.statistics.densities import Histogram, density_quartiles, mean_density
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
 

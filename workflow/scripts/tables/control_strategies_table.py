@@ -9,9 +9,9 @@ from burstcast import random_streams
 from burstcast.arrays import IntArray
 from burstcast.control.differences import ComparedRun, paired_differences
 from burstcast.control.records import FlowRecords, Span, flow_intervals, score_flows
+from burstcast.netcdf import read_attributes, read_netcdf
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_attributes, read_netcdf
 from burstcast_workflow.harness.tables import write_rows, write_table
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import Scores, medians_over_seeds, with_interval

@@ -9,11 +9,11 @@ import pandas as pd
 from burstcast import random_streams
 from burstcast.arrays import IntArray
 from burstcast.forecast.horizon_intervals import resampled_averages
+from burstcast.netcdf import read_netcdf
 from burstcast.resampled_score import ResampledScore
 from burstcast.resampling import bootstrap_weights
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import write_rows, write_table
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import Scores, between, medians_over_seeds, with_interval

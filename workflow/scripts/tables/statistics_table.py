@@ -1,6 +1,7 @@
 """Measure how far the statistics of forecasters and of the training set are from the data's."""
 
 from burstcast import random_streams
+from burstcast.netcdf import read_netcdf
 from burstcast.resampling import bootstrap_weights
 from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.long_term import Fate
@@ -8,7 +9,6 @@ from burstcast.statistics.measures import compare
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import OF_SOME_CASES, keyed_table, write_rows, write_table
 from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.jobs.gather import gathered

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from burstcast.netcdf import read_netcdf
 from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_netcdf
 from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import with_ends

@@ -6,10 +6,11 @@ from typing import Any
 import pandas as pd
 
 from burstcast import warning_signs
+from burstcast.netcdf import read_rows
 from burstcast.warning_signs import Finding
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json, read_rows
+from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import keyed_table, read_table, write_table
 from burstcast_workflow.jobs.advice import ADVICE
 from burstcast_workflow.jobs.statistics_files import read_statistics
