@@ -113,6 +113,8 @@ def test_a_plain_installation_saves_and_loads(tmp_path):
     python = tmp_path / "venv" / "bin" / "python"
     subprocess.run([sys.executable, "-m", "venv", tmp_path / "venv"], check=True)
     install = [python, "-m", "pip", "install", "-q", "--disable-pip-version-check"]
-    subprocess.run([*install, "-c", ROOT / "requirements.lock", "./source"], cwd=tmp_path, check=True)
+    subprocess.run(
+        [*install, "-c", ROOT / "requirements.lock", "./source"], cwd=tmp_path, check=True
+    )
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     subprocess.run([python, "-c", SAVE_AND_LOAD], check=True, env=environment, cwd=tmp_path)

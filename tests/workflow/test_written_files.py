@@ -1,0 +1,127 @@
+"""What the harness makes of fixed inputs belongs to `HARNESS_VERSION`.
+
+The harness is in no fingerprint. If one of these digests changes, results that are there are not
+what jobs would write now: raise the version in harness/version.py, so that all jobs run again, and
+replace the digests here.
+"""
+
+import hashlib
+import json
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+
+from burstcast.netcdf import Variable, read_attributes, read_netcdf, read_rows
+from burstcast_workflow.harness import figures
+from burstcast_workflow.harness.job import job_identity, provenance
+from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf, write_text
+from burstcast_workflow.harness.tables import read_table, write_rows
+from burstcast_workflow.harness.thresholds import with_thresholds
+from burstcast_workflow.harness.version import HARNESS_VERSION
+
+DIGESTS = {
+    2: {
+        "netcdf": "4d8c1011a202fa874f6dbbb2ecd477b1d29829cf7d70145bd16c7098b6ec31c7",
+        "json_and_text": "986b233532407d1d8e37deb92f62dc68ccc0a9e98c87b0185cbbe74f88ba3f6e",
+        "table": "6893283e36cf643667c11467165ae588151845ad537671f7d547e4491c204ca0",
+        "settings_and_origin": "23428af6cb5cbfbc98e1026f68968c3d7c324751b3efa2b2baff0278f9450b43",
+        "figure": "95c4f9809d36baacd73fa314f692adc485a091ea20db234c0b4c8f892f2f2893",
+    },
+}
+
+
+def netcdf() -> bytes:
+    """Whatever a reader sees of a file; its bytes depend on the version of HDF5, too."""
+    states = np.arange(2 * 5 * 3, dtype=float).reshape(2, 5, 3) / 7
+    states[1, 2, 0], states[0, 0, 0] = np.nan, np.inf
+    write_netcdf(
+        "data.nc",
+        {
+            "state": Variable(("series", "time", "component"), states, "1", "states", (1, 4, 9)),
+            "kept": Variable(("series",), np.array([True, False]), "1", "whether it is kept"),
+            "series": Variable(("series",), np.array([3, 4], dtype=np.int32), "1", "number"),
+            "time": Variable((), 0.1, "time units", "sampling interval"),
+            "event": Variable(("event",), np.zeros(0), "1", "events"),
+        },
+        {"seed": 3, "rule": "simuläte", "step": 0.1},
+    )
+    with netCDF4.Dataset("data.nc") as file:
+        file.set_auto_maskandscale(False)
+        seen = [
+            [name, str(one.dtype), one.endian(), one.dimensions, one.chunking(), one.filters()]
+            + [[key, str(one.getncattr(key))] for key in one.ncattrs()]
+            + [np.asarray(one[...]).tobytes().hex()]
+            for name, one in file.variables.items()
+        ]
+        dimensions = [[name, len(one), one.isunlimited()] for name, one in file.dimensions.items()]
+        of_file = [[key, str(file.getncattr(key))] for key in file.ncattrs()]
+        seen += [file.data_model, dimensions, of_file]
+    arrays = {**read_netcdf("data.nc"), "rows": read_rows("data.nc", "state", 1, 2)}
+    for name, array in arrays.items():
+        seen.append([name, str(array.dtype), array.shape, array.tobytes().hex()])
+    return json.dumps([seen, read_attributes("data.nc")]).encode()
+
+
+def json_and_text() -> bytes:
+    write_json("record.json", {"b": [1, 2.5, None, True], "a": {"ä": "k ≥ k_e", "third": 1 / 3}})
+    write_text("record.txt", "Zeile\r\nline ≥\n")
+    read = repr(read_json("record.json")).encode()
+    return Path("record.json").read_bytes() + Path("record.txt").read_bytes() + read
+
+
+def table() -> bytes:
+    names = {"case": "a", "reynolds": 400, "forecaster": "esn-N40-RV-seed0"}
+    network = {"seed": 0, "neurons": 40, "kind": "esn"}
+    rows = [
+        {
+            "score": 0.1 + 0.2,
+            "chosen": True,
+            "note": 'a "b", c',
+            "time": np.inf,
+            **names,
+            **network,
+        },
+        {"score": np.nan, "chosen": False, "note": None, "time": 1e-300, **names, "events": 7},
+    ]
+    write_rows("table.csv", rows)
+    read = read_table("table.csv")
+    seen = {name: [str(read[name].dtype), *map(repr, read[name].tolist())] for name in read}
+    return Path("table.csv").read_bytes() + json.dumps(seen).encode()
+
+
+def settings_and_origin() -> bytes:
+    threshold = {"case": "a", "quantile": 0.99}
+    given = {"case": {"event_threshold": threshold, "other": [threshold, {"case": "a"}, 1.5]}}
+    identity = job_identity(
+        "train", {"case": "1e3", "seed": "03", "forecaster": "esn", "x": "1.50"}
+    )
+    origin = provenance(identity, {"b": [1, 2.0], "a": {"quantile": None}})
+    # libraries and Python differ from machine to machine: their names count
+    libraries = sorted({*origin} - {"source", "rule", "identity", "settings"})
+    stated = [origin[name] for name in ("rule", "identity", "settings")]
+    return json.dumps([with_thresholds(given, {"a": 0.1}), stated, libraries]).encode()
+
+
+def figure() -> bytes:
+    """The bytes of `burstcast.figures.parts.style.render`, which is in fingerprints."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figures, "run_job", lambda _, write: write(pdf="a.pdf", png="a.png"))
+        patch.setattr(figures, "render", lambda drawn, kind: f"{drawn} as {kind}".encode())
+        figures.run_figure(None, lambda: "drawn")
+    return Path("a.pdf").read_bytes() + Path("a.png").read_bytes()
+
+
+WRITERS = (netcdf, json_and_text, table, settings_and_origin, figure)
+
+
+@pytest.mark.parametrize("write", WRITERS, ids=lambda write: write.__name__)
+def test_what_is_written_belongs_to_the_version(write, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = hashlib.sha256(write()).hexdigest()
+    assert found == DIGESTS[HARNESS_VERSION].get(write.__name__), (
+        f"what the harness makes of fixed inputs ({write.__name__}) is not what its version "
+        f"{HARNESS_VERSION} made of them: raise HARNESS_VERSION in harness/version.py, then write "
+        f"this digest under the new version here"
+    )
