@@ -71,14 +71,14 @@ class Stages:
     def __init__(self, campaign: Campaign, sources: Sources, costs: CostModel) -> None:
         self.campaign, self._sources, self._costs = campaign, sources, costs
         self.results: str = campaign.config["results"]
-        # Outputs of stages by their names, which are those of the arguments of scripts. A function
-        # is asked for each job, which takes time: not for the unit of time where all exponents are
-        # published.
-        self._files: dict[str, Any] = {"time_unit": []}
+        # Outputs of stages by the name of the script's argument; several make a name ambiguous. A
+        # function is asked for each job, which takes time: not for the unit of time where all
+        # exponents are published.
+        self._files: dict[str, list[Any]] = {"time_unit": [[]]}
         if any(map(campaign.time_unit, campaign.cases)):
-            self._files["time_unit"] = of_job(
-                lambda wildcards: self.in_results(campaign.time_unit(wildcards.case))
-            )
+            self._files["time_unit"] = [
+                of_job(lambda wildcards: self.in_results(campaign.time_unit(wildcards.case)))
+            ]
 
     # -- files -------------------------------------------------------------------------------------
 
@@ -102,13 +102,28 @@ class Stages:
         return self.in_results(f"{one.directory}/{name}" for one in forecasters)
 
     def made(self, outputs: Mapping[str, str]) -> None:
-        """Keep what a stage makes, by its names there; what two call the same is no name."""
+        """Register a stage's outputs by name. A name of two different files is ambiguous."""
         for name, path in outputs.items():
-            self._files[name] = path if self._files.get(name, path) == path else None
+            paths = self._files.setdefault(name, [])
+            if path not in paths:
+                paths.append(path)
 
     def files(self, names: str) -> dict[str, Any]:
-        """Files that earlier stages make, by their names there: inputs of a stage."""
-        return {name: self._files[name] for name in names.split()}
+        """Outputs of earlier stages by name: inputs of a stage.
+
+        Raises
+        ------
+        ValueError
+            If a name is ambiguous, or if no earlier stage has an output of that name.
+        """
+        return {name: self._file(name) for name in names.split()}
+
+    def _file(self, name: str) -> Any:
+        paths = self._files.get(name, [])
+        if len(paths) != 1:
+            found = f"is ambiguous: {' and '.join(paths)}" if paths else "is no output so far"
+            raise ValueError(f"files: {name} {found}; give the path of the file instead")
+        return paths[0]
 
     def in_case(self, chosen: Chosen, function: Callable[..., Any], *arguments: Any) -> OfJob:
         """``function`` of those who belong to a job's case, or whom ``chosen`` makes of it."""

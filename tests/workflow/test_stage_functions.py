@@ -55,13 +55,14 @@ def test_files_of_cases_and_forecasters(paper):
     assert scan == "results/paper/Re600/scan/esn-N2000-seed3-RV+SSV.csv"
 
 
-def test_a_name_for_two_files_is_a_name_of_none(paper):
+def test_a_name_of_two_files_is_ambiguous(paper):
     paper.made({"a": "one.nc", "b": "two.nc"})
     paper.made({"a": "one.nc"})
     assert paper.files("a b") == {"a": "one.nc", "b": "two.nc"}
     paper.made({"b": "three.nc"})
-    assert paper.files("b") == {"b": None}
-    with pytest.raises(KeyError):
+    with pytest.raises(ValueError, match=r"b is ambiguous: two\.nc and three\.nc; give the path"):
+        paper.files("a b")
+    with pytest.raises(ValueError, match="of_no_stage is no output so far"):
         paper.files("of_no_stage")
 
 
