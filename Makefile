@@ -74,5 +74,7 @@ $(VENV)/installed: requirements.lock pyproject.toml setup.py
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -e .
 	touch $@
 
+# Beside this file alone, and never what VENV= on the command line names
 clean: ## remove what is not the results'
-	rm -rf $(VENV) .snakemake .pytest_cache .mypy_cache .ruff_cache
+	cd '$(dir $(abspath $(lastword $(MAKEFILE_LIST))))' && \
+		rm -rf .venv .snakemake .pytest_cache .mypy_cache .ruff_cache

@@ -12,10 +12,13 @@ campaign of which there are no tables is left out of it.
 
 import argparse
 import json
+import os
+import re
 import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import jinja2
 import pandas as pd
@@ -32,8 +35,13 @@ from results_tables import (
 
 from burstcast.published import compare
 from burstcast_workflow.archive import versions
+from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.cost_report import RULE_COSTS
+from burstcast_workflow.harness.records import Records
+from burstcast_workflow.harness.run import OvertakenError, Run
 from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.opened import open_campaign
+from burstcast_workflow.table_registry import table_names
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 KEPT = DOCS / "results"
@@ -44,31 +52,84 @@ TEMPLATE = "page.md.jinja"
 WITH_PROBABILITIES = ("beyond_the_paper",)
 
 
+VERSIONS = "versions.json"
+COLLECTED = {f"{name}.csv" for name in (*PUBLISHED_TABLES, "probability_scores")}
+COLLECTED |= {RULE_COSTS, VERSIONS}
+
+
+class RefusedError(ValueError):
+    """A campaign's tables cannot be collected or compared."""
+
+
 def collect(results: Path) -> None:
-    """Copy a campaign's tables to docs/results, with what made them.
+    """Copy a finished campaign's tables to docs/results, with what made them.
+
+    The copy is made beside the tables that were kept before and replaces them when it is complete.
 
     Parameters
     ----------
     results
-        Results directory of a campaign that has run whole; its last name is the campaign's.
+        Results directory of the campaign; its last name is the campaign's.
+
+    Raises
+    ------
+    RefusedError
+        If the directory is not that of a finished campaign, if its name cannot be a campaign's, or
+        if other files lie where its tables are kept.
     """
+    results = Path(os.path.abspath(results))
     target = KEPT / results.name
-    shutil.rmtree(target, ignore_errors=True)
-    target.mkdir(parents=True)
-    names = [*PUBLISHED_TABLES]
-    if results.name in WITH_PROBABILITIES:
-        names.append("probability_scores")
-    for name in names:
+    tables = _finished_tables(results)
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", results.name):
+        raise RefusedError(
+            f"{results.name!r} cannot be the name of a campaign in {KEPT}: name the results "
+            f"directory by a letter, then letters, digits and _, all of them small"
+        )
+    others = {path.name for path in target.iterdir()} - COLLECTED if target.is_dir() else set()
+    if others or target.is_symlink() or target.is_file():
+        what = ", ".join(sorted(others)) or "no directory"
+        raise RefusedError(f"{target} holds what was not collected ({what}): move it first")
+    with TemporaryDirectory(dir=KEPT, prefix=f".{results.name}.") as building:
+        new, former = Path(building) / "new", Path(building) / "former"
+        new.mkdir()
+        for path in tables:
+            if path.stat().st_size:
+                shutil.copyfile(path, new / path.name)
+        costs = results / "benchmarks" / RULE_COSTS
+        if costs.exists():
+            shutil.copyfile(costs, new / costs.name)
+        made_by = versions(results)
+        del made_by["revision"]  # that of who collects
+        text = json.dumps(made_by, indent=2, sort_keys=True)
+        (new / VERSIONS).write_text(f"{text}\n", encoding="utf-8")
+        if target.exists():
+            target.rename(former)
+        try:
+            new.rename(target)
+        except OSError:
+            if former.exists():
+                former.rename(target)
+            raise
+
+
+def _finished_tables(results: Path) -> list[Path]:
+    """Files of the tables to collect, each of which is as its job wrote it."""
+    try:
+        made = table_names(Campaign(open_campaign(results).config))
+        Run("", str(results)).check_idle()
+    except (ValueError, OvertakenError) as error:
+        raise RefusedError(str(error)) from error
+    more = ["probability_scores"] if results.name in WITH_PROBABILITIES else []
+    records, found = Records(str(results)), []
+    for name in (*PUBLISHED_TABLES, *more):
+        if name not in made:
+            continue
         path = results / "tables" / f"{name}.csv"
-        if path.exists() and path.stat().st_size:
-            shutil.copyfile(path, target / path.name)
-    costs = results / "benchmarks" / RULE_COSTS
-    if costs.exists():
-        shutil.copyfile(costs, target / costs.name)
-    made_by = versions(results)
-    del made_by["revision"]  # that of who collects
-    text = json.dumps(made_by, indent=2, sort_keys=True)
-    (target / "versions.json").write_text(f"{text}\n", encoding="utf-8")
+        problem = records.found(str(path))[1] if path.exists() else f"{path} is missing"
+        if problem:
+            raise RefusedError(f"{results} is not finished: {problem}; run the campaign first")
+        found.append(path)
+    return found
 
 
 def differences(campaign: str, results: Path) -> list[str]:
@@ -81,8 +142,17 @@ def differences(campaign: str, results: Path) -> list[str]:
     results
         Results directory of a campaign that is part of the kept one: the same cases, fewer
         networks. Tables with rows for each network are compared, as text, to the last digit.
+
+    Raises
+    ------
+    RefusedError
+        If there is nothing to compare.
     """
     kept = KEPT / campaign
+    if not any((results / "tables" / f"{name}.csv").exists() for name in OF_SINGLE_NETWORKS):
+        raise RefusedError(f"{results} has no tables to compare: give a campaign's results")
+    if not (kept / VERSIONS).exists():
+        raise RefusedError(f"{kept} has no tables to compare with: collect them first")
     found = []
     for name in OF_SINGLE_NETWORKS:
         theirs = results / "tables" / f"{name}.csv"
@@ -191,14 +261,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for command in (collecting, comparing):
         command.add_argument("results", type=Path)
     chosen = parser.parse_args(arguments)
-    if chosen.command == "collect":
-        collect(chosen.results)
-    elif chosen.command == "same":
-        found = differences(chosen.campaign, chosen.results)
-        print("\n".join(found) or "the same")
-        return 1 if found else 0
-    else:
-        (DOCS / "results.md").write_text(page(), encoding="utf-8")
+    try:
+        if chosen.command == "collect":
+            collect(chosen.results)
+        elif chosen.command == "same":
+            found = differences(chosen.campaign, chosen.results)
+            print("\n".join(found) or "the same")
+            return 1 if found else 0
+        else:
+            (DOCS / "results.md").write_text(page(), encoding="utf-8")
+    except RefusedError as error:
+        print(error, file=sys.stderr)
+        return 2
     return 0
 
 

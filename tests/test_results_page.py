@@ -2,16 +2,23 @@
 
 import itertools
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import results_page
+import yaml
 from paper_claims import CLAIMS, RV, all_of, findings, verdict
 from results_tables import PUBLISHED, Tables, forecasters_apart, quartiles, sweep
 
 from burstcast.published import published_percentiles
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.harness.records import Records
+from burstcast_workflow.harness.run import VARIABLE, Run
+from burstcast_workflow.table_registry import table_names
 
 ROOT = Path(__file__).parents[1]
 SIZES = (500, 1000, 1500, 2000, 2500, 3000)
@@ -189,23 +196,83 @@ def test_published_values_outside_are_listed(like_the_paper):
 # -- tables ----------------------------------------------------------------------------------------
 
 
-def test_collected_tables_are_those_of_the_campaign(tmp_path, monkeypatch, capsys):
+@pytest.fixture
+def results(tmp_path, monkeypatch):
+    """Results of a finished campaign, and an empty directory where tables are kept."""
     monkeypatch.setattr(results_page, "KEPT", tmp_path / "kept")
-    results = tmp_path / "small"
-    (results / "tables").mkdir(parents=True)
-    rows = "case,seed,f_score\nRe400,0,0.5\nRe400,1,0.75\n"
-    (results / "tables" / "classification.csv").write_text(rows)
-    (results / "tables" / "reliability.csv").write_text("not,kept\n1,2\n")
-    (results / "tables" / "survival.csv").write_text("")  # of a campaign without long runs
-    assert results_page.main(["collect", str(results)]) == 0
-    kept = tmp_path / "kept" / "small"
-    assert {path.name for path in kept.iterdir()} == {"classification.csv", "versions.json"}
+    results_page.KEPT.mkdir()
+    results = tmp_path / "results" / "small"
+    preset = yaml.safe_load((ROOT / "workflow/presets/tiny.yaml").read_text(encoding="utf-8"))
+    config = load(preset, defaults=ROOT / "config.yaml")
+    monkeypatch.setenv(VARIABLE, "")
+    Run.new(str(results)).claim(config, [])
+    (results / "tables").mkdir()
+    for name in table_names(Campaign(config)):
+        put_table(results, name, "case,seed,f_score\nRe400,0,0.5\nRe400,1,0.75\n")
+    return results
+
+
+def put_table(results, name, text):
+    path = results / "tables" / f"{name}.csv"
+    path.write_text(text)
+    Records(str(results)).write([str(path)], {"rule": "all_cases"}, {}, {}, "a.log", 1.0)
+
+
+def test_collected_tables_are_those_of_the_campaign(results, capsys):
+    put_table(results, "survival", "")
+    for _ in range(2):  # the second time over the first
+        assert results_page.main(["collect", f"{results}/"]) == 0
+        kept = {path.name for path in (results_page.KEPT / "small").iterdir()}
+        assert {"classification.csv", "versions.json"} < kept < results_page.COLLECTED
+        assert "survival.csv" not in kept  # empty: of a campaign without long runs
+        assert [path.name for path in results_page.KEPT.iterdir()] == ["small"]
     assert results_page.main(["same", "small", str(results)]) == 0
     # one network alone, its last digit another one
-    part = "case,seed,f_score\nRe400,1,0.7500000001\n"
-    (results / "tables" / "classification.csv").write_text(part)
+    put_table(results, "classification", "case,seed,f_score\nRe400,1,0.7500000001\n")
     assert results_page.main(["same", "small", str(results)]) == 1
     assert "classification: Re400,1,0.7500000001" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("results/small/..", "holds no campaign"),
+        (".", "holds no campaign"),
+        ("", "holds no campaign"),
+        ("/", "holds no campaign"),
+        ("results/smal", "holds no campaign"),
+        ("results/small/tables", "holds no campaign"),
+        ("results/page.md.jinja", "cannot be the name of a campaign"),
+        ("results/unfinished", "horizon.csv is missing; run the campaign first"),
+        ("results/edited", "is not what its job wrote"),
+        ("results//small/", r"small holds what was not collected \(notes.txt\)"),
+    ],
+)
+def test_nothing_is_removed_that_was_not_collected(path, message, results, monkeypatch, capsys):
+    """Neither all kept tables nor all of docs, whatever directory is named."""
+    monkeypatch.chdir(results.parents[1])
+    for name in ("page.md.jinja", "unfinished", "edited"):
+        shutil.copytree(results, results.parent / name)
+    (results.parent / "unfinished/tables/horizon.csv").unlink()
+    (results.parent / "edited/tables/horizon.csv").write_text("case\n")
+    (results_page.KEPT / "page.md.jinja").write_text("of the page")
+    assert results_page.main(["collect", str(results)]) == 0
+    (results_page.KEPT / "small" / "notes.txt").write_text("a note")
+    before = {one: one.is_file() and one.read_bytes() for one in results_page.KEPT.rglob("*")}
+    assert results_page.main(["collect", path]) == 2
+    assert re.search(message, capsys.readouterr().err)
+    assert before == {one: one.is_file() and one.read_bytes() for one in before}
+
+
+@pytest.mark.parametrize(
+    ("campaign", "where", "message"),
+    [("small", "resutls", "no tables to compare: "), ("smal", "results", "compare with: collect")],
+)
+def test_nothing_is_not_the_same(campaign, where, message, results, capsys):
+    assert results_page.main(["collect", str(results)]) == 0
+    other = results.parents[1] / where / "small"
+    assert results_page.main(["same", campaign, str(other)]) == 2
+    assert message in capsys.readouterr().err
 
 
 def test_a_sweep_shows_each_median_once(tmp_path):

@@ -12,6 +12,7 @@ left out.
 """
 
 import json
+import os
 import platform
 import sys
 import zipfile
@@ -50,7 +51,7 @@ Results of a campaign of burstcast, {revision}.
 
 
 class NothingToArchiveError(ValueError):
-    """A campaign has neither tables nor figures."""
+    """A campaign has neither tables nor figures, or the archive would replace another file."""
 
 
 def versions(results: Path) -> dict[str, Any]:
@@ -75,12 +76,29 @@ def versions(results: Path) -> dict[str, Any]:
 
 
 def write_archive(target: Path, files: Mapping[str, bytes]) -> None:
-    """Write files by their names into a zip, whole or not at all: equal files, equal bits."""
+    """Write files by their names into a zip, whole or not at all: equal files, equal bits.
+
+    Raises
+    ------
+    NothingToArchiveError
+        If there is a file already that is no archive of a campaign.
+    """
+    if target.exists() and not _is_archive(target):
+        raise NothingToArchiveError(
+            f"{target} is there and no archive of a campaign: give another name (--output)"
+        )
     with atomic(target) as partial, zipfile.ZipFile(partial, "w") as archive:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, _TIME)
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(entry, files[name])
+
+
+def _is_archive(path: Path) -> bool:
+    if not zipfile.is_zipfile(path):
+        return False
+    with zipfile.ZipFile(path) as archive:
+        return any(name.endswith("/versions.json") for name in archive.namelist())
 
 
 def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, bytes]:
@@ -128,15 +146,15 @@ def _files(directory: Path, suffixes: Iterable[str]) -> list[Path]:
 def main(arguments: Sequence[str], output: Path | None = None) -> int:
     """Pack a campaign's results."""
     workflow = planned(arguments)
-    results = Path(names_of_rules(workflow)["run"].results)
+    results = Path(os.path.abspath(names_of_rules(workflow)["run"].results))
+    target = output or Path(f"{results.name}.zip")
     try:
         config = json.loads((results / CLAIM).read_bytes())["config"]
         files = contents(results, config, report(*jobs_to_run(workflow)))
+        write_archive(target, files)
     except (NothingToArchiveError, OSError) as error:
         print(f"nothing is archived: {error}", file=sys.stderr)
         return 2
-    target = output or Path(f"{results.name}.zip")
-    write_archive(target, files)
     size = target.stat().st_size / 1e6
     print(f"{target}: {len(files)} files, {size:.1f} MB")
     return 0

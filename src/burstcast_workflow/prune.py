@@ -62,8 +62,10 @@ def stale_note(results: str, workflow: Any) -> str:
     return said if count else ""
 
 
-def remove_files(results: str, names: Sequence[str]) -> None:
+def remove_files(results: str, names: Sequence[str]) -> list[str]:
     """Remove files with their records, and directories that are empty then.
+
+    Files that are not what their jobs wrote stay: somebody has put them there.
 
     Parameters
     ----------
@@ -72,34 +74,46 @@ def remove_files(results: str, names: Sequence[str]) -> None:
     names
         Of files, from the directory on.
 
+    Returns
+    -------
+    Why each file stays that is not removed.
+
     Raises
     ------
     OvertakenError
         If a run is at work there.
     """
     Run("", results).check_idle()
-    records = Records(results)
+    records, kept = Records(results), []
     for name in names:
+        record, problem = records.found(records.path(name))
+        if record is None:
+            kept.append(problem)
+            continue
         for path in (Path(records.path(name)), records.file(records.path(name))):
             path.unlink(missing_ok=True)
             for above in path.parents[: len(path.relative_to(results).parts) - 1]:
                 with suppress(OSError):  # not empty
                     above.rmdir()
+    return kept
 
 
 def main(arguments: Sequence[str], *, remove: bool = False) -> int:
     """List stale files; remove them if told so."""
     workflow = planned(arguments)
     run = names_of_rules(workflow)["run"]
+    kept: list[str] = []
     try:
         names = stale_files(run.results, workflow)
         if remove:
-            remove_files(run.results, names)
+            kept = remove_files(run.results, names)
     except (PartOfCampaignError, OvertakenError) as error:
         print(error, file=sys.stderr)
         return 2
     for name in names:
         print(f"{run.results}/{name}")
     what = "removed" if remove else "not of this campaign any more (--remove?)"
-    print(f"{len(names)} files in {run.results}: {what}")
-    return 0
+    print(f"{len(names) - len(kept)} files in {run.results}: {what}")
+    for problem in kept:
+        print(f"not removed: {problem}", file=sys.stderr)
+    return 1 if kept else 0

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from snakemake.exceptions import WorkflowError
+
 from burstcast_workflow import code_hash
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import ConfigError, load
@@ -31,6 +33,12 @@ from burstcast_workflow.snakemake_patches import (
 
 REFUSALS = (CodeChangedError, ConfigError, OvertakenError)
 """Why a run does not start: what a person is told, without a traceback."""
+
+
+class RefusedError(WorkflowError):  # type: ignore[misc]
+    """A run does not start; Snakemake prints no lines of the rules below the reason."""
+
+    __traceback__ = None
 
 
 class Started(NamedTuple):

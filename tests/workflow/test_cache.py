@@ -280,14 +280,21 @@ def test_a_hit_counts_as_use(filled, place):
 
 
 def test_prune_removes_what_killed_jobs_left(filled):
-    old, new = (filled / "building" / name for name in ("old", "new"))
-    for directory in (old, new):
-        directory.mkdir(parents=True)
+    """And nothing else, whatever directory is named as the cache."""
+    old, new = (filled / "building" / f"{digit * 64}.{digit * 12}" for digit in "ab")
+    mine = [
+        filled / name for name in ("building/house", "entries/ab/mine", "entries/ab/" + 64 * "c")
+    ]
     past = time.time() - 3 * 86400
-    os.utime(old, (past, past))
-    cache.prune(filled)
+    for directory in (old, new, *mine):
+        directory.mkdir(parents=True)
+        if directory != new:
+            os.utime(directory, (past, past))
+    assert main(["cache", "--cache", str(filled), "verify"]) == 0
+    cache.prune(filled, to_size=0)
     assert not old.exists()
     assert new.exists()
+    assert all(path.exists() for path in mine)
 
 
 def test_verify_removes_damaged_entries(filled, capsys):

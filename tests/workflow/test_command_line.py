@@ -17,6 +17,8 @@ import burstcast_workflow
 from burstcast_workflow.archive import NothingToArchiveError, contents, versions, write_archive
 from burstcast_workflow.command_line import main
 from burstcast_workflow.config.loading import load
+from burstcast_workflow.harness.records import Records
+from burstcast_workflow.harness.run import VARIABLE
 from burstcast_workflow.project import (
     git_revision,
     is_installed,
@@ -24,6 +26,7 @@ from burstcast_workflow.project import (
     project_root,
     snakefile,
 )
+from burstcast_workflow.prune import remove_files
 from burstcast_workflow.study import presets
 
 ROOT = Path(__file__).parents[2]
@@ -144,6 +147,21 @@ def test_a_study_plans(tmp_path):
     why = said_by([*COMMAND, "why", "results/tiny/tables/horizon.csv"], tmp_path / "study")
     assert "not made yet" in why
     assert "train (4)" in why
+    snakemake = [sys.executable, "-m", "snakemake", "-n", "--config", "random_seed=-4"]
+    said = said_by(snakemake, tmp_path / "study", status=1)
+    assert "a mistake: random_seed is -4; it must be" in said
+    assert ".smk" not in said  # no lines of the rules below it
+
+
+def test_cleaning_removes_what_make_has_made(tmp_path):
+    """Not the environment that VENV names, and nothing of the directory that make is called in."""
+    beside, here, mine = (tmp_path / name for name in ("beside", "here", "mine"))
+    for directory in (beside / ".venv", here / ".venv", here / ".snakemake", mine):
+        directory.mkdir(parents=True)
+    shutil.copy(ROOT / "Makefile", beside)
+    said_by(["make", "-f", "../beside/Makefile", "clean", f"VENV={mine}"], here)
+    assert sorted(path.name for path in here.iterdir()) == [".snakemake", ".venv"]
+    assert (list(beside.iterdir()), mine.exists()) == ([beside / "Makefile"], True)
 
 
 PAGE = (ROOT / "docs" / "installing.md").read_text(encoding="utf-8")
@@ -240,6 +258,36 @@ def test_equal_results_make_equal_archives(results, tmp_path):
             assert archive.read("quick/tables/scores.csv") == b"tables/scores.csv"
     assert packed[0] == packed[1]
     assert not list(tmp_path.glob(".*"))
+
+
+def test_an_archive_replaces_archives_alone(tmp_path):
+    one, other = tmp_path / "one.zip", tmp_path / "config.yaml"
+    for number in (b"1", b"2"):
+        write_archive(one, {"quick/versions.json": number})
+        with zipfile.ZipFile(one) as archive:
+            assert archive.read("quick/versions.json") == number
+    other.write_text("mine")
+    with zipfile.ZipFile(tmp_path / "other.zip", "w") as archive:
+        archive.writestr("mine", "")
+    for path in (other, tmp_path / "other.zip", tmp_path):
+        with pytest.raises(NothingToArchiveError, match="no archive of a campaign"):
+            write_archive(path, {"quick/versions.json": b"3"})
+    assert other.read_text() == "mine"
+
+
+def test_what_somebody_put_over_a_stale_result_is_not_removed(tmp_path, monkeypatch):
+    monkeypatch.setenv(VARIABLE, "")
+    results = tmp_path / "results"
+    paths = [results / "Re400" / name for name in ("old.nc", "mine.nc")]
+    paths[0].parent.mkdir(parents=True)
+    for path in paths:
+        path.write_text("result")
+    Records(str(results)).write(map(str, paths), {"rule": "train"}, {}, {}, "a.log", 1.0)
+    paths[1].write_text("my own")
+    (problem,) = remove_files(str(results), ["Re400/old.nc", "Re400/mine.nc"])
+    assert "mine.nc is not what its job wrote" in problem
+    assert [path.exists() for path in paths] == [False, True]
+    assert Records(str(results)).names() == ["Re400/mine.nc"]
 
 
 def test_an_archive_of_nothing_is_refused(tmp_path):

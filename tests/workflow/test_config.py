@@ -12,7 +12,7 @@ from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.canonical import canonical, canonical_json
 from burstcast_workflow.config import reference
 from burstcast_workflow.config.cases import block_cases, case_name, case_record, case_records
-from burstcast_workflow.config.loading import ConfigError, duplicated_keys, load
+from burstcast_workflow.config.loading import ConfigError, load, misread
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.places import Place
 from burstcast_workflow.jobs import length_checks
@@ -181,6 +181,8 @@ def test_writing_a_config_differently_changes_nothing(config):
     put(other, "horizon.longest_lead_time_lt", 10.0)
     put(other, "results", "./results//paper/")
     assert canonical_json(load(other)) == canonical_json(load(config))
+    put(other, "results", "//tmp/paper")
+    assert load(other)["results"] == "/tmp/paper"
 
 
 def test_the_given_config_is_left_alone(config):
@@ -496,6 +498,8 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
         ("forecasters.esn", None, ["forecasters.esn is empty", "a mapping of settings"]),
         ("results", "", ["results is the text ''", "path of a directory"]),
         ("results", "a{b}", ["results is the text 'a{b}'", "without braces"]),
+        *(("results", path, ["of their own"]) for path in (".", "..", "/", "a/..", "./", "../../")),
+        ("results", False, ["results is false", "YAML reads yes, no, on and off as"]),
         ("results", "~/x", ["results is the text '~/x'", "a leading ~"]),
         ("cases.tables", {}, ["cases.tables: the name must be"]),
         ("cases.nan", {}, ["cases.nan: the name must be"]),
@@ -746,8 +750,8 @@ def test_duplicated_keys(config, tmp_path):
         f"{shown}, line 7: the key campaign[1].seeds is there already, in line 7",
         f"{shown}, line 8: the key horizon is there already, in line 1",
     ]
-    assert duplicated_keys([path, str(path)]) == found
-    assert duplicated_keys([ROOT / "config.yaml", *PRESETS]) == []
+    assert misread([path, str(path)]) == found
+    assert misread([ROOT / "config.yaml", *PRESETS]) == []
     put(config, "random_seed", -1)
     with pytest.raises(ConfigError) as caught:
         load(config, [path])
@@ -755,10 +759,33 @@ def test_duplicated_keys(config, tmp_path):
     assert len(caught.value.problems) == 4
 
 
-@pytest.mark.parametrize("text", ["# nothing\n", '{\n\t"horizon": {\n\t\t"events": 3}}\n'])
-def test_files_without_duplicated_keys(tmp_path, text):
-    (tmp_path / "mine").write_text(text)  # the second is JSON, but not YAML
-    assert duplicated_keys([tmp_path / "mine"]) == []
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("# nothing\n", ""),
+        ('{\n\t"horizon": {\n\t\t"events": 3}}\n', ""),  # JSON, but not YAML
+        ('{\n\t"horizon": {},\n\t"horizon": {}}\n', "the key horizon is there already"),
+        ("a: [0, -1, +20, 0.5, .5, 5., 1e+3, 1.5e-3, .inf, 007.5, '010', \"6:40\", 10.5]", ""),
+        ("a: &all\n  b: true\nc:\n  <<: *all\n  b: false\n", ""),
+        ("a: 0400", "line 1: a is 0400, which YAML reads as 256: write"),
+        ("a:\n- b: 010", "line 2: a[0].b is 010, which YAML reads as 8: write"),
+        ("a: 6:40", "a is 6:40, which YAML reads as 400: write"),
+        ("a: -1_000", "a is -1_000, which YAML reads as -1000: write"),
+        ("a: 0b11", "a is 0b11, which YAML reads as 3: write"),
+        ("a: 0x10", "a is 0x10, which YAML reads as 16: write"),
+        ("a: 1:30.5", "a is 1:30.5, which YAML reads as 90.5: write"),
+        ("a: 1_0.5", "a is 1_0.5, which YAML reads as 10.5: write"),
+        ("a: !!int '010'", "a is 010, which YAML reads as 8: write"),
+        ("010: a", "the key 010 is 010, which YAML reads as 8: write"),
+        ("a: 2026-11-23", "a is 2026-11-23, which YAML reads as a date: quote it"),
+    ],
+)
+def test_what_yaml_reads_otherwise_than_it_looks(config, tmp_path, text, found):
+    (tmp_path / "mine").write_text(text)
+    assert (found in misread([tmp_path / "mine"])[0]) if found else not misread([tmp_path / "mine"])
+    if found:
+        with pytest.raises(ConfigError, match="mine"):
+            load(config, [tmp_path / "mine"])
 
 
 def test_an_actuation_that_the_case_has_to_complete(config):

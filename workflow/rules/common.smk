@@ -20,7 +20,7 @@ from burstcast_workflow.prune import stale_note
 from burstcast_workflow.report_sections import category_of_table
 from burstcast_workflow.snakemake_plan import covers_campaign
 from burstcast_workflow.stages import Stages, of_job, one_of
-from burstcast_workflow.start import REFUSALS, start, tell_what_is_off
+from burstcast_workflow.start import REFUSALS, RefusedError, start, tell_what_is_off
 from burstcast_workflow.summary import campaign_summary, warnings_summary
 from burstcast_workflow.table_registry import cases_of_tables
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
@@ -29,8 +29,7 @@ PROJECT = Path(str(workflow.current_basedir)).parents[1]
 try:
     config, run, sources = start(workflow, config, PROJECT)
 except REFUSALS as error:
-    # without the traceback, in which nobody would find the message
-    raise WorkflowError(str(error)) from None
+    raise RefusedError(str(error)) from None
 campaign = Campaign(config)
 costs = CostModel(campaign)
 stages = Stages(campaign, sources, costs)

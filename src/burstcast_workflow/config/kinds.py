@@ -1,6 +1,7 @@
 """What settings are made of: kinds of values, and sections of settings."""
 
 import math
+import posixpath
 from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
@@ -59,6 +60,13 @@ def _among(several: str, names: list[str]) -> AfterValidator:
     return AfterValidator(check)
 
 
+def _named(path: str) -> str:
+    if posixpath.basename(posixpath.normpath(path)) in ("", ".", ".."):
+        text = f"is {path}: results need a directory of their own, such as results/mine"
+        raise PydanticCustomError("between", text)
+    return path
+
+
 _THRESHOLD = "a number, or {quantile: <a number between 0 and 1>}"
 _PAIR = Field(min_length=2, max_length=2)
 _RESERVED = "nan|NaN|inf|Inf|infinity|Infinity|true|True|false|False|tables|figures|logs|benchmarks"
@@ -112,6 +120,7 @@ SystemName = Annotated[
 Directory = Annotated[
     str,
     Field(pattern=r"^(?!~)[^\s{}*?](?:[^{}*?]*[^\s{}*?])?\Z"),
+    AfterValidator(_named),
     Words("the path of a directory, without braces, *, ?, a leading ~ or spaces around it"),
 ]
 

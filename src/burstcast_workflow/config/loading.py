@@ -5,6 +5,7 @@ Everything that can be wrong is told at once, before any job, in messages that n
 
 import os
 import posixpath
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -22,6 +23,13 @@ from burstcast_workflow.config.model import Configuration
 
 # libyaml's loader where there is one: ten times as fast
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+# numbers that mean in YAML 1.1 what they mean to a person: 0400 is 256 there, and 6:40 is 400
+_NUMBERS = {
+    "int": re.compile(r"[-+]?(0|[1-9][0-9]*)"),
+    "float": re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[-+][0-9]+)?|[-+]?\.(inf|nan)", re.I),
+}
 
 
 class ConfigError(ValueError):
@@ -50,7 +58,7 @@ def load(
     config
         The content of config.yaml with everything laid over it.
     files
-        The files that it was read from, to be searched for keys that are there twice.
+        The files that it was read from, to be searched for `misread`.
     defaults
         A configuration file for what is not said: the workflow's own, which another workflow that
         takes it as a module has not read.
@@ -66,38 +74,49 @@ def load(
             whole = yaml.load(file, _LOADER)
         update_config(whole, config)
         config = whole
-    problems = duplicated_keys(files)
+    problems = misread(files)
     problems += model_problems(config, Configuration) or contradictions(config)
     if problems:
         raise ConfigError(problems)
     loaded: Config = canonical(config, "config")
-    loaded["results"] = posixpath.normpath(loaded["results"])
+    # POSIX keeps two slashes at the beginning, which Snakemake does not
+    loaded["results"] = posixpath.normpath(re.sub("^//+", "/", loaded["results"]))
     # a platform that cannot compile says so once, here, and every file says what it was made with
     networks = loaded["forecasters"]["esn"]
     networks["backend"] = usable_backend(networks["backend"])
     return loaded
 
 
-def duplicated_keys(paths: Iterable[str | Path]) -> list[str]:
-    """Find keys that a YAML file has twice, the first of which would be lost in silence.
+def misread(paths: Iterable[str | Path]) -> list[str]:
+    """Find what YAML reads otherwise than it looks: keys that are there twice, 0400, 6:40, dates.
 
     Returns
     -------
     list of str
-        A message for each, with file, line and key.
+        A message for each, with file, line, setting, and what to write.
     """
     problems: list[str] = []
     for path in dict.fromkeys(map(os.path.relpath, paths)):
         # what is no YAML is JSON: Snakemake has read it already
         with Path(path).open(encoding="utf-8") as file, suppress(yaml.YAMLError):
-            problems += [f"{path}, {text}" for text in _duplicated(yaml.compose(file, _LOADER), "")]
+            problems += [f"{path}, {text}" for text in _misread(yaml.compose(file, _LOADER), "")]
     return problems
 
 
-def _duplicated(node: yaml.Node | None, name: str) -> Iterator[str]:
+def _misread(node: yaml.Node | None, name: str) -> Iterator[str]:
+    if isinstance(node, yaml.ScalarNode):
+        kind, line = node.tag.rpartition(":")[2], node.start_mark.line + 1
+        if kind == "timestamp":
+            yield f"line {line}: {name} is {node.value}, which YAML reads as a date: quote it"
+        if kind in _NUMBERS and not _NUMBERS[kind].fullmatch(node.value):
+            value = yaml.load(node.value, _LOADER)
+            yield (
+                f"line {line}: {name} is {node.value}, which YAML reads as {value}: write it in "
+                f"decimal digits, without zeros before it, : and _; or quote it if it is text"
+            )
     if isinstance(node, yaml.SequenceNode):
         for index, item in enumerate(node.value):
-            yield from _duplicated(item, f"{name}[{index}]")
+            yield from _misread(item, f"{name}[{index}]")
     if isinstance(node, yaml.MappingNode):
         lines: dict[tuple[str, str], int] = {}
         for key, value in node.value:
@@ -105,4 +124,5 @@ def _duplicated(node: yaml.Node | None, name: str) -> Iterator[str]:
             if first := lines.get(known := (key.tag, str(key.value))):
                 yield f"line {line}: the key {below} is there already, in line {first}"
             lines.setdefault(known, line)
-            yield from _duplicated(value, below)
+            yield from _misread(key, f"the key {below}")
+            yield from _misread(value, below)

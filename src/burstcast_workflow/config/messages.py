@@ -64,6 +64,8 @@ def _message(root: Place, error: str, path: Sequence[str | int], value: Any, tex
     allowed = place.allowed() + (f" [{place.unit}]" if place.unit else "")
     meaning = f" ({place.meaning})" if place.meaning else ""
     hint = _number_hint(value) if {int, float} & set(place.kinds) else ""
+    if isinstance(value, bool) and str in place.kinds:
+        hint = "; YAML reads yes, no, on and off as true and false: quote text"
     return f"{place.name} is {_value(value)}; it must be {allowed}{meaning}{hint}"
 
 

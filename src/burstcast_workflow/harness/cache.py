@@ -19,6 +19,7 @@ import json
 import logging
 import os
 import platform
+import re
 import shutil
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -43,6 +44,9 @@ LIBRARIES = ("numpy", "scipy", "llvmlite", "scikit-learn", "scikit-optimize")
 
 _FORMAT = 4
 _RECORD = "record.json"
+# names that entries have, and what is built or removed: nothing else there is the cache's
+_KEY = re.compile(r"[0-9a-f]{64}")
+_BUILDING = re.compile(rf"{_KEY.pattern}\.[0-9a-f]{{12}}")
 _BLOCK = 2**20
 _ABANDONED_SECONDS = 24 * 3600.0
 
@@ -278,6 +282,8 @@ class Entry:
 def entries(directory: Path) -> Iterator[Entry]:
     """All entries, those that cannot be read included (their rule is ``damaged``)."""
     for path in sorted((directory / "entries").glob("??/*")):
+        if not _KEY.fullmatch(path.name) or path.parent.name != path.name[:2]:
+            continue
         with suppress(FileNotFoundError):  # pruned by somebody else meanwhile
             size = sum(file.stat().st_size for file in (path, *path.rglob("*")) if file.is_file())
             try:
@@ -333,6 +339,7 @@ def prune(
             left -= entry.size
     for path in (directory / "building").glob("*"):  # left by jobs that were killed
         with suppress(FileNotFoundError):
-            if now - path.stat().st_mtime > _ABANDONED_SECONDS:  # no copy takes a day
+            old = now - path.stat().st_mtime > _ABANDONED_SECONDS  # no copy takes a day
+            if old and _BUILDING.fullmatch(path.name):
                 _delete(path)
     return removed
