@@ -1,5 +1,9 @@
-"""Event forecasters in NetCDF files, nothing pickled."""
+"""Event forecasters in NetCDF files, nothing pickled.
 
+A file holds a digest of its content, which is verified when the file is read.
+"""
+
+import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from burstcast.event_forecaster.observed_states import Observable
 from burstcast.forecasters.base import ForecasterRecord
-from burstcast.netcdf import Variable, read_attributes, read_netcdf, write_netcdf
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system, parameters_of
 
-_FORMAT = 1
+_FORMAT = 2
 _TUPLES = ("prediction_times", "spectral_radius", "input_scaling", "tikhonov")
 
 
@@ -42,7 +46,10 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
 
     The file replaces one that is there.
     """
-    variables = {}
+    # the NetCDF library takes a moment to load, which other forecasters need not wait for
+    from burstcast.netcdf import Variable, write_netcdf
+
+    variables: dict[str, Variable] = {}
     for number, member in enumerate(saved.members):
         for name, array in member.arrays.items():
             label = f"member{number}_{name}"
@@ -59,6 +66,8 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
         "parameters": json.dumps(parameters, sort_keys=True, default=_plain),
         "fitted": json.dumps(fitted, sort_keys=True, default=_plain),
     }
+    arrays = {name: np.asarray(variable.data) for name, variable in variables.items()}
+    attributes["digest"] = _digest(attributes, arrays)
     write_netcdf(path, variables, attributes)
 
 
@@ -75,11 +84,19 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
     Raises
     ------
     ValueError
-        If the file holds no such forecaster, or its observable is needed and not given.
+        If the file holds no such forecaster or is damaged, or its observable is needed and not
+        given.
     """
-    attributes, arrays = read_attributes(path), read_netcdf(path)
+    from burstcast.netcdf import read_attributes, read_netcdf
+
+    try:
+        attributes, arrays = read_attributes(path), read_netcdf(path)
+    except RuntimeError as error:  # of the NetCDF library, which names no file
+        raise ValueError(f"{path} is damaged ({error}): save the forecaster again") from error
     if attributes.get("event_forecaster") != _FORMAT:
         raise ValueError(f"{path} holds no event forecaster that this version can read")
+    if attributes.pop("digest", None) != _digest(attributes, arrays):
+        raise ValueError(f"{path} is not what was saved: it is damaged; save the forecaster again")
     parameters, fitted = (json.loads(str(attributes[name])) for name in ("parameters", "fitted"))
     parameters |= {name: tuple(parameters[name]) for name in _TUPLES}
     parameters["observable"] = _observable_of(parameters["observable"], observable, path)
@@ -93,6 +110,16 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
         }
         members.append(ForecasterRecord(own, found))
     return SavedForecaster(parameters, fitted, members)
+
+
+def _digest(attributes: Mapping[str, Any], arrays: Mapping[str, npt.NDArray[Any]]) -> str:
+    """SHA-256 of the attributes and variables of a file."""
+    content = hashlib.sha256(json.dumps(sorted(attributes.items())).encode())
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        content.update(f"{name} {array.dtype.str} {array.shape} ".encode())
+        content.update(array.tobytes())
+    return content.hexdigest()
 
 
 def _plain(value: Any) -> Any:

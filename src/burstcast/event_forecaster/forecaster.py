@@ -38,6 +38,8 @@ NETWORKS = "esn"
 """The kind whose hyperparameters are searched, and of which there is a committee."""
 
 _TOP_TWENTIETH: Mapping[str, float] = {"quantile": 0.95}
+_REFERENCE_STATES = 8
+
 BINS = 11
 """Of the probability, for those scores that need them."""
 
@@ -115,6 +117,9 @@ class EventForecaster(Estimator):
         What the search has found for each network.
     event_threshold_
         In units of the observable.
+    reference_states_, reference_observable_
+        Some states of the training series, ``(state, component)``, and the observable of each:
+        `load` compares an observable that it is given with that of the fit.
     alarms_
         Calibrations and thresholds (`burstcast.probability.alarm_rule`) by prediction time.
     classes_
@@ -232,6 +237,11 @@ class EventForecaster(Estimator):
         self.members_ = members
         self.hyperparameters_ = found
         self.components_ = states.shape[2]
+        every = states.reshape(-1, self.components_)
+        self.reference_states_ = every[
+            np.linspace(0, len(every) - 1, _REFERENCE_STATES).astype(int)
+        ]
+        self.reference_observable_ = case.system.observable(self.reference_states_.T)
         self.event_threshold_ = threshold
         self.classes_ = np.array([False, True])
         self.alarms_ = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
@@ -351,6 +361,8 @@ class EventForecaster(Estimator):
         alarms = [{"prediction_time": time, **one.record()} for time, one in self.alarms_.items()]
         fitted = {
             "components": self.components_,
+            "reference_states": self.reference_states_,
+            "reference_observable": self.reference_observable_,
             "event_threshold": self.event_threshold_,
             "hyperparameters": self.hyperparameters_,
             "alarms": alarms,
@@ -376,7 +388,8 @@ class EventForecaster(Estimator):
         Raises
         ------
         ValueError
-            If the file holds no such forecaster, or its observable is needed and not given.
+            If the file holds no such forecaster or is damaged; if its observable is needed and not
+            given, or the given one has other values than that of the fit.
         """
         saved = files.read_saved(path, observable)
         self, fitted = cls(**saved.parameters), saved.fitted
@@ -384,6 +397,14 @@ class EventForecaster(Estimator):
         self.members_ = [kind.restore(record, case) for record in saved.members]
         self.hyperparameters_ = fitted["hyperparameters"]
         self.components_ = fitted["components"]
+        self.reference_states_ = np.array(fitted["reference_states"])
+        self.reference_observable_ = np.array(fitted["reference_observable"])
+        given = case.system.observable(self.reference_states_.T)
+        if not np.allclose(given, self.reference_observable_, rtol=1e-9, atol=0, equal_nan=True):
+            raise ValueError(
+                f"the observable that load was given is not that of {path}: for states of the "
+                f"training series it is {given}, and was {self.reference_observable_}"
+            )
         self.event_threshold_ = fitted["event_threshold"]
         self.classes_ = np.array([False, True])
         self.alarms_ = {one["prediction_time"]: AlarmRule.restore(one) for one in fitted["alarms"]}
