@@ -64,6 +64,19 @@ def test_the_constructor_only_stores(training):
     assert set(vars(forecaster)) == set(parameters)
 
 
+def test_the_defaults():
+    assert burstcast.EventForecaster().get_params() == {
+        **{"observable": 0, "event_threshold": {"quantile": 0.95}, "prediction_times": (1.0,)},
+        **{"window": 1.0, "lyapunov_time": None, "sampling_interval": 1.0, "washout": 0.5},
+        **{"kind": "esn", "members": 10, "neurons": 500, "validation": "RV"},
+        **{"validation_interval": 2.0, "validation_series": None, "intervals_per_series": None},
+        **{"spectral_radius": (0.1, 1.0), "input_scaling": (0.1, 10.0), "grid": 4},
+        **{"tikhonov": (1e-6, 1e-9, 1e-12), "bayesian_points": 9, "calibrate": True},
+        **{"prior_forecasts": 30.0, "calibration_spacing": 0.25, "start_spacing": 1.0},
+        **{"noise": 0.0, "sampling_stride": 1, "options": None, "random_seed": 0, "case": "series"},
+    }
+
+
 def test_parameters_are_set_by_name():
     forecaster = burstcast.EventForecaster(neurons=50)
     assert forecaster.set_params(neurons=70, members=2) is forecaster
@@ -323,6 +336,7 @@ def test_a_damaged_file_is_no_forecaster(training, test_series, tmp_path):
         ({"prediction_times": ()}, "one entry at least"),
         ({"prediction_times": (0.001,)}, "a prediction time is 0.001, which is 0 samples"),
         ({"window": 0.001}, "not a single sample"),
+        ({"washout": 17.0}, "of 900 samples leave no room for a washout of 935 steps"),
         ({"event_threshold": 1e3}, "no event to learn from"),
         ({"event_threshold": {"quantil": 0.9}}, "a number or {'quantile': q}"),
         ({"event_threshold": {"quantile": 1.5}}, "a quantile lies between 0 and 1, not at 1.5"),

@@ -169,6 +169,17 @@ def test_where_nothing_is_left_the_rule_of_three_bounds_it() -> None:
     assert hazard.high == pytest.approx(3 / (1000 * 4), rel=4e-3)
 
 
+def test_flows_that_do_not_count_need_no_defined_energy() -> None:
+    """Of a flow that laminarises, control may leave an energy that is no number."""
+    records = random_records(20, 4, 0.1)
+    laminar = np.where(np.arange(20) == 7, 0, -1)  # at the first forecast, at once
+    other = np.where(np.arange(20) == 7, np.nan, records.input_controlled)
+    scores = score(replace(records, laminar_step_controlled=laminar, input_controlled=other))
+    assert scores["input_controlled"].value == pytest.approx(np.nanmean(other))
+    # one laminarisation; 19 flows at risk for 8 steps, and one for none: 76 Lyapunov times
+    assert scores["laminarisation_hazard_controlled"].value == pytest.approx(1 / 76)
+
+
 def test_no_flow_at_all_has_no_scores() -> None:
     empty = record_flows(flows_of([series()], [series()]), None)
     none = FlowRecords(**{name: value[:0] for name, value in vars(empty).items()})

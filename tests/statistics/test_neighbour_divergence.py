@@ -69,19 +69,21 @@ def test_units_do_not_matter() -> None:
     assert other.exponent == pytest.approx(one.exponent / 5, rel=1e-6)
 
 
-def test_distances_by_brute_force(monkeypatch) -> None:
+@pytest.mark.parametrize(("number", "steps"), [(3, 120), (1, 200)])
+def test_distances_by_brute_force(number, steps, monkeypatch) -> None:
+    """In a short series alone, neighbours lie just beyond the Theiler window."""
     monkeypatch.setattr(module, "REFERENCES", 10**6)  # every state is followed
-    series = lorenz(series=3, steps=120)
+    series = lorenz(number, steps)
     found = estimate(series, 0.02)
     steps, window = len(found.log_distance) - 1, correlation_steps(series / series.std(axis=(0, 1)))
     states = series / series.std(axis=(0, 1))
     starts = states.shape[1] - steps
     expected = []
-    for of in range(3):
+    for of in range(number):
         for at in range(starts):
             nearest = min(
                 (np.linalg.norm(states[of, at] - states[other, step]), other, step)
-                for other in range(3)
+                for other in range(number)
                 for step in range(starts)
                 if other != of or abs(step - at) > window
             )[1:]
