@@ -9,9 +9,11 @@ import sklearn.base
 from numpy.testing import assert_array_equal
 
 import burstcast
+from burstcast.delay_coordinates import delay_coordinates
 from burstcast.event_forecaster.series_layout import as_series
 from burstcast.forecast.classification import ratio
 from burstcast.forecasters.registry import available_kinds
+from burstcast.statistics.neighbour_divergence import neighbour_divergence
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 
@@ -126,7 +128,7 @@ def test_dimensions_of_xarray_are_found_by_their_names():
         (np.zeros((5, 3)), r"not \(5, 3\): a single series is series\[np.newaxis\]"),
         (np.zeros(5), r"must be \(series, time, component\), not \(5,\)"),
         (np.zeros((0, 5, 3)), "empty"),
-        (np.array([[[0.0], [np.nan]]]), "series 0 is not at step 1, component 0"),
+        (np.array([[[0.0], [np.nan]]]), "series 0 is nan at step 1, component 0"),
         (FakeArray(np.zeros((1, 2, 3)), ("run", "time", "component")), "not run, time, component"),
     ],
 )
@@ -135,10 +137,61 @@ def test_other_layouts_are_refused(data, message):
         as_series(data)
 
 
-@pytest.mark.parametrize("data", [[[["a"]]], [[[1j]]], type("Set", (), {"data_vars": ()})()])
+@pytest.mark.parametrize(
+    "data",
+    [
+        [[["1.5"]]],
+        np.full((1, 2, 3), 1 + 0j),
+        np.full((1, 2, 3), 1.0, dtype=object),
+        np.zeros((1, 2, 3), "M8[s]"),
+        [[[1.0], [2.0, 3.0]]],
+        type("Set", (), {"data_vars": ()})(),
+    ],
+)
 def test_what_is_no_array_of_numbers_is_refused(data):
-    with pytest.raises(TypeError):
+    with pytest.raises(TypeError, match=r"must consist of real numbers|has several variables"):
         as_series(data)
+
+
+NOT_WRITTEN = 9.969209968386869e36
+"""What netCDF stores where nothing was written, which lies below the masks of netCDF4."""
+
+
+@pytest.mark.parametrize("convert", [np.ma.asarray, list, np.asarray])
+def test_masked_series_are_refused(convert, fitted):
+    """Of `list`, masked arrays in a list; of `asarray`, what numpy's functions leave of a mask."""
+    data = np.ma.array(lorenz(2, 300, 3))
+    assert_array_equal(as_series(convert(data)), data.data)
+    data[1, 290, 2] = np.ma.masked
+    data.data[1, 290, 2] = NOT_WRITTEN
+    message = r"\[1, 290, 2\] is \(1 in all\)|series 1 is 9.96921e\+36 at step 290, component 2"
+    for call in (as_series, fitted.fit, fitted.predict, fitted.forecast, fitted.scores):
+        with pytest.raises(ValueError, match=message):
+            call(convert(data))
+
+
+@pytest.mark.parametrize("value", [1j, np.ma.masked, "1.0"])
+def test_an_observable_must_be_a_real_number(value, training):
+    def observable(states):
+        found = np.ma.array(states[..., 0], dtype=type(value) if value == 1j else object)
+        found[...] = value
+        return found if value is not np.ma.masked else np.ma.masked_all(found.shape)
+
+    with pytest.raises(
+        (TypeError, ValueError), match=r"the observable must (not be masked|consist)"
+    ):
+        burstcast.EventForecaster(**{**SMALL, "observable": observable}).fit(training)
+
+
+@pytest.mark.parametrize("function", [delay_coordinates, neighbour_divergence])
+@pytest.mark.parametrize("data", [np.ma.masked_all((2, 9, 1)), np.ones((2, 9, 1), complex)])
+def test_functions_for_notebooks_refuse_the_same(function, data):
+    others = {delay_coordinates: ([1],), neighbour_divergence: (0.1, np.random.default_rng(0))}
+    more = {"resamples": 9, "confidence": 0.9} if function is neighbour_divergence else {}
+    with pytest.raises(
+        (TypeError, ValueError), match=r"the series must (not be masked|consist of)"
+    ):
+        function(data, *others[function], **more)
 
 
 # -- forecasts and probabilities -------------------------------------------------------------------

@@ -105,6 +105,32 @@ def test_mistakes(columns, components, observable, message) -> None:
         series([run(length=length, **columns)], components, observable)
 
 
+@pytest.mark.parametrize(
+    ("values", "error", "message"),
+    [
+        (np.ma.masked_greater(np.arange(20.0), 17), ValueError, r"\[18\] is \(2 in all\)"),
+        (np.full(20, 9.969209968386869e36), ValueError, "has no number in row 1 of 20"),
+        (np.arange(20) * 1j, TypeError, "real numbers, not of complex128"),
+        (np.arange(20).astype(str), TypeError, "real numbers, not of <U2"),
+    ],
+)
+def test_columns_without_real_numbers(values, error, message) -> None:
+    with pytest.raises(error, match=rf"run_1\.csv: column 'u' .*{message}"):
+        series([run(u=values)], ["u"], "u")
+
+
+def test_micro_signs() -> None:
+    """Python takes the sign and the Greek letter for one name; files do not."""
+    micro, greek = "\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}"
+    both = run(**{greek: np.arange(20.0)}, **{micro: np.arange(1.0, 21)})
+    assert np.array_equal(series([both], [f"2 * {micro}"], micro)[0, :, 0], np.arange(2.0, 42, 2))
+    assert MeasuredSeries([micro], f"2 * {micro}").dimension == 1
+    alike = r"run_1\.csv: there is no column .* is written with other characters: copy it"
+    for text in (greek, f"2 * {greek}"):
+        with pytest.raises(ValueError, match=alike):
+            series([run(**{micro: np.arange(20.0)})], [text], text)
+
+
 def test_a_column_that_is_constant_in_one_run_only() -> None:
     assert series([run(u=np.zeros(20)), run(u=np.ones(20))], ["u"], "u").shape == (2, 20, 1)
 

@@ -1,4 +1,6 @@
-"""Types of arrays, by what their entries are; shapes are told where an array is used."""
+"""Types of arrays by their entries (shapes are told where an array is used), and input as one."""
+
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,3 +13,50 @@ Int32Array = npt.NDArray[np.int32]
 """Indices of sparse matrices, as scipy stores them."""
 ByteArray = npt.NDArray[np.uint8]
 """Small numbers that choose between a few things."""
+
+_NEVER_WRITTEN = (9.969e36, 9.970e36)
+"""Bounds of the number that netCDF stores where nothing was written."""
+
+
+def float_array(data: Any, what: str) -> FloatArray:
+    """Convert the input of a user to float64.
+
+    Parameters
+    ----------
+    data
+        An array, or nested lists.
+    what
+        Name of the input in messages.
+
+    Returns
+    -------
+    An array of the same shape, ``data`` itself where nothing has to be converted.
+
+    Raises
+    ------
+    TypeError
+        If the entries are not real numbers: complex numbers, text, dates, objects.
+    ValueError
+        If an entry is masked: what lies below a mask is not a value.
+    """
+    try:
+        # a list of masked arrays keeps their masks
+        array = np.ma.asanyarray(data) if isinstance(data, list | tuple) else np.asanyarray(data)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"{what} must consist of real numbers: {error}") from error
+    if array.dtype.kind not in "biuf":
+        raise TypeError(f"{what} must consist of real numbers, not of {array.dtype}")
+    if np.ma.is_masked(array):
+        masked = np.argwhere(np.ma.getmaskarray(array))
+        place = ", ".join(map(str, masked[0]))
+        raise ValueError(
+            f"{what} must not be masked: the entry [{place}] is ({len(masked)} in all); fill gaps, "
+            f"or leave out what has them"
+        )
+    return np.asarray(np.ma.getdata(array), dtype=np.float64)
+
+
+def is_known(values: FloatArray) -> BoolArray:
+    """Whether values are finite, and not what netCDF stores where nothing was written."""
+    low, high = _NEVER_WRITTEN
+    return np.asarray(np.isfinite(values) & ~((values > low) & (values < high)))

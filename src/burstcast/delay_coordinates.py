@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import FloatArray, float_array
 
 
 def delay_coordinates(series: FloatArray, delays: Sequence[int]) -> FloatArray:
@@ -33,6 +33,7 @@ def delay_coordinates(series: FloatArray, delays: Sequence[int]) -> FloatArray:
     ValueError
         If a delay is less than a step, or no state has such a past.
     """
+    series = float_array(series, "the series")
     longest, samples = max(delays, default=0), series.shape[1]
     if any(delay < 1 for delay in delays):
         raise ValueError(f"delays must be whole numbers above 0, not {list(delays)}")

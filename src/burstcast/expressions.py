@@ -79,10 +79,16 @@ class Expression:
 
     @cached_property
     def _tree(self) -> ast.expr:
+        text = self.text.strip()
         try:
-            return ast.parse(self.text.strip(), mode="eval").body
+            tree = ast.parse(text, mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             raise ValueError(f"{self.text!r} is no arithmetic expression") from None
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Name):
+                # as the text spells it: Python takes a micro sign for the Greek letter
+                node.id = ast.get_source_segment(text, node) or node.id
+        return tree
 
     def _collect(self, node: ast.expr, found: dict[str, None]) -> None:
         """Collect the names below a node; refuse what is not understood."""

@@ -7,10 +7,11 @@ several blocks. Whatever is wrong is told in one message that names the run, the
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from unicodedata import normalize
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, IntArray
+from burstcast.arrays import FloatArray, IntArray, float_array, is_known
 from burstcast.discovery import suggestion
 from burstcast.expressions import Expression
 from burstcast.systems.measured import MeasuredSeries
@@ -74,8 +75,10 @@ class Quantity:
                 raise ValueError(f"there is no column {self.source!r}, and {error}") from None
         for name in names:
             if name not in known:
+                alike = [one for one in known if normalize("NFKC", one) == normalize("NFKC", name)]
+                hint = f"; {alike[0]!r} is written with other characters: copy it" if alike else ""
                 raise ValueError(
-                    f"there is no column {name!r}{suggestion(name, known)}; "
+                    f"there is no column {name!r}{hint or suggestion(name, known)}; "
                     f"the columns are {', '.join(known)}"
                 )
         return names
@@ -156,10 +159,13 @@ def check_numbers(run: str, what: str, values: FloatArray) -> None:
 
     Raises
     ------
+    TypeError
+        If they are not real numbers.
     ValueError
-        If one is not; the message tells where the first of them is, counted from 1.
+        If one is masked or not finite; the message tells where the first of them is.
     """
-    bad = ~np.isfinite(values)
+    values = float_array(values, f"{run}: {what}")
+    bad = ~is_known(values)
     if bad.any():
         row, count = int(bad.argmax()), int(bad.sum())
         many = f" ({count} such rows in all)" if count > 1 else ""

@@ -10,7 +10,8 @@ import pytest
 from burstcast_workflow.jobs.series_files import read_runs
 
 STATES = np.random.default_rng(1).normal(size=(3, 7, 2))  # (series, time, component)
-NOTHING = {"columns": [], "series": None, "array": None, "axes": []}
+COLUMNS, LABELS = {"columns": ["u", "v"]}, {"series": "r"}
+NOTHING = {"columns": [], "header": None, "time": None, "series": None, "array": None, "axes": []}
 
 
 def runs(path, wanted=("u", "v"), **data):
@@ -63,7 +64,9 @@ def test_a_table_of_several_series_in_the_order_of_the_file(tmp_path) -> None:
     assert np.array_equal(states(found, "u", "v"), STATES)
     assert [run.name for run in found] == [f"{path}, run r{number}" for number in (9, 10, 11)]
     pd.concat(parts).sort_index(kind="stable").to_csv(path, index=False, float_format="%.17g")
-    assert np.array_equal(states(runs(path, series="run"), "u", "v"), STATES)
+    assert np.array_equal(states(runs(path, series="run", time="t"), "u", "v"), STATES)
+    with pytest.raises(ValueError, match=r"line 5: the label 'r9' .* again after 'r11'.*data.time"):
+        runs(path, series="run")
     with pytest.raises(ValueError, match=r"has no column 'runs' .did you mean 'run'.*data.series"):
         runs(path, series="runs")
 
@@ -74,25 +77,108 @@ def test_gaps_are_nan_and_text_is_refused(tmp_path) -> None:
     (found,) = runs(path)
     assert np.array_equal(found.columns["u"], [1, np.nan, np.nan], equal_nan=True)
     path.write_text("u,v\n1,2\n3,4\nerror,6\n")
-    with pytest.raises(ValueError, match=r"a\.csv: column 'u' has 'error' in row 3"):
+    with pytest.raises(
+        ValueError, match=r"a\.csv, line 4: column 'u' has 'error', which is no num"
+    ):
         runs(path)
 
 
 @pytest.mark.parametrize(
     ("text", "data", "message"),
     [
-        ("", {}, "is no table of numbers"),
-        ("u,v\n1,2\n3,4,5\n", {}, "is no table of numbers"),
-        ("1,2\n3,4\n", {"columns": ["u"]}, "has 2 columns, but data.columns names 1"),
-        ("a,b\n3,4\n", {"columns": ["u", "v"]}, "has a header, a, b: leave out data.columns"),
+        ("", {}, r"a\.csv is empty"),
+        ("# u\n\n", {}, r"a\.csv is empty"),
+        ("u,v\n", {}, r"a\.csv has a header, but no rows"),
+        ("µ,u,v\n1,2,3\n".encode("latin-1"), {}, r"a\.csv is not written in UTF-8"),
+        ("u,v\n1,2\n".encode("utf-16"), {}, r"a\.csv is not written in UTF-8"),
+        ("1,2\n3.5,4\n5,6\n", {"columns": ["u"]}, "1, 2 are the names of columns or the first"),
+        ("1.,2\n3,4\n", {"columns": ["u"]}, "has 2 columns, but data.columns names 1"),
+        ("a,b\n3,4\n", {"columns": ["u", "v"]}, "has a header in line 1, a, b: leave out data.col"),
         ("u,w\n3,4\n", {}, r"a\.csv: there is no column 'v'; the columns are u, w"),
+        ("u,v,u\n1,2,3\n", {}, r"a\.csv has 2 columns that are called 'u'"),
+        # more fields or fewer: a third value, decimal commas, thousands, a trailing comma, a gap
+        ("# x\nu,v\n1,2\n3,4,5\n", {}, r"a\.csv, line 4 has 3 fields, but line 2 has 2"),
+        ("u,v\n1,5,2,5\n", {}, r"a\.csv, line 2 has 4 fields, but line 1 has 2"),
+        ("u,v\n1,2\n1,000,2\n", {}, r"a\.csv, line 3 has 3 fields, but line 1 has 2"),
+        ("u,v\n1,2,\n3,4,\n", {}, r"a\.csv, line 2 has 3 fields, but line 1 has 2"),
+        ("u,v\n1,2\n3\n", {}, r"a\.csv, line 3 has 1 fields, but line 1 has 2"),
+        ("u,v\n1,10#15\n", {}, r"a\.csv, line 2: column 'v' has '10#15', which is no number"),
+        ("u,v\n1,1_0\n", {}, r"a\.csv, line 2: column 'v' has '1_0', which is no number"),
+        ('u,v,note\n1,2,"\n3,4,"\n5,6,\n', {}, r"a\.csv, line 2: unexpected end of data"),
+        # runs, one after the other
+        ("u,v\n1,2\n\n3,4\n", {}, r"a\.csv, line 3 is blank or a comment between rows"),
+        ("1.,2\n#N/A,3\n# run 2\n3,4\n", COLUMNS, r"line 3 is blank or a comment between rows"),
+        ("r,u,v\na,1,2\nb,3,4\na,5,6\n", LABELS, r"line 4: the label 'a' of 'r' comes again after"),
+        ("r,u,v\n1,1,2\n1.0,3,4\n", LABELS, "'r' has the labels '1' and '1.0', which are the same"),
+        ("r,u,v\na,1,2\n,3,4\n", LABELS, r"a\.csv, line 3 has no label in column 'r'"),
     ],
 )
 def test_tables_with_mistakes(tmp_path, text, data, message) -> None:
     path = tmp_path / "a.csv"
-    path.write_text(text)
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ValueError, match=message):
         runs(path, **data)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("flow rate v\n1 2\n", r"line 2 has 2 fields, but line 1 has 3"),
+        ("u v\n1\t\t2\n", r"line 2: a field between tabs is empty: such a file ends in \.tsv"),
+    ],
+)
+def test_texts_with_mistakes(tmp_path, text, message) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=message):
+        runs(path)
+
+
+@pytest.mark.parametrize(
+    "names", ["0,1", "1,2", "0,1,2", ",0,1", "2001,2002,2003", "0.0,0.25,0.5", "7,3"]
+)
+def test_numbers_that_may_be_names(tmp_path, names) -> None:
+    """The first row is a sample or the header of pandas.DataFrame(x).to_csv."""
+    path = tmp_path / "a.csv"
+    samples = np.random.default_rng(2).normal(size=(4, names.count(",") + 1))
+    rows = "".join(",".join(map(repr, row)) + "\n" for row in samples.tolist())
+    path.write_text(f"{names}\n{rows}")
+    columns = [f"c{number}" for number in range(samples.shape[1])]
+    for how in ({}, {"columns": columns}):
+        with pytest.raises(ValueError, match=r"a\.csv, line 1: .* say which \(data\.header"):
+            runs(path, columns, **how)
+    (found,) = runs(path, names.split(","), header=True)
+    assert np.array_equal(states([found], *names.split(","))[0], samples)
+    found = runs(path, columns, header=True, columns=columns)
+    assert np.array_equal(states(found, *columns)[0], samples)
+    found = runs(path, columns, header=False, columns=columns)
+    assert np.array_equal(states(found, *columns)[0, 1:], samples)
+
+
+@pytest.mark.parametrize(
+    "rows", ["1.0e0,2.0e0\n3,4\n", "5,3\n2,1\n", "1,1\n2.5,0\n", "-1,2\n3.5,4\n"]
+)
+def test_numbers_that_are_no_names(tmp_path, rows) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(rows)
+    assert np.array_equal(
+        states(runs(path, **COLUMNS), "u", "v")[0], np.loadtxt(path, delimiter=",")
+    )
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\ufeff# c\n\nu,v\n\n1.5,2\n3,-4e1\n\n# end\n",
+        '"u", v\n"1.5", 2\n 3 ,-4e1',
+        "v,u\r\n2,1.5\r\n-40,3\r\n",
+        'v,n,u,\n2,#1,1.5,\n-40,"x, y",3,\n',
+    ],
+)
+def test_dialects_of_csv(tmp_path, text) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text, encoding="utf-8", newline="")
+    assert np.array_equal(states(runs(path), "u", "v")[0], [[1.5, 2], [3, -40]])
 
 
 @pytest.mark.parametrize("suffix", ["nc", "h5"])
@@ -115,10 +201,65 @@ def test_dimensions_by_their_names_or_as_they_are_said(tmp_path) -> None:
     write_netcdf(path, {"state": (("x", "y", "z"), STATES.transpose(1, 2, 0))})
     found = runs(path, **how, axes=["time", "component", "series"])
     assert np.array_equal(states(found, "u", "v"), STATES)
-    with pytest.raises(ValueError, match=r"has 7 columns|has 3 columns|data.columns names 2"):
-        runs(path, **how)
     with pytest.raises(ValueError, match=r"3 axes of lengths \(7, 2, 3\).*data\.axes"):
         runs(path, **how, axes=["time", "component"])
+
+
+@pytest.mark.parametrize(
+    ("dimensions", "axes", "message"),
+    [
+        (("time", "run"), [], ", named time, run, and nothing says which is which.*data.axes"),
+        (("a", "b"), [], ", named a, b, and nothing says which is which.*data.axes"),
+        (("time", "component"), [], r".*it holds several columns \(data.array\)"),
+        (("series", "component"), [], r".*it takes series and component \(data.axes\)"),
+        (("time", "series"), ["series", "time"], ".*but data.axes calls them series, time"),
+    ],
+)
+def test_axes_that_are_not_known(tmp_path, dimensions, axes, message) -> None:
+    path = tmp_path / "a.nc"
+    write_netcdf(path, {"u": (dimensions, STATES[:, :, 0])})
+    with pytest.raises(ValueError, match=rf"a\.nc, u has 2 axes of lengths \(3, 7\){message}"):
+        runs(path, ("u",), axes=axes)
+
+
+def test_one_array_by_its_axes_or_the_number_of_its_columns(tmp_path) -> None:
+    path = tmp_path / "a.npy"
+    np.save(path, STATES[0])
+    assert np.array_equal(states(runs(path, **COLUMNS), "u", "v")[0], STATES[0])
+    for data, how in ((STATES[0].T, COLUMNS), (STATES[0], {}), (STATES[0, :2], COLUMNS)):
+        np.save(path, data)
+        with pytest.raises(ValueError, match=r"a\.npy, array has 2 axes .*nothing says which"):
+            runs(path, ("u", "v"), **how)
+    np.save(path, STATES[0].T)
+    found = runs(path, **COLUMNS, axes=["component", "time"])
+    assert np.array_equal(states(found, "u", "v")[0], STATES[0])
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.full((2, 3), 1j), "must consist of real numbers, not of complex128"),
+        (np.full((2, 3), "1.5"), "must consist of real numbers, not of <U3"),
+        (np.full((2, 3), None), "cannot be read: Object arrays"),
+        (np.zeros((2, 3), [("u", float)]), r"must consist of real numbers, not of \[\('u'"),
+        (np.zeros((0, 2)), "is empty"),
+    ],
+)
+@pytest.mark.parametrize("suffix", ["npy", "npz"])
+def test_arrays_without_real_numbers(tmp_path, array, message, suffix) -> None:
+    path = tmp_path / f"a.{suffix}"
+    np.save(path, array) if suffix == "npy" else np.savez(path, array=array)
+    with pytest.raises(ValueError, match=rf"^[^ ]*a\.{suffix}.*{message}"):
+        runs(path, array="array", axes=["time", "component"])
+
+
+@pytest.mark.parametrize("suffix", ["csv", "txt", "npy", "npz", "nc", "h5"])
+def test_no_content(tmp_path, suffix) -> None:
+    path = tmp_path / f"a.{suffix}"
+    for content in (b"", b"\x00\x01PK\xff" * 9):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=rf"^[^ ]*a\.{suffix}"):
+            runs(path)
 
 
 def test_one_series_in_an_array_and_groups(tmp_path) -> None:
@@ -133,10 +274,13 @@ def test_one_series_in_an_array_and_groups(tmp_path) -> None:
 
 
 def test_arrays_of_numpy(tmp_path) -> None:
+    axes = ["series", "time", "component"]
     np.save(tmp_path / "a.npy", STATES)
-    assert np.array_equal(states(runs(tmp_path / "a.npy", columns=["u", "v"]), "u", "v"), STATES)
-    np.savez(tmp_path / "a.npz", u=STATES[:, :, 0], v=STATES[:, :, 1])
-    assert np.array_equal(states(runs(tmp_path / "a.npz"), "u", "v"), STATES)
+    found = runs(tmp_path / "a.npy", **COLUMNS, axes=axes)
+    assert np.array_equal(states(found, "u", "v"), STATES)
+    # what nobody asks for may be anything
+    np.savez(tmp_path / "a.npz", u=STATES[:, :, 0], v=STATES[:, :, 1], note=np.array([None]))
+    assert np.array_equal(states(runs(tmp_path / "a.npz", axes=axes), "u", "v"), STATES)
     np.savez(tmp_path / "b.npz", u=STATES[0, :, 0], v=STATES[0, :3, 1])
     with pytest.raises(ValueError, match=r"v and u have the shapes \(1, 3\) and \(1, 7\)"):
         runs(tmp_path / "b.npz")
@@ -158,7 +302,7 @@ def test_hdf5_of_others(tmp_path) -> None:
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
         file["deep/state"] = STATES
-    found = runs(path, array="deep/state", columns=["u", "v"])
+    found = runs(path, array="deep/state", **COLUMNS, axes=["series", "time", "component"])
     assert np.array_equal(states(found, "u", "v"), STATES)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import FloatArray, float_array
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace
 
@@ -51,7 +51,7 @@ class ObservedStates:
         if not callable(self._given):
             component: FloatArray = state[self._given]
             return component
-        value = np.asarray(self._given(np.moveaxis(state, 0, -1)), dtype=np.float64)
+        value = float_array(self._given(np.moveaxis(state, 0, -1)), "the observable")
         if value.shape != state.shape[1:]:
             raise ValueError(
                 f"the function of the observable must make (...) of states (..., component): of "

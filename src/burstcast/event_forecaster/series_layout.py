@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import FloatArray, float_array, is_known
 
 LAYOUT = ("series", "time", "component")
 """Names of the dimensions."""
@@ -39,7 +39,7 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
     Raises
     ------
     ValueError
-        If there are other dimensions, or none of some kind, or a number is not finite.
+        If there are other dimensions, or none of some kind, or a number is masked or not finite.
     TypeError
         If it is a data set of several variables, or does not consist of real numbers.
     """
@@ -53,18 +53,17 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
                 f"(.rename), or add those that are missing (.expand_dims)"
             )
         data = data.transpose(*LAYOUT).to_numpy()
-    try:
-        series = np.ascontiguousarray(data, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise TypeError(f"{what} must consist of real numbers: {error}") from error
+    series = np.ascontiguousarray(float_array(data, what))
     if np.ndim(data) != len(LAYOUT):
         hint = ": a single series is series[np.newaxis]" if np.ndim(data) == 2 else ""
         raise ValueError(f"{what} must be ({', '.join(LAYOUT)}), not {np.shape(data)}{hint}")
     if series.size == 0:
         raise ValueError(f"{what} of shape {series.shape} are empty")
-    if not np.isfinite(series).all():
-        row, step, component = (int(index) for index in np.argwhere(~np.isfinite(series))[0])
+    known = is_known(series)
+    if not known.all():
+        row, step, component = (int(index) for index in np.argwhere(~known)[0])
         raise ValueError(
-            f"{what} must be finite: series {row} is not at step {step}, component {component}"
+            f"{what} must be finite: series {row} is {series[row, step, component]:g} at step "
+            f"{step}, component {component}"
         )
     return series

@@ -34,7 +34,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from burstcast.arrays import FloatArray, IntArray
+from burstcast.arrays import FloatArray, IntArray, float_array
 from burstcast.resampling import bootstrap_weights, percentile_interval
 
 FITTED = (0.15, 0.45)
@@ -105,6 +105,7 @@ def neighbour_divergence(
     ValueError
         If distances do not grow, or the series are too short to see it.
     """
+    series = float_array(series, "the series")
     states = series / series.std(axis=(0, 1))
     window = correlation_steps(states)
     states = _embedded(states, DELAYS.get(states.shape[2], 1), window)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import FloatArray, float_array
 from burstcast.systems.base import DynamicalSystem
 
 
@@ -16,8 +16,8 @@ def sampled_initial_states(
     ValueError
         If they have another shape, or one is not finite.
     """
-    states = np.array(system.sample_initial_states(series, generator), dtype=np.float64)
     name = f"{type(system).__name__}.sample_initial_states"
+    states = np.array(float_array(system.sample_initial_states(series, generator), name))
     if states.shape != (system.dimension, series):
         raise ValueError(
             f"{name} must return the shape ({system.dimension}, {series}), not {states.shape}"

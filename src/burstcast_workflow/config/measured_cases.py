@@ -26,6 +26,7 @@ _NOTHING_SAID: Config = {
     "files": [],
     "case": None,
     "columns": [],
+    "header": None,
     "components": [],
     "delays": [],
     "observable_name": "",
@@ -176,8 +177,8 @@ def own_problems(own: Settings) -> Iterator[str]:
     else:
         if not data.get("components"):
             yield "data.components is missing: what forecasters see of the other case"
-        for key in ("time_step", "time", "series", "array", "axes", "columns", "blocks"):
-            if data.get(key):
+        for key in ("time_step", "time", "series", "array", "axes", "columns", "header", "blocks"):
+            if data.get(key) not in (None, []):
                 yield f"data.{key} means nothing where the series are those of another case"
 
 

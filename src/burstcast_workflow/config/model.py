@@ -228,8 +228,14 @@ class Data(Section):
         "another case of the campaign, of whose state only a part is seen", default=None
     )
     columns: Distinct[str] = setting(
-        "names of the columns of a table without a header, or along the last axis of an array",
+        "names of the columns of a table without a header, or along the component axis of an array",
         default=[],
+    )
+    header: bool | None = setting(
+        "whether the first row of a table has the names of its columns (with columns, other names "
+        "instead); null: it has unless it consists of numbers; numbers that may be names are an "
+        "error",
+        default=None,
     )
     components: Distinct[str] = setting(
         "what forecasters see: columns, expressions of columns, or <name> = <one of these>; all "
@@ -249,11 +255,14 @@ class Data(Section):
     )
     time: str | None = setting("column of times, to be checked against the time step", default=None)
     series: str | None = setting(
-        "column that tells series apart, where a table holds several", default=None
+        "column that tells series apart, where a table holds several: a label for each, in "
+        "successive rows unless time orders them",
+        default=None,
     )
     array: str | None = setting("array that holds all components", default=None)
     axes: Distinct[Literal["series", "time", "component"]] = setting(
-        "axes of the arrays, in their order; those that dimensions are named after, or this order",
+        "axes of the arrays, in their order; needed unless all dimensions are called so, or only "
+        "one order is possible",
         default=[],
     )
     blocks: Blocks | None = setting("how series are cut; null: not at all", default=None)

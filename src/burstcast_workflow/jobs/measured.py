@@ -94,7 +94,7 @@ def measured_series(settings: Settings, sources: Sequence[str]) -> FloatArray:
     runs = [run for path in sources for run in read_runs(path, data, needed)]
     if time is not None:
         for run in runs:
-            check_equidistant(run.name, time, run.columns[time], time_step)
+            check_equidistant(run.name, time, Quantity(time).values(run.columns), time_step)
     return series_of_runs(runs, space, quantities, cut)
 
 

@@ -3,15 +3,20 @@
 All of them are read into runs of named columns (`burstcast.measured_data.Run`).
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import csv
+import itertools
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import netCDF4
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from burstcast.arrays import float_array
 from burstcast.discovery import suggestion
 from burstcast.measured_data import Run
 
@@ -23,6 +28,12 @@ TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet")
 NETCDF = (".nc", ".nc4", ".cdf", ".h5", ".hdf5", ".hdf")
 NUMPY = (".npy", ".npz")
 AXES = ("series", "time", "component")
+
+_GAPS = frozenset({"", "nan", "na", "n/a", "#n/a", "<na>", "null", "none"})
+"""How tables write that there is no number, in small letters."""
+_ERROR_OF_EXCEL = re.compile(r"#(N/A|NUM!|DIV/0!|VALUE!|REF!|NAME\?|NULL!)", re.IGNORECASE)
+"""Beginnings of rows that are no comments."""
+_ROWS_AT_ONCE = 65536
 
 
 def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
@@ -40,18 +51,24 @@ def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
     Raises
     ------
     ValueError
-        If the file is of another kind, or has not what is needed; the message names it.
+        If the file is of another kind, has not what is needed, or leaves open which numbers belong
+        together; the message names it.
     """
     suffix = Path(path).suffix.lower()
     try:
         if suffix in TABLES:
-            return _runs_of_table(path, _table(path, suffix, data["columns"]), data, needed)
+            return _runs_of_table(path, suffix, data, needed)
         if suffix in NETCDF:
             return _runs_of_netcdf(path, data, needed)
         if suffix in NUMPY:
             return _runs_of_numpy(path, data, needed)
-    except OSError as error:
-        raise ValueError(f"{path} cannot be read: {error}") from error
+    except UnicodeError as error:
+        raise ValueError(f"{path} is not written in UTF-8: save it so ({error})") from error
+    except Exception as error:  # whatever the libraries of the formats raise
+        told = str(error)
+        if not told.startswith(path):
+            told = f"{path} cannot be read: {told}"
+        raise ValueError(told) from error
     known = ", ".join((*TABLES, *NETCDF, *NUMPY))
     raise ValueError(f"{path}: files of series end in {known}")
 
@@ -73,82 +90,259 @@ def _named(path: str, count: int, columns: Sequence[str]) -> list[str]:
 # -- tables ----------------------------------------------------------------------------------------
 
 
-def _table(path: str, suffix: str, columns: Sequence[str]) -> pd.DataFrame:
-    if suffix == ".parquet":
-        try:
-            found: pd.DataFrame = pd.read_parquet(path)
-        except ImportError:
-            raise ValueError(
-                f"{path}: reading Parquet takes pyarrow, which is not installed: install it, or "
-                f"convert the file to CSV or NetCDF"
-            ) from None
-        return found
-    separator = {".csv": ",", ".tsv": "\t"}.get(suffix, r"\s+")
-    how: dict[str, Any] = {"sep": separator, "comment": "#"}
-    if int(pd.__version__.partition(".")[0]) < 3:  # later ones read all digits by themselves
-        how["float_precision"] = "round_trip"
-    try:
-        head = pd.read_csv(path, header=None, nrows=1, dtype=str, **how)
-        numbers_only = bool(pd.to_numeric(head.iloc[0], errors="coerce").notna().all())
-        table: pd.DataFrame = pd.read_csv(path, header=None if numbers_only else 0, **how)
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is no table of numbers: {error}") from None
-    if numbers_only:
-        table.columns = pd.Index(_named(path, table.shape[1], columns))
-        return table
-    table.columns = pd.Index([str(name).strip() for name in table.columns])
-    if columns and list(table.columns) != list(columns):
-        raise ValueError(
-            f"{path} has a header, {', '.join(table.columns)}: leave out data.columns, which says "
-            f"{', '.join(columns)}"
-        )
-    return table
+class _Row(NamedTuple):
+    """A row of a text table: its line, its fields, and the line that parts it from the last row."""
+
+    line: int
+    fields: list[str]
+    parted_by: int | None
 
 
-def _runs_of_table(
-    path: str, table: pd.DataFrame, data: Mapping[str, Any], needed: Needed
-) -> list[Run]:
+class _Columns(NamedTuple):
+    """Columns of a table, with the label of each row where a column has labels."""
+
+    values: dict[str, Array]
+    labels: list[str]
+    lines: list[int]
+
+
+def _runs_of_table(path: str, suffix: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
     key = data["series"]
-    names = _asked(path, [name for name in table.columns if name != key], needed)
-    columns = {name: _numbers(path, name, table[name]) for name in names}
+
+    def chosen(names: Sequence[str]) -> list[str]:
+        for name in names:
+            if name and names.count(name) > 1:
+                raise ValueError(f"{path} has {names.count(name)} columns that are called {name!r}")
+        if key is not None and key not in names:
+            raise ValueError(f"{path} has no column {key!r}{suggestion(key, names)} (data.series)")
+        return _asked(path, [name for name in names if name != key], needed)
+
+    read = _parquet if suffix == ".parquet" else _text
+    values, labels, lines = read(path, data, chosen)
     if key is None:
-        return [Run(path, columns)]
-    if key not in table.columns:
-        known = list(map(str, table.columns))
-        raise ValueError(f"{path} has no column {key!r}{suggestion(key, known)} (data.series)")
-    labels = table[key].to_numpy()
-    # in the order of the file, however their names would be sorted
+        return [Run(path, values)]
     return [
-        Run(
-            f"{path}, {key} {label}",
-            {name: values[labels == label] for name, values in columns.items()},
-        )
-        for label in dict.fromkeys(labels.tolist())
+        Run(f"{path}, {key} {label}", {name: column[rows] for name, column in values.items()})
+        for label, rows in _rows_by_label(path, data, labels, lines).items()
     ]
 
 
-def _numbers(path: str, name: str, values: "pd.Series[Any]") -> Array:
-    numbers = pd.to_numeric(values, errors="coerce")
-    text = (numbers.isna() & values.notna()).to_numpy()
-    if text.any():
-        row = int(text.argmax())
+def _rows_by_label(
+    path: str, data: Mapping[str, Any], labels: list[str], lines: list[int]
+) -> dict[str, npt.NDArray[np.int64]]:
+    """Rows of each run of a table, in the order of the file."""
+    key, numbers = data["series"], dict[str, int]()
+    run = np.array([numbers.setdefault(label, len(numbers)) for label in labels])
+    spellings: dict[object, str] = {}
+    for label, number in numbers.items():
+        value = _number(label)
+        if value is not None and np.isnan(value):
+            line = lines[int((run == number).argmax())]
+            raise ValueError(f"{path}, line {line} has no label in column {key!r} (data.series)")
+        if (other := spellings.setdefault(label if value is None else value, label)) != label:
+            raise ValueError(
+                f"{path}: the column {key!r} has the labels {other!r} and {label!r}, which are the "
+                f"same number: write them alike"
+            )
+    again = np.diff(run) < 0
+    # the check of times tells whether the rows of a label follow one another
+    if again.any() and data["time"] is None:
+        row = int(again.argmax()) + 1
         raise ValueError(
-            f"{path}: column {name!r} has {values.iloc[row]!r} in row {row + 1}, which is no number"
+            f"{path}, line {lines[row]}: the label {labels[row]!r} of {key!r} comes again after "
+            f"{labels[row - 1]!r}: give each run a label of its own, or name the column of times "
+            f"that orders its rows (data.time)"
         )
-    return numbers.to_numpy(dtype=np.float64, na_value=np.nan)
+    return {label: np.flatnonzero(run == number) for label, number in numbers.items()}
+
+
+def _parquet(
+    path: str, data: Mapping[str, Any], chosen: Callable[[Sequence[str]], list[str]]
+) -> _Columns:
+    try:
+        table = pd.read_parquet(path)
+    except ImportError:
+        raise ValueError(
+            f"{path}: reading Parquet takes pyarrow, which is not installed: install it, or "
+            f"convert the file to CSV or NetCDF"
+        ) from None
+    table.columns = pd.Index([str(name) for name in table.columns])
+    values = {}
+    for name in chosen(list(table.columns)):
+        if table[name].dtype.kind not in "iuf":
+            raise ValueError(f"{path}: column {name!r} has no numbers, but {table[name].dtype}")
+        values[name] = table[name].to_numpy(dtype=np.float64, na_value=np.nan)
+    if not len(table):
+        raise ValueError(f"{path} has no rows")
+    key = data["series"]
+    labels = [] if key is None else [str(label) for label in table[key]]
+    return _Columns(values, labels, list(range(1, len(table) + 1)))
+
+
+def _text(
+    path: str, data: Mapping[str, Any], chosen: Callable[[Sequence[str]], list[str]]
+) -> _Columns:
+    with open(path, encoding="utf-8-sig") as file:
+        rows = _rows(path, file)
+        head = list(itertools.islice(rows, 2))
+        if not head:
+            raise ValueError(f"{path} is empty")
+        names, first = _header(path, head, data)
+        for row in head:  # a blank in a name makes two names
+            _check_row(path, row, names, head[0].line, is_first=True)
+        parts: dict[str, list[Array]] = {name: [] for name in chosen(names)}
+        labels: list[str] = []
+        lines: list[int] = []
+        body = itertools.chain(head[first:], rows)
+        while chunk := list(itertools.islice(body, _ROWS_AT_ONCE)):
+            for row in chunk:
+                _check_row(path, row, names, head[0].line, is_first=not lines)
+                lines.append(row.line)
+            for name, values in parts.items():
+                values.append(np.array(_numbers(path, name, chunk, names.index(name))))
+            if data["series"] is not None:
+                place = names.index(data["series"])
+                labels += [row.fields[place].strip() for row in chunk]
+    if not lines:
+        raise ValueError(f"{path} has a header, but no rows")
+    columns = {name: np.concatenate(found) for name, found in parts.items()}
+    return _Columns(columns, labels, lines)
+
+
+def _rows(path: str, lines: Iterable[str]) -> Iterator[_Row]:
+    """Rows of a text table, without blank lines and comments."""
+    separator = {".csv": ",", ".tsv": "\t"}.get(Path(path).suffix.lower())
+    parted_by = None
+    for number, line in enumerate(lines, 1):
+        content = line.strip(" \n") if separator else line.strip()
+        if not content or (content.startswith("#") and not _ERROR_OF_EXCEL.match(content)):
+            parted_by = number
+            continue
+        try:
+            fields = _fields(line.rstrip("\n"), separator)
+        except (csv.Error, ValueError) as error:
+            raise ValueError(f"{path}, line {number}: {error}") from None
+        yield _Row(number, fields, parted_by)
+        parted_by = None
+
+
+def _fields(line: str, separator: str | None) -> list[str]:
+    if separator is None:
+        if "\t" in line and not all(map(str.strip, line.rstrip().split("\t"))):
+            raise ValueError("a field between tabs is empty: such a file ends in .tsv")
+        if '"' not in line:
+            return line.split()
+        line, separator = " ".join(line.split()), " "
+    elif '"' not in line:
+        return line.split(separator)
+    # by lines: a quote that is not closed would take in the rows after it
+    return next(csv.reader([line], delimiter=separator, strict=True, skipinitialspace=True))
+
+
+def _header(path: str, head: Sequence[_Row], data: Mapping[str, Any]) -> tuple[list[str], int]:
+    """Names of the columns, and how many rows they take."""
+    line, first, _ = head[0]
+    columns, said = data["columns"], data["header"]
+    has_names = any(_number(text) is None for text in first) if said is None else said
+    if said is None and not has_names and _may_be_names(*(row.fields for row in head)):
+        raise ValueError(
+            f"{path}, line {line}: {', '.join(first)} are the names of columns or the first "
+            f"sample: say which (data.header: true or false)"
+        )
+    if not has_names:
+        return _named(path, len(first), columns), 0
+    names = [name.strip() for name in first]
+    if said and columns:
+        return _named(path, len(first), columns), 1
+    if columns and names != list(columns):
+        raise ValueError(
+            f"{path} has a header in line {line}, {', '.join(names)}: leave out data.columns, "
+            f"which says {', '.join(columns)}, or say what the line is (data.header: true or false)"
+        )
+    return names, 1
+
+
+def _may_be_names(first: Sequence[str], second: Sequence[str] = ()) -> bool:
+    """Whether a row of numbers looks like names: 0, 1, 2; 2001, 2002; 0.0, 0.25, 0.5; a gap."""
+    values = [_number(text) or 0.0 for text in first]
+    if any(map(math.isnan, values)):
+        return True
+    if len(set(values)) < len(values):
+        return False
+    step = values[1] - values[0] if len(values) > 1 else 1.0
+    in_steps = all(
+        abs(right - left - step) <= 1e-9 * abs(step) for left, right in itertools.pairwise(values)
+    )
+    if len(values) > 2 and in_steps:
+        return True
+    if not all(text.strip().isdecimal() for text in first):
+        return False
+    whole = all(text.strip().lstrip("-").isdecimal() for text in second)
+    return not (second and whole) or (in_steps and step == 1 and values[0] in (0, 1))
+
+
+def _check_row(
+    path: str, row: _Row, names: Sequence[str], first_line: int, *, is_first: bool
+) -> None:
+    if len(row.fields) != len(names):
+        raise ValueError(
+            f"{path}, line {row.line} has {len(row.fields)} fields, but line {first_line} has "
+            f"{len(names)}"
+        )
+    if row.parted_by is not None and not is_first:
+        raise ValueError(
+            f"{path}, line {row.parted_by} is blank or a comment between rows: if a new run begins "
+            f"there, put it into a file of its own or add a column that tells runs apart "
+            f"(data.series); remove the line"
+        )
+
+
+def _numbers(path: str, name: str, rows: Sequence[_Row], place: int) -> list[float]:
+    texts = [row.fields[place] for row in rows]
+    together = "".join(texts)
+    if together.isascii() and "_" not in together:
+        try:
+            return list(map(float, texts))
+        except ValueError:  # a gap, or text
+            pass
+    values = []
+    for row, text in zip(rows, texts, strict=True):
+        value = _number(text)
+        if value is None:
+            raise ValueError(
+                f"{path}, line {row.line}: column {name!r} has {text!r}, which is no number"
+            )
+        values.append(value)
+    return values
+
+
+def _number(text: str) -> float | None:
+    """Value of a field: NaN for a gap, None for text."""
+    text = text.strip()
+    if text.casefold() in _GAPS:
+        return math.nan
+    try:
+        # Python's 1_000 is no number in a file
+        return float(text) if text.isascii() and "_" not in text else None
+    except ValueError:
+        return None
 
 
 # -- arrays ----------------------------------------------------------------------------------------
+
+Read = Callable[[str], tuple[Array, Sequence[str]]]
+"""Array of a name, and the names of its dimensions where they have any."""
 
 
 def _runs_of_netcdf(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
     with netCDF4.Dataset(path, "r") as file:
 
-        def read(name: str) -> tuple[Array, tuple[str, ...]]:
+        def read(name: str) -> tuple[Array, Sequence[str]]:
             variable = file[name]
+            values = variable[...]
+            numbers = float_array(np.ma.getdata(values), f"{path}, {name}")
             # what is declared as missing is a gap
-            values = np.ma.asarray(variable[...]).astype(np.float64)
-            return np.ma.filled(values, np.nan), tuple(variable.dimensions)
+            return np.where(np.ma.getmaskarray(values), np.nan, numbers), variable.dimensions
 
         return _runs_of_arrays(path, _variables(file, ""), read, data, needed)
 
@@ -167,23 +361,25 @@ def _runs_of_numpy(path: str, data: Mapping[str, Any], needed: Needed) -> list[R
     loaded = np.load(path, allow_pickle=False)
     if isinstance(loaded, np.ndarray):
         arrays = {"array": loaded}
-        data = {**data, "array": "array"}
-    else:
-        with loaded:
-            arrays = {name: loaded[name] for name in loaded.files}
-
-    def read(name: str) -> tuple[Array, tuple[str, ...]]:
-        return arrays[name].astype(np.float64), ()
-
-    return _runs_of_arrays(path, list(arrays), read, data, needed)
+        return _runs_of_arrays(
+            path,
+            ["array"],
+            lambda name: (float_array(arrays[name], path), ()),
+            {**data, "array": "array"},
+            needed,
+        )
+    with loaded:
+        return _runs_of_arrays(
+            path,
+            loaded.files,
+            lambda name: (float_array(loaded[name], f"{path}, {name}"), ()),
+            data,
+            needed,
+        )
 
 
 def _runs_of_arrays(
-    path: str,
-    known: Sequence[str],
-    read: Callable[[str], tuple[Array, tuple[str, ...]]],
-    data: Mapping[str, Any],
-    needed: Needed,
+    path: str, known: Sequence[str], read: Read, data: Mapping[str, Any], needed: Needed
 ) -> list[Run]:
     """Runs of a file with an array for each column, or one array that holds all of them."""
     columns: dict[str, Array] = {}
@@ -194,13 +390,13 @@ def _runs_of_arrays(
                 f"{path} has no array {whole!r}{suggestion(whole, known)} (data.array); it has "
                 f"{', '.join(known)}"
             )
-        block = _ordered(f"{path}, {whole}", *read(whole), data["axes"], "component")
+        block = _ordered(f"{path}, {whole}", *read(whole), data, "component")
         names = _named(f"{path}, {whole}", block.shape[2], data["columns"])
         columns = {name: block[:, :, index] for index, name in enumerate(names)}
     others = [name for name in known if name != whole and name not in columns]
     for name in _asked(path, [*columns, *others], needed):
         if name not in columns:
-            columns[name] = _ordered(f"{path}, {name}", *read(name), data["axes"])[:, :, 0]
+            columns[name] = _ordered(f"{path}, {name}", *read(name), data)[:, :, 0]
     count = max(len(values) for values in columns.values())
     for name, values in columns.items():
         # one time axis may serve all series
@@ -220,21 +416,39 @@ def _runs_of_arrays(
 
 
 def _ordered(
-    where: str, array: Array, dimensions: Sequence[str], axes: Sequence[str], *last: str
+    where: str, array: Array, dimensions: Sequence[str], data: Mapping[str, Any], *last: str
 ) -> Array:
-    """Array as ``(series, time, component)``: by its axes as they are said, or named, or usual."""
-    usual = (*(("series",) if array.ndim - len(last) > 1 else ()), "time", *last)
-    if axes:
-        order = [axis for axis in axes if axis != "component" or last]
+    """Array as ``(series, time, component)``: by its axes as they are said, named, or evident."""
+    names = [name if name in AXES else None for name in dimensions]
+    order: list[str] = []
+    if data["axes"]:
+        order = [axis for axis in data["axes"] if axis != "component" or last]
         # an array of times has no series
         order = [axis for axis in order if axis != "series"] if array.ndim == 1 else order
-    else:
-        order = list(dimensions if set(dimensions) <= set(AXES) and dimensions else usual)
-    if len(order) != array.ndim or not set(last) <= set(order):
+    elif names and None not in names:
+        order = list(dimensions)
+    elif not any(names):
+        lengths = [length == len(data["columns"]) for length in array.shape]
+        if array.ndim == 1 and not last:
+            order = ["time"]
+        elif lengths == [False, True] and last:
+            order = ["time", *last]
+    shape = f"{where} has {array.ndim} axes of lengths {array.shape}"
+    if dimensions:
+        shape += f", named {', '.join(dimensions)}"
+    if not order:
         raise ValueError(
-            f"{where} has {array.ndim} axes of lengths {array.shape}; it takes "
-            f"{' and '.join(order)} (data.axes)"
+            f"{shape}, and nothing says which is which: name them in their order, such as "
+            f"data.axes: [{', '.join(AXES)}]"
         )
+    if len(order) != array.ndim or len(set(order)) < array.ndim or not {"time", *last} <= {*order}:
+        raise ValueError(f"{shape}; it takes {' and '.join(order)} (data.axes)")
+    if any(name not in (None, axis) for name, axis in zip(names, order, strict=False)):
+        raise ValueError(f"{shape}, but data.axes calls them {', '.join(order)}")
+    if "component" in order and not last:
+        raise ValueError(f"{shape}: it holds several columns (data.array)")
+    if not array.size:
+        raise ValueError(f"{shape}: it is empty")
     missing = [axis for axis in AXES if axis not in order]
     full = array.reshape(*array.shape, *[1] * len(missing))
     return full.transpose([[*order, *missing].index(axis) for axis in AXES])
