@@ -96,7 +96,7 @@ def test_blocks_in_time_units() -> None:
             "r",
             "run_1.csv: the component 'r' has no number in row 2 of 3",
         ),
-        ({"u": np.full(20, 3.5)}, ["u", "v"], "v", "the component 'u' is 3.5 always"),
+        ({"u": np.full(20, 3.5)}, ["u", "v"], "v", "run_1.csv: the component 'u' is 3.5 always"),
     ],
 )
 def test_mistakes(columns, components, observable, message) -> None:

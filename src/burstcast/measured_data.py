@@ -147,9 +147,10 @@ def series_of_runs(
     series = _equal(runs, found) if blocks is None else _cut(runs, found, blocks)
     for name, values in zip(space.component_names, series.T, strict=True):
         if np.all(values == values.flat[0]):
+            others = " and all other series" if len(runs) > 1 else ""
             raise ValueError(
-                f"the component {name!r} is {values.flat[0]:g} always: a constant teaches nothing, "
-                f"and inputs are divided by their range; leave it out"
+                f"{runs[0].name}{others}: the component {name!r} is {values.flat[0]:g} always: a "
+                f"constant teaches nothing, and inputs are divided by their range; leave it out"
             )
     return series
 

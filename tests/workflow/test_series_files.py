@@ -6,6 +6,8 @@ import netCDF4
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from burstcast_workflow.jobs.series_files import read_runs
 
@@ -28,8 +30,8 @@ def states(found, *names):
     return np.stack([np.stack([run.columns[name] for name in names], axis=1) for run in found])
 
 
-def write_netcdf(path, variables):
-    with netCDF4.Dataset(path, "w") as file:
+def write_netcdf(path, variables, **how):
+    with netCDF4.Dataset(path, "w", **how) as file:
         for name, (dimensions, data) in variables.items():
             for dimension, length in zip(dimensions, np.shape(data), strict=True):
                 if dimension not in file.dimensions:
@@ -262,6 +264,17 @@ def test_no_content(tmp_path, suffix) -> None:
             runs(path)
 
 
+@pytest.mark.parametrize("cut", [1, 8, 50])
+def test_a_classic_netcdf_file_that_is_cut_off(tmp_path, cut) -> None:
+    """The library of netCDF reads zeros for what is missing."""
+    path = tmp_path / "a.nc"
+    write_netcdf(path, {"u": (("time",), STATES[0, :, 0])}, format="NETCDF3_CLASSIC")
+    assert np.array_equal(runs(path, ["u"])[0].columns["u"], STATES[0, :, 0])
+    path.write_bytes(path.read_bytes()[:-cut])
+    with pytest.raises(ValueError, match=r"a\.nc is cut off"):
+        runs(path, ["u"])
+
+
 def test_one_series_in_an_array_and_groups(tmp_path) -> None:
     path = tmp_path / "a.nc"
     with netCDF4.Dataset(path, "w") as file:
@@ -311,3 +324,95 @@ def test_other_files(tmp_path) -> None:
         runs(tmp_path / "a.mat")
     with pytest.raises(ValueError, match=r"a\.nc cannot be read"):
         runs(tmp_path / "a.nc")
+
+
+# -- dialects and damage, by chance ----------------------------------------------------------------
+
+CELLS = (
+    lambda text: text.replace(".", ","),
+    lambda text: text[:2] + "," + text[2:],
+    lambda text: text + "#15",
+    lambda text: text[:2] + "_" + text[2:],
+    lambda text: text[:2] + " " + text[2:],
+    lambda text: '"' + text,
+    lambda text: text + '"',
+    lambda text: "\N{MINUS SIGN}" + text,
+    lambda text: "#DIV/0!",
+    lambda text: "NA",
+    lambda text: "",
+)
+"""What happens to a number in a table."""
+
+
+def same_or_refused(path, expected, names, data) -> None:
+    """Exactly the array, or a message that begins with the file; gaps are refused later on."""
+    try:
+        found, message = states(runs(path, names, **data), *names), str(path)
+    except ValueError as error:
+        found, message = expected, str(error)
+    assert message.startswith(str(path))
+    assert found.shape == expected.shape
+    assert np.isnan(found).any() or np.array_equal(found, expected)
+
+
+@settings(max_examples=200, deadline=None)
+@given(data=st.data())
+def test_damaged_tables(tmp_path_factory, data) -> None:
+    draw, pick = data.draw, lambda *choices: data.draw(st.sampled_from(choices))
+    path = tmp_path_factory.getbasetemp() / f"fuzz.{pick('csv', 'tsv', 'txt')}"
+    separator = {".csv": ",", ".tsv": "\t"}.get(path.suffix) or pick(" ", "\t", "   ")
+    names, labelled = (
+        pick(["u", "v"], ["v", "µ", "u"], ["0", "1"], ["2.5", "1"]),
+        draw(st.booleans()),
+    )
+    values = np.random.default_rng(draw(st.integers(0, 99))).normal(size=(3, 4, len(names)))
+    values = np.round(values, pick(0, 1, 17))[: 3 if labelled else 1]
+    table = [
+        [*(f"{value:{pick('.17g', '.17e')}}" for value in row), *([label] if labelled else [])]
+        for label, run in zip(pick("abc", "123"), values, strict=False)
+        for row in run
+    ]
+    header = pick(None, True)
+    said = {"header": header, "series": "run" if labelled else None}
+    if names[0] in "uv" and draw(st.booleans()):  # without a header
+        said |= {"columns": [*names, *["run"] * labelled], "header": pick(None, False)}
+    else:
+        if header is None and names[0] == "2.5" and not labelled:
+            return  # nothing tells these names from a sample
+        table.insert(0, [*names, *["run"] * labelled])
+    row = draw(st.integers(len(table) - 4, len(table) - 1))
+    damage = pick("no", "cell", "more", "fewer", "shift", "last", "row")
+    if damage == "cell":
+        table[row][0] = pick(*CELLS)(table[row][0])
+    elif damage != "no":
+        old = table[row]
+        table[row] = {
+            "more": [*old[:1], *old], "fewer": old[1:], "shift": [*old[1:], ""],
+            "last": [*old, ""], "row": [pick("", "# run 2", "u")],
+        }[damage]  # fmt: skip
+        table[row + 1 :] = [old] * (damage == "row") + table[row + 1 :]
+    text = (
+        pick("", "\ufeff", "# lab\n\n") + "\n".join(map(separator.join, table)) + pick("", "\n\n")
+    )
+    path.write_text(text, encoding="utf-8", newline=pick("\n", "\r\n", "\r"))
+    same_or_refused(path, values, names, said)
+
+
+@settings(max_examples=200, deadline=None)
+@given(data=st.data())
+def test_permuted_axes(tmp_path_factory, data) -> None:
+    draw, pick = data.draw, lambda *choices: data.draw(st.sampled_from(choices))
+    path = tmp_path_factory.getbasetemp() / f"fuzz.{pick('npy', 'npz', 'nc')}"
+    expected = np.random.default_rng(0).normal(size=draw(st.tuples(*[st.integers(1, 3)] * 3)))
+    axes = ["time", "component", *["series"] * (len(expected) > 1 or draw(st.booleans()))]
+    order = draw(st.permutations(axes))
+    full = expected if "series" in axes else expected[0]
+    usual = [axis for axis in ("series", "time", "component") if axis in axes]
+    array = full.transpose([usual.index(axis) for axis in order])
+    if path.suffix == ".nc":
+        write_netcdf(path, {"state": ([pick(axis, f"{axis}_") for axis in order], array)})
+    else:
+        np.save(path, array) if path.suffix == ".npy" else np.savez(path, state=array)
+    names = [f"column_{number + 1}" for number in range(expected.shape[2])]
+    said = {"columns": pick([], names), "axes": pick([], order), "array": "state"}
+    same_or_refused(path, expected, names, said)

@@ -15,6 +15,7 @@ import netCDF4
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+from scipy.io import netcdf_file
 
 from burstcast.arrays import float_array
 from burstcast.discovery import suggestion
@@ -336,6 +337,8 @@ Read = Callable[[str], tuple[Array, Sequence[str]]]
 
 def _runs_of_netcdf(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
     with netCDF4.Dataset(path, "r") as file:
+        if file.data_model.startswith("NETCDF3"):
+            _check_complete(path)
 
         def read(name: str) -> tuple[Array, Sequence[str]]:
             variable = file[name]
@@ -345,6 +348,18 @@ def _runs_of_netcdf(path: str, data: Mapping[str, Any], needed: Needed) -> list[
             return np.where(np.ma.getmaskarray(values), np.nan, numbers), variable.dimensions
 
         return _runs_of_arrays(path, _variables(file, ""), read, data, needed)
+
+
+def _check_complete(path: str) -> None:
+    """Check that a classic NetCDF file has all its bytes: netCDF4 reads zeros for those missing."""
+    try:
+        with netcdf_file(path):
+            pass
+    except Exception as error:  # its parser has no errors of its own
+        raise ValueError(
+            f"{path} is cut off, or is no classic NetCDF file of 32 or 64-bit offsets: copy it "
+            f"again, or convert it (nccopy -k netCDF-4)"
+        ) from error
 
 
 def _variables(group: netCDF4.Dataset, prefix: str) -> list[str]:
