@@ -155,6 +155,9 @@ def test_numbers_that_may_be_names(tmp_path, names) -> None:
     assert np.array_equal(states(found, *columns)[0], samples)
     found = runs(path, columns, header=False, columns=columns)
     assert np.array_equal(states(found, *columns)[0, 1:], samples)
+    path.write_text(f"{names}\n{rows}{names}\n{rows}")
+    with pytest.raises(ValueError, match=r"a\.csv, line 6 has the header of line 1 again"):
+        runs(path, names.split(","), header=True)
 
 
 @pytest.mark.parametrize(

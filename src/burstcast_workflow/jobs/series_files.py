@@ -189,15 +189,15 @@ def _text(
         if not head:
             raise ValueError(f"{path} is empty")
         names, first = _header(path, head, data)
-        for row in head:  # a blank in a name makes two names
-            _check_row(path, row, names, head[0].line, is_first=True)
+        for row in head[1:]:  # a blank in a name makes two names
+            _check_row(path, row, head[0], has_header=first == 1, is_first=True)
         parts: dict[str, list[Array]] = {name: [] for name in chosen(names)}
         labels: list[str] = []
         lines: list[int] = []
         body = itertools.chain(head[first:], rows)
         while chunk := list(itertools.islice(body, _ROWS_AT_ONCE)):
             for row in chunk:
-                _check_row(path, row, names, head[0].line, is_first=not lines)
+                _check_row(path, row, head[0], has_header=first == 1, is_first=not lines)
                 lines.append(row.line)
             for name, values in parts.items():
                 values.append(np.array(_numbers(path, name, chunk, names.index(name))))
@@ -282,13 +282,16 @@ def _may_be_names(first: Sequence[str], second: Sequence[str] = ()) -> bool:
     return not (second and whole) or (in_steps and step == 1 and values[0] in (0, 1))
 
 
-def _check_row(
-    path: str, row: _Row, names: Sequence[str], first_line: int, *, is_first: bool
-) -> None:
-    if len(row.fields) != len(names):
+def _check_row(path: str, row: _Row, head: _Row, *, has_header: bool, is_first: bool) -> None:
+    if len(row.fields) != len(head.fields):
         raise ValueError(
-            f"{path}, line {row.line} has {len(row.fields)} fields, but line {first_line} has "
-            f"{len(names)}"
+            f"{path}, line {row.line} has {len(row.fields)} fields, but line {head.line} has "
+            f"{len(head.fields)}"
+        )
+    if has_header and row.fields == head.fields:
+        raise ValueError(
+            f"{path}, line {row.line} has the header of line {head.line} again: put each run into "
+            f"a file of its own"
         )
     if row.parted_by is not None and not is_first:
         raise ValueError(
