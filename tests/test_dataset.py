@@ -53,6 +53,17 @@ def test_a_longer_ensemble_begins_with_the_shorter_one():
     np.testing.assert_array_equal(states[0], states[1][:, :3])
 
 
+def test_an_observable_that_is_not_a_number_is_an_error():
+    class Undefined(type(SYSTEM)):
+        def observable(self, state):
+            return state[0] * np.nan
+
+    arguments = {"time_step": STEP, "sampling_stride": 6, "transient_steps": 0, "kept_steps": 6}
+    made = dataset.generate_ensemble(Undefined(), STARTS, **arguments, laminarisation_threshold=1.0)
+    with pytest.raises(FloatingPointError, match=r"observable of 12 series is not a number"):
+        list(made)
+
+
 def test_kept_series_are_those_of_single_trajectories_that_do_not_laminarise():
     expected, index = [], []
     for number in range(12):

@@ -1,4 +1,4 @@
-"""Ensembles of time series: their making, laminarisation, observation noise and normalisation.
+"""Ensembles of time series: generation, observation noise and normalisation.
 
 Source: section "Generation of the dataset" of the paper.
 """
@@ -10,6 +10,7 @@ import numpy as np
 
 from burstcast import random_streams
 from burstcast.arrays import FloatArray, IntArray
+from burstcast.laminarisation import first_laminar_step, is_laminar
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate_observed
 
@@ -100,7 +101,7 @@ def generate_ensemble(
     Raises
     ------
     FloatingPointError
-        If a series leaves the finite numbers.
+        If a series leaves the finite numbers, or its observable is not a number.
     """
     for start in range(0, states.shape[1], SERIES_PER_BATCH):
         batch = states[:, start : start + SERIES_PER_BATCH]
@@ -112,14 +113,13 @@ def generate_ensemble(
             stride=sampling_stride,
             transient_steps=transient_steps,
         )
-        kept = np.ones(batch.shape[1], dtype=bool)
-        lifetimes = np.full(batch.shape[1], len(trajectories.states) - 1)
-        if laminarisation_threshold is not None:
-            kept = trajectories.largest_observable <= laminarisation_threshold
-            observable = system.observable(trajectories.states.transpose(1, 0, 2))
-            above = observable > laminarisation_threshold
-            # a series that exceeds it between two samples only is given all steps, too
-            lifetimes = np.where(above.any(axis=0), above.argmax(axis=0), lifetimes)
+        if undefined := int(np.isnan(trajectories.largest_observable).sum()):
+            raise FloatingPointError(f"the observable of {undefined} series is not a number")
+        kept = ~is_laminar(trajectories.largest_observable, laminarisation_threshold)
+        observable = system.observable(trajectories.states.transpose(1, 0, 2))
+        first = first_laminar_step(observable, laminarisation_threshold, axis=0)
+        # a series that exceeds the threshold between two samples only is given all steps, too
+        lifetimes = np.where(first >= 0, first, len(trajectories.states) - 1)
         yield KeptSeries(
             index=start + np.flatnonzero(kept),
             states=np.ascontiguousarray(trajectories.states[:, :, kept].transpose(2, 0, 1)),

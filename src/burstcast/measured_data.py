@@ -14,6 +14,7 @@ import numpy as np
 from burstcast.arrays import FloatArray, IntArray, float_array, is_known
 from burstcast.discovery import suggestion
 from burstcast.expressions import Expression
+from burstcast.laminarisation import first_laminar_step
 from burstcast.systems.measured import MeasuredSeries
 
 
@@ -250,12 +251,10 @@ def kept_series(observable: FloatArray, threshold: float | None) -> tuple[IntArr
     ValueError
         If none is kept.
     """
-    if threshold is None:
-        return np.arange(len(observable)), np.full(len(observable), observable.shape[1] - 1)
-    above = observable > threshold
-    index = np.flatnonzero(~above.any(axis=1))
+    first = first_laminar_step(observable, threshold)
+    index = np.flatnonzero(first < 0)
     if index.size == 0:
         raise ValueError(
             f"all {len(observable)} series exceed laminarisation_threshold, {threshold}: raise it"
         )
-    return index, np.where(above.any(axis=1), above.argmax(axis=1), observable.shape[1] - 1)
+    return index, np.where(first >= 0, first, observable.shape[1] - 1)

@@ -8,6 +8,7 @@ import numpy as np
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.followed import FollowedFlows
 from burstcast.events import upward_crossings
+from burstcast.laminarisation import is_laminar
 from burstcast.statistics.densities import histogram
 
 
@@ -117,12 +118,9 @@ class Laminarisation:
 
 def laminarisation(flows: FollowedFlows, threshold: float | None) -> Laminarisation:
     """Tell which flows exceed the laminarisation threshold; None: no flow does."""
-    never = np.zeros(len(flows), dtype=bool)
-    if threshold is None:
-        return Laminarisation(never, never)
     return Laminarisation(
-        controlled=flows.controlled.max(axis=1) > threshold,
-        uncontrolled=flows.uncontrolled.max(axis=1) > threshold,
+        controlled=is_laminar(flows.controlled.max(axis=1), threshold),
+        uncontrolled=is_laminar(flows.uncontrolled.max(axis=1), threshold),
     )
 
 

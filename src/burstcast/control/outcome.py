@@ -201,7 +201,7 @@ def largest_suppressed_event(
     -------
     The event, or None if there is none.
     """
-    timing = flows.timing
+    timing, considered = flows.timing, laminarisation(flows, laminarisation_threshold).neither
     candidates = _first_alarms(flows.forecasts)
     best: SuppressedEvent | None = None
     largest = -np.inf
@@ -209,11 +209,9 @@ def largest_suppressed_event(
         flow, alarm = int(flows.forecasts.flow[index]), int(flows.forecasts.step[index])
         controlled, uncontrolled = flows.controlled[flow], flows.uncontrolled[flow]
         stop = alarm + timing.window_end + timing.window_start
-        if not flows.forecasts.would_cross[index] or stop > timing.counted_until:
+        if not (considered[flow] and flows.forecasts.would_cross[index]):
             continue
-        if laminarisation_threshold is not None and (
-            max(controlled.max(), uncontrolled.max()) > laminarisation_threshold
-        ):
+        if stop > timing.counted_until:
             continue
         if (controlled[alarm : stop + 1] >= flows.threshold).any():
             continue

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.followed import EnergyMeans, FollowedFlows
 from burstcast.events import upward_crossings
+from burstcast.laminarisation import first_laminar_step
 from burstcast.resampled_score import ResampledScore
 from burstcast.resampling import bootstrap_weights, percentile_interval
 
@@ -78,10 +79,7 @@ def record_flows(flows: FollowedFlows, laminarisation_threshold: float | None) -
         return np.asarray(upward_crossings(observable, flows.threshold)[:, counted].sum(axis=1))
 
     def laminar_step(observable: FloatArray) -> IntArray:
-        if laminarisation_threshold is None:
-            return np.full(len(flows), -1, dtype=np.int64)
-        beyond = observable[:, from_start] > laminarisation_threshold
-        return np.where(beyond.any(axis=1), beyond.argmax(axis=1), -1)
+        return first_laminar_step(observable[:, from_start], laminarisation_threshold)
 
     def means(energy: EnergyMeans | None) -> tuple[FloatArray, FloatArray]:
         unknown = np.full(len(flows), np.nan)

@@ -16,6 +16,7 @@ import numpy as np
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.starting_points import SeriesPoints, starting_points
 from burstcast.forecasters.base import Forecaster
+from burstcast.laminarisation import first_laminar_step
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator, SeriesReductions
 
 STEPS_PER_CHUNK = 100
@@ -239,12 +240,10 @@ def _ends(
     at = np.zeros(len(fates), dtype=np.int64)
     for column in np.flatnonzero(diverged):
         at[column] = _first_diverged(forecaster, states[..., column])
-    if threshold is not None:
-        above = values > threshold
-        first = above.argmax(axis=0)
-        laminar = above.any(axis=0) & ~(diverged & (at <= first))
-        fates[laminar] = Fate.LAMINAR
-        at[laminar] = first[laminar]
+    first = first_laminar_step(values, threshold, axis=0)
+    laminar = (first >= 0) & ~(diverged & (at <= first))
+    fates[laminar] = Fate.LAMINAR
+    at[laminar] = first[laminar]
     return fates, at
 
 
