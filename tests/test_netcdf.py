@@ -171,9 +171,9 @@ def test_new_files_have_ordinary_permissions(tmp_path):
 
 @dataclass(frozen=True)
 class Seen:
-    time: Annotated[np.ndarray, Described("time", "time of each step")]
-    state: Annotated[np.ndarray, Described("time component", "states")]
-    error: Annotated[float, Described("", "largest error")]
+    time: Annotated[np.ndarray, Described("time", "time units", "time of each step")]
+    state: Annotated[np.ndarray, Described("time component", "1", "states")]
+    error: Annotated[float, Described("", "1", "largest error")]
 
 
 def test_a_dataclass_of_arrays_is_written_with_what_it_says_of_them(tmp_path):
@@ -182,6 +182,7 @@ def test_a_dataclass_of_arrays_is_written_with_what_it_says_of_them(tmp_path):
     with netCDF4.Dataset(tmp_path / "seen.nc") as file:
         assert file["state"].dimensions == ("time", "component")
         assert (file["state"].long_name, file["state"].units) == ("states", "1")
+        assert file["time"].units == "time units"
     found = read_record(tmp_path / "seen.nc", Seen)
     np.testing.assert_array_equal(found.state, seen.state)
     assert found.error == 0.25

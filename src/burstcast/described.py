@@ -1,6 +1,8 @@
 """What arrays in a dataclass are, as files of them tell their readers.
 
-A field says it in its type: ``true: Annotated[FloatArray, Described("time", "true observable")]``.
+A field says it in its type::
+
+    true: Annotated[FloatArray, Described("time", OBSERVABLE, "true observable")]
 """
 
 from dataclasses import dataclass, fields
@@ -16,11 +18,14 @@ class Described:
     axes
         Names of its axes, as one text; arrays that share a name agree on its length. Empty for a
         number.
+    unit
+        One of `burstcast.units`.
     meaning
         What it holds, in words.
     """
 
     axes: str
+    unit: str
     meaning: str
 
 

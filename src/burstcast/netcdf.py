@@ -29,7 +29,7 @@ class Variable:
     data
         Real numbers or truth values.
     units
-        Units in UDUNITS spelling; "1" for a number without units.
+        One of `burstcast.units`; None where the entries have no unit in common.
     description
         What it is, in words (the attribute ``long_name``).
     chunks
@@ -39,7 +39,7 @@ class Variable:
 
     dimensions: tuple[str, ...]
     data: npt.ArrayLike
-    units: str
+    units: str | None
     description: str
     chunks: tuple[int, ...] | None = None
 
@@ -47,7 +47,7 @@ class Variable:
 def variables_of(record: Any) -> dict[str, Variable]:
     """Variables of a dataclass whose fields are `burstcast.described` arrays, by their names."""
     return {
-        name: Variable(tuple(what.axes.split()), getattr(record, name), "1", what.meaning)
+        name: Variable(tuple(what.axes.split()), getattr(record, name), what.unit, what.meaning)
         for name, what in descriptions(type(record)).items()
     }
 
@@ -139,7 +139,9 @@ def _write_variable(
         fill_value=None if chunks else False,
     )
     created.set_auto_maskandscale(False)
-    attributes = {"long_name": variable.description, "units": variable.units}
+    attributes = {"long_name": variable.description}
+    if variable.units is not None:
+        attributes["units"] = variable.units
     if truth:
         attributes["dtype"] = "bool"
     created.setncatts(attributes)

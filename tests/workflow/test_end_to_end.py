@@ -5,11 +5,13 @@ import json
 import math
 import re
 
+import netCDF4
 import numpy as np
 import pytest
 import yaml
 from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
 
+from burstcast import units
 from burstcast.netcdf import read_attributes, read_netcdf
 from burstcast_workflow.harness.tables import read_table
 
@@ -289,6 +291,27 @@ def test_files_say_what_made_them(finished):
         assert set(record) >= {"source", "rule", "settings", "numpy", "scipy", "llvmlite"}, path
         assert str(finished.project.directory) not in json.dumps(record)
     assert found > 20
+
+
+def test_all_variables_have_their_units(finished):
+    known = {value for name, value in vars(units).items() if name.isupper()}
+    numbers = set()
+    for path in finished.project.results.rglob("*.nc"):
+        with netCDF4.Dataset(path) as file:
+            for name, variable in file.variables.items():
+                unit = getattr(variable, "units", None)
+                # a forecaster's coefficients belong to quantities of all kinds
+                assert (unit is None) == (path.name == "forecaster.nc"), (path, name)
+                assert unit in {None, *known}, (path, name)
+                if unit is not None:
+                    assert (unit == units.LYAPUNOV_TIMES) == name.endswith("_lt"), (path, name)
+                    assert unit == units.NUMBER or variable.dtype.kind == "f", (path, name)
+                if unit == units.NUMBER and variable.dtype.kind == "f":
+                    numbers.add(name)
+    nrmse = {"nrmse_u", "nrmse_uu", "nrmse_uv"}
+    assert numbers == nrmse | {
+        *("log_error", "mean_log_error", "votes", "probability", "alarm_threshold"),
+    }
 
 
 def test_nothing_is_written_outside_of_the_results(finished):

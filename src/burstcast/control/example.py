@@ -16,6 +16,7 @@ from burstcast.described import Described
 from burstcast.events import upward_crossings
 from burstcast.forecast.examples import forecast_observable
 from burstcast.forecasters.base import Forecaster
+from burstcast.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 BEFORE_LT = 1.0
 AFTER_LT = 0.5
@@ -29,14 +30,20 @@ class EventUnderControl:
     Times are in Lyapunov times after the alarm.
     """
 
-    time_lt: Annotated[FloatArray, Described("time", "time after the alarm in Lyapunov times")]
-    uncontrolled: Annotated[FloatArray, Described("time", "observable without control")]
-    controlled: Annotated[FloatArray, Described("time", "observable with control")]
-    forecast: Annotated[FloatArray, Described("time", "observable forecast")]
-    actuation_lt: Annotated[FloatArray, Described("end", "start and end of the actuation")]
-    mark: Annotated[IntArray, Described("mark", "entries of time that the states are for")]
-    uncontrolled_state: Annotated[FloatArray, Described("mark component", "states without control")]
-    controlled_state: Annotated[FloatArray, Described("mark component", "states with control")]
+    time_lt: Annotated[FloatArray, Described("time", LYAPUNOV_TIMES, "time after the alarm")]
+    uncontrolled: Annotated[FloatArray, Described("time", OBSERVABLE, "observable without control")]
+    controlled: Annotated[FloatArray, Described("time", OBSERVABLE, "observable with control")]
+    forecast: Annotated[FloatArray, Described("time", OBSERVABLE, "observable forecast")]
+    actuation_lt: Annotated[
+        FloatArray, Described("end", LYAPUNOV_TIMES, "start and end of the actuation")
+    ]
+    mark: Annotated[IntArray, Described("mark", NUMBER, "entries of time that the states are for")]
+    uncontrolled_state: Annotated[
+        FloatArray, Described("mark component", COMPONENT, "states without control")
+    ]
+    controlled_state: Annotated[
+        FloatArray, Described("mark component", COMPONENT, "states with control")
+    ]
 
 
 def follow_event(

@@ -55,7 +55,7 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
             label = f"member{number}_{name}"
             axes = tuple(f"{label}_{axis}" for axis in range(array.ndim))
             meaning = f"{name.replace('_', ' ')} of member {number}"
-            variables[label] = Variable(axes, array, "1", meaning)
+            variables[label] = Variable(axes, array, None, meaning)
     parameters = {
         **saved.parameters,
         "observable": _observable_record(saved.parameters["observable"]),

@@ -16,6 +16,7 @@ from burstcast.events import upward_crossings
 from burstcast.forecast.starting_points import SeriesPoints, segments
 from burstcast.forecasters.base import Forecaster
 from burstcast.systems.state_space import StateSpace
+from burstcast.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 CANDIDATES_PER_BATCH = 64
 """Events that are forecast side by side: bounds the time and memory, changes no result."""
@@ -209,13 +210,14 @@ class FlowEvent:
     """An event and its forecast, with states at the event's times; without an event, no time."""
 
     time_lt: Annotated[
-        FloatArray, Described("time", "time after the start of the forecast in Lyapunov times")
+        FloatArray,
+        Described("time", LYAPUNOV_TIMES, "time after the start of the forecast"),
     ]
-    true: Annotated[FloatArray, Described("time", "true observable")]
-    forecast: Annotated[FloatArray, Described("time", "forecast observable")]
-    mark: Annotated[IntArray, Described("mark", "entries of time that the states are for")]
-    true_state: Annotated[FloatArray, Described("mark component", "true states")]
-    forecast_state: Annotated[FloatArray, Described("mark component", "forecast states")]
+    true: Annotated[FloatArray, Described("time", OBSERVABLE, "true observable")]
+    forecast: Annotated[FloatArray, Described("time", OBSERVABLE, "forecast observable")]
+    mark: Annotated[IntArray, Described("mark", NUMBER, "entries of time that the states are for")]
+    true_state: Annotated[FloatArray, Described("mark component", COMPONENT, "true states")]
+    forecast_state: Annotated[FloatArray, Described("mark component", COMPONENT, "forecast states")]
 
 
 def forecast_event(

@@ -13,6 +13,7 @@ from burstcast.forecast.horizon import HorizonSearch, accurate_steps
 from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.forecasters.base import Forecaster
+from burstcast.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 OUTCOMES = ("true positive", "false positive", "false negative")
 
@@ -76,15 +77,19 @@ class OutcomeExamples:
         IntArray,
         Described(
             "example",
+            NUMBER,
             f"outcome ({', '.join(f'{number}: {text}' for number, text in enumerate(OUTCOMES))})",
         ),
     ]
     example_time_lt: Annotated[
-        FloatArray, Described("example_step", "time after the starting point in Lyapunov times")
+        FloatArray,
+        Described("example_step", LYAPUNOV_TIMES, "time after the starting point"),
     ]
-    example_truth: Annotated[FloatArray, Described("example example_step", "true observable")]
+    example_truth: Annotated[
+        FloatArray, Described("example example_step", OBSERVABLE, "true observable")
+    ]
     example_forecast: Annotated[
-        FloatArray, Described("example example_step", "forecast observable")
+        FloatArray, Described("example example_step", OBSERVABLE, "forecast observable")
     ]
 
 
@@ -187,19 +192,18 @@ class Evaluations:
     """Forecasts of one event from several starts; nothing is shown where there is none."""
 
     evaluation_time_lt: Annotated[
-        FloatArray, Described("event_step", "time after the event in Lyapunov times")
+        FloatArray,
+        Described("event_step", LYAPUNOV_TIMES, "time after the event"),
     ]
-    evaluation_truth: Annotated[FloatArray, Described("event_step", "true observable")]
+    evaluation_truth: Annotated[FloatArray, Described("event_step", OBSERVABLE, "true observable")]
     evaluation_forecast: Annotated[
-        FloatArray, Described("evaluation event_step", "forecast observable")
+        FloatArray, Described("evaluation event_step", OBSERVABLE, "forecast observable")
     ]
-    evaluation_lead_time_lt: Annotated[
-        FloatArray, Described("evaluation", "tau_e in Lyapunov times")
+    evaluation_lead_time_lt: Annotated[FloatArray, Described("evaluation", LYAPUNOV_TIMES, "tau_e")]
+    evaluation_horizon_lt: Annotated[FloatArray, Described("evaluation", LYAPUNOV_TIMES, "horizon")]
+    allowed_error: Annotated[
+        float, Described("", OBSERVABLE, "error at which a prediction is lost")
     ]
-    evaluation_horizon_lt: Annotated[
-        FloatArray, Described("evaluation", "horizon in Lyapunov times")
-    ]
-    allowed_error: Annotated[float, Described("", "error at which a prediction is lost")]
 
 
 def evaluate_lead_times(

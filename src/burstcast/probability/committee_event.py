@@ -9,6 +9,7 @@ import numpy as np
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.described import Described
 from burstcast.probability.members import EnsembleForecaster, member_forecasts
+from burstcast.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 
 @dataclass(frozen=True)
@@ -16,22 +17,29 @@ class CommitteeEvent:
     """An event from one starting point; without one, no time and no member is shown."""
 
     time_lt: Annotated[
-        FloatArray, Described("time", "time after the starting point in Lyapunov times")
+        FloatArray,
+        Described("time", LYAPUNOV_TIMES, "time after the starting point"),
     ]
-    true: Annotated[FloatArray, Described("time", "true observable")]
-    observed: Annotated[FloatArray, Described("time", "observable of what was observed")]
-    prediction_time_lt: Annotated[FloatArray, Described("window", "beginning of each window")]
-    happened: Annotated[BoolArray, Described("window", "whether an event began in it")]
-    committee: Annotated[IntArray, Described("member", "committee of each member")]
-    forecast: Annotated[FloatArray, Described("member time", "forecast observable")]
+    true: Annotated[FloatArray, Described("time", OBSERVABLE, "true observable")]
+    observed: Annotated[
+        FloatArray, Described("time", OBSERVABLE, "observable of what was observed")
+    ]
+    prediction_time_lt: Annotated[
+        FloatArray, Described("window", LYAPUNOV_TIMES, "beginning of each window")
+    ]
+    happened: Annotated[BoolArray, Described("window", NUMBER, "whether an event began in it")]
+    committee: Annotated[IntArray, Described("member", NUMBER, "committee of each member")]
+    forecast: Annotated[FloatArray, Described("member time", OBSERVABLE, "forecast observable")]
     votes: Annotated[
-        FloatArray, Described("committees window", "share of the members that forecast an event")
+        FloatArray,
+        Described("committees window", NUMBER, "share of the members that forecast an event"),
     ]
     probability: Annotated[
-        FloatArray, Described("committees window", "calibrated probability of an event")
+        FloatArray, Described("committees window", NUMBER, "calibrated probability of an event")
     ]
     alarm_threshold: Annotated[
-        FloatArray, Described("committees window", "probability from which on an alarm is raised")
+        FloatArray,
+        Described("committees window", NUMBER, "alarm threshold of the probability"),
     ]
 
 

@@ -24,12 +24,16 @@ from burstcast.control.strategies.registry import make_strategy
 from burstcast.control.timing import Clock
 from burstcast.dataset import component_scales
 from burstcast.netcdf import Variable, read_rows
+from burstcast.units import NUMBER, OBSERVABLE, POWER
 from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
 from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.systems import equations_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 Settings = Mapping[str, Any]
+
+# of `FlowRecords`: per unit of time; all others are counts
+_ENERGIES = ("input", "dissipation")
 
 
 def control_strategy(settings: Settings) -> ControlStrategy:
@@ -121,12 +125,18 @@ def write_control(
     )
     described = {
         field.name: Variable(
-            ("flow",), getattr(records, field.name), "1", field.name.replace("_", " ")
+            ("flow",),
+            getattr(records, field.name),
+            POWER if field.name.startswith(_ENERGIES) else NUMBER,
+            field.name.replace("_", " "),
         )
         for field in dataclasses.fields(records)
     }
     series = Variable(
-        ("flow",), experiment.series.start + records.row, "1", "row of the series in the ensemble"
+        ("flow",),
+        experiment.series.start + records.row,
+        NUMBER,
+        "row of the series in the ensemble",
     )
     write_netcdf(
         flows,
@@ -150,10 +160,10 @@ def _write_histograms(path: str, outcome: FlowCounts, provenance: Mapping[str, s
     write_netcdf(
         path,
         {
-            "edge": Variable(("edge",), outcome.edges, "1", "edges of the bins"),
+            "edge": Variable(("edge",), outcome.edges, OBSERVABLE, "edges of the bins"),
             **{
                 name: Variable(
-                    ("bin",), getattr(outcome, f"histogram_{name}"), "1", f"steps, {description}"
+                    ("bin",), getattr(outcome, f"histogram_{name}"), NUMBER, f"steps, {description}"
                 )
                 for name, description in (
                     ("uncontrolled", "without control"),

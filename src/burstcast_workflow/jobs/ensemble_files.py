@@ -6,6 +6,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.netcdf import Variable
+from burstcast.units import COMPONENT, NUMBER, OBSERVABLE, TIME
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 
 
@@ -42,30 +43,30 @@ def write_ensemble(
     write_netcdf(
         ensemble,
         {
-            "series": Variable(("series",), index, "1", "number of the series in the ensemble"),
+            "series": Variable(("series",), index, NUMBER, "number of the series in the ensemble"),
             "lifetime": Variable(
                 ("generated",),
                 lifetimes,
-                "1",
+                NUMBER,
                 "steps until each series that was generated laminarised; all of a kept one",
             ),
             "time": Variable(
                 ("time",),
                 sampling_interval * np.arange(states.shape[1]),
-                "1",
+                TIME,
                 "time after the transient",
             ),
             "state": Variable(
                 ("series", "time", "component"),
                 states,
-                "1",
+                COMPONENT,
                 "state of the system",
                 chunks=(1, *states.shape[1:]),
             ),
             "observable": Variable(
                 ("series", "time"),
                 observable,
-                "1",
+                OBSERVABLE,
                 observable_name,
                 chunks=(1, observable.shape[1]),
             ),

@@ -43,7 +43,7 @@ def write_forecaster(path: str, forecaster: Forecaster, provenance: Mapping[str,
         name: Variable(
             tuple(f"{name}_{axis}" for axis in range(array.ndim)),
             array,
-            "1",
+            None,  # coefficients of quantities of all kinds
             name.replace("_", " "),
         )
         for name, array in record.arrays.items()

@@ -9,6 +9,7 @@ from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
 from burstcast.netcdf import Variable
 from burstcast.probability.members import EnsembleForecaster, has_members
+from burstcast.units import OBSERVABLE
 from burstcast_workflow.harness.storage import write_netcdf
 
 
@@ -36,13 +37,13 @@ def write_member_forecasts(
             "first": Variable(
                 dimensions,
                 np.stack([one.first for one in members]),
-                "1",
+                OBSERVABLE,
                 f"forecast {name} at the first step of each window",
             ),
             "largest": Variable(
                 dimensions,
                 np.stack([one.largest for one in members]),
-                "1",
+                OBSERVABLE,
                 f"largest forecast {name} in a window",
             ),
         },

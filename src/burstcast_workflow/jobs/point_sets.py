@@ -8,6 +8,7 @@ from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.starting_points import segments
 from burstcast.forecast.windows import window_boundaries
 from burstcast.netcdf import Variable, read_rows
+from burstcast.units import COMPONENT, NUMBER, OBSERVABLE
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.length_checks import check_classification
@@ -76,34 +77,42 @@ def write_point_set(
     write_netcdf(
         path,
         {
-            "series": Variable(("point",), points.series, "1", "row among the series of this set"),
-            "step": Variable(("point",), points.step, "1", "step of the starting point"),
+            "series": Variable(
+                ("point",), points.series, NUMBER, "row among the series of this set"
+            ),
+            "step": Variable(("point",), points.step, NUMBER, "step of the starting point"),
             "washout": Variable(
                 ("point", "washout_step", "component"),
                 found.washouts,
-                "1",
+                COMPONENT,
                 "observed states up to the starting point",
             ),
             "true_state": Variable(
                 ("point", "component"),
                 segments(states, points, 0, 0)[:, 0],
-                "1",
+                COMPONENT,
                 "true states at the starting points, for forecasters that see them",
             ),
             "observable_now": Variable(
-                ("point",), found.seen[:, -1], "1", f"observed {name} at the starting point"
+                ("point",), found.seen[:, -1], OBSERVABLE, f"observed {name} at the starting point"
             ),
             "washout_maximum": Variable(
-                ("point",), found.seen.max(axis=1), "1", f"largest observed {name} of the washout"
+                ("point",),
+                found.seen.max(axis=1),
+                OBSERVABLE,
+                f"largest observed {name} of the washout",
             ),
             "first": Variable(
                 ("point", "window"),
                 summaries.first,
-                "1",
+                OBSERVABLE,
                 f"true {name} at the first step of each window",
             ),
             "largest": Variable(
-                ("point", "window"), summaries.largest, "1", f"largest true {name} in each window"
+                ("point", "window"),
+                summaries.largest,
+                OBSERVABLE,
+                f"largest true {name} in each window",
             ),
         },
         provenance,

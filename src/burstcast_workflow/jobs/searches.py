@@ -10,6 +10,7 @@ from burstcast.esn.reservoir import Reservoir
 from burstcast.netcdf import Variable, read_netcdf
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
 from burstcast.tuning.validation import PointValidator, Validation
+from burstcast.units import NUMBER
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.length_checks import (
     check_recycle_validation,
@@ -79,7 +80,7 @@ def write_log_errors(
     for row, validation in zip(errors, validations, strict=True):
         row[: len(validation.log_errors)] = validation.log_errors
     meaning = "log10 of the mean square error of the observable in each interval"
-    variable = Variable(("row", "interval"), errors, "1", meaning)
+    variable = Variable(("row", "interval"), errors, NUMBER, meaning)
     write_netcdf(path, {"log_error": variable}, provenance)
 
 

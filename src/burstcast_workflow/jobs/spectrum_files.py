@@ -6,6 +6,7 @@ from pathlib import Path
 from burstcast.arrays import FloatArray
 from burstcast.netcdf import Variable, read_netcdf
 from burstcast.systems.lyapunov import LyapunovSpectrum
+from burstcast.units import RATE, TIME
 from burstcast_workflow.harness.storage import write_netcdf
 
 
@@ -17,9 +18,9 @@ def write_spectrum(
         path,
         {
             "exponents": Variable(
-                ("run", "exponent"), spectrum.exponents, "1", "Lyapunov exponents of each run"
+                ("run", "exponent"), spectrum.exponents, RATE, "Lyapunov exponents of each run"
             ),
-            "duration": Variable((), spectrum.duration, "1", "time that they are averaged over"),
+            "duration": Variable((), spectrum.duration, TIME, "time that they are averaged over"),
         },
         provenance,
     )

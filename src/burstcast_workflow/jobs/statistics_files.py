@@ -7,6 +7,7 @@ from burstcast.netcdf import Variable, read_netcdf
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
+from burstcast.units import COMPONENT, COMPONENT_PRODUCT, NUMBER, OBSERVABLE
 from burstcast_workflow.harness.storage import write_netcdf
 
 
@@ -21,16 +22,18 @@ def write_statistics(
     write_netcdf(
         path,
         {
-            "edge": Variable(("edge",), histogram.edges, "1", "edges of the histogram's bins"),
-            "count": Variable(("bin",), histogram.counts, "1", "samples of the observable"),
-            "below": Variable((), histogram.below, "1", "samples below the first bin"),
-            "above": Variable((), histogram.above, "1", "samples above the last bin"),
-            "states": Variable((), moments.count, "1", "states that the moments are taken over"),
-            "mean": Variable(("component",), moments.mean, "1", "mean state"),
+            "edge": Variable(
+                ("edge",), histogram.edges, OBSERVABLE, "edges of the histogram's bins"
+            ),
+            "count": Variable(("bin",), histogram.counts, NUMBER, "samples of the observable"),
+            "below": Variable((), histogram.below, NUMBER, "samples below the first bin"),
+            "above": Variable((), histogram.above, NUMBER, "samples above the last bin"),
+            "states": Variable((), moments.count, NUMBER, "states that the moments are taken over"),
+            "mean": Variable(("component",), moments.mean, COMPONENT, "mean state"),
             "mean_product": Variable(
                 ("component", "other_component"),
                 moments.mean_product,
-                "1",
+                COMPONENT_PRODUCT,
                 "mean products of the components",
             ),
             **(others or {}),
@@ -61,14 +64,17 @@ def described_reductions(runs: SeriesReductions) -> dict[str, Variable]:
         "run_count": Variable(
             ("start", "slot"),
             runs.counts,
-            "1",
+            NUMBER,
             "samples of each loop's observable below the first bin, in each bin, above the last",
         ),
         "run_sum": Variable(
-            ("start", "component"), runs.sums, "1", "sums of each loop's state over time"
+            ("start", "component"), runs.sums, COMPONENT, "sums of each loop's state over time"
         ),
         "run_product_sum": Variable(
-            ("start", "pair"), runs.product_sums, "1", "sums of products of its components"
+            ("start", "pair"),
+            runs.product_sums,
+            COMPONENT_PRODUCT,
+            "sums of products of its components",
         ),
     }
 

@@ -6,6 +6,7 @@ from typing import Any
 from burstcast.arrays import BoolArray
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.netcdf import Variable
+from burstcast.units import NUMBER, OBSERVABLE
 from burstcast_workflow.harness.storage import write_netcdf
 
 
@@ -31,13 +32,16 @@ def write_forecasts(
             "first": Variable(
                 ("point", "window"),
                 summaries.first,
-                "1",
+                OBSERVABLE,
                 f"forecast {name} at the first step of each window",
             ),
             "largest": Variable(
-                ("point", "window"), summaries.largest, "1", f"largest forecast {name} in a window"
+                ("point", "window"),
+                summaries.largest,
+                OBSERVABLE,
+                f"largest forecast {name} in a window",
             ),
-            "diverged": Variable(("point",), diverged, "1", "whether the forecast has diverged"),
+            "diverged": Variable(("point",), diverged, NUMBER, "whether the forecast has diverged"),
         },
         provenance,
     )

@@ -10,6 +10,7 @@ from burstcast.forecast.starting_points import (
     segments,
 )
 from burstcast.netcdf import Variable, read_netcdf, read_rows
+from burstcast.units import COMPONENT, NUMBER, OBSERVABLE
 from burstcast.warning_signs import few_events
 from burstcast_workflow.harness.job import Provenance, run_job, tell
 from burstcast_workflow.harness.settings import Settings
@@ -52,24 +53,24 @@ def events_of_case(
     write_netcdf(
         events,
         {
-            "series": Variable(("event",), points.series, "1", "row among the kept series"),
-            "step": Variable(("event",), points.step, "1", "step at which the event begins"),
+            "series": Variable(("event",), points.series, NUMBER, "row among the kept series"),
+            "step": Variable(("event",), points.step, NUMBER, "step at which the event begins"),
             "observed": Variable(
                 ("event", "step_before", "component"),
                 segments(observed, in_part, before, 0),
-                "1",
+                COMPONENT,
                 "observed states up to the event",
             ),
             "true_state": Variable(
                 ("event", "step_before", "component"),
                 segments(states, in_part, before, 0),
-                "1",
+                COMPONENT,
                 "true states up to the event, for forecasters that see them",
             ),
             "truth": Variable(
                 ("event", "step_before"),
                 segments(observable, points, before, 0),
-                "1",
+                OBSERVABLE,
                 "true observable up to the event",
             ),
         },

@@ -9,6 +9,7 @@ from burstcast.netcdf import Variable, read_rows
 from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
+from burstcast.units import NUMBER, OBSERVABLE
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
@@ -54,12 +55,14 @@ def reference_statistics(
     write_netcdf(
         floor,
         {
-            "split": Variable(("split",), np.arange(len(splits)), "1", "random split of the data"),
+            "split": Variable(
+                ("split",), np.arange(len(splits)), NUMBER, "random split of the data"
+            ),
             **{
                 name: Variable(
                     ("split",),
                     np.array([getattr(measures, name) for measures in splits]),
-                    "1",
+                    OBSERVABLE if name == "kantorovich" else NUMBER,
                     f"{name} between the parts of the split",
                 )
                 for name in names

@@ -2,6 +2,7 @@
 
 from burstcast.forecast.horizon import prediction_horizons
 from burstcast.netcdf import Variable, read_netcdf
+from burstcast.units import LYAPUNOV_TIMES, NUMBER
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
@@ -33,10 +34,13 @@ def measure_horizons(
     write_netcdf(
         horizon,
         {
-            "series": Variable(("event",), data["series"], "1", "row among the kept series"),
-            "step": Variable(("event",), data["step"], "1", "step at which the event begins"),
+            "series": Variable(("event",), data["series"], NUMBER, "row among the kept series"),
+            "step": Variable(("event",), data["step"], NUMBER, "step at which the event begins"),
             "prediction_horizon_lt": Variable(
-                ("event",), horizons, "1", "prediction horizon of the event in Lyapunov times"
+                ("event",),
+                horizons,
+                LYAPUNOV_TIMES,
+                "prediction horizon of the event",
             ),
         },
         provenance,

@@ -2,6 +2,7 @@
 
 from burstcast.netcdf import Variable
 from burstcast.statistics.long_term import Fate, run_long_term
+from burstcast.units import NUMBER
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasters import read_forecaster
@@ -31,9 +32,9 @@ def run_freely(
         run.statistics,
         provenance,
         {
-            "fate": Variable(("start",), run.fates, "1", f"fate of each closed loop: {fates}"),
+            "fate": Variable(("start",), run.fates, NUMBER, f"fate of each closed loop: {fates}"),
             "lifetime": Variable(
-                ("start",), run.lifetimes, "1", "steps until each loop left the chaotic phase"
+                ("start",), run.lifetimes, NUMBER, "steps until each loop left the chaotic phase"
             ),
             **described_reductions(run.runs),
         },
