@@ -21,7 +21,6 @@ from burstcast_workflow.harness.run import VARIABLE, Run
 from burstcast_workflow.table_registry import table_names
 
 ROOT = Path(__file__).parents[1]
-SIZES = (500, 1000, 1500, 2000, 2500, 3000)
 CASES = {400: "Re400", 600: "Re600", 800: "Re800", 1000: "Re1000"}
 TIMES = np.arange(0.5, 5.5, 0.5)
 HALF_WIDTH = 0.02  # of all intervals, relative

@@ -79,13 +79,6 @@ class PredictedJob:
         }
 
 
-def predicted_jobs(
-    arguments: Sequence[str] = (), seconds_per: Mapping[str, float] = SECONDS_PER
-) -> list[PredictedJob]:
-    """All jobs of the campaign that options of snakemake name, rule by rule, done or not."""
-    return jobs_of_plan(planned([*arguments, "--forceall"]), seconds_per)
-
-
 def jobs_of_plan(
     workflow: Any, seconds_per: Mapping[str, float] = SECONDS_PER
 ) -> list[PredictedJob]:

@@ -27,13 +27,12 @@ from typing import Any
 
 import pytest
 import yaml
-from helpers_rules import groups
+from helpers_rules import groups, predicted_jobs
 from one_machine_slurm import Job, OneMachineSlurm, install, installed, reason_not_to_run
 from snakemake.utils import update_config
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.cost_report import predicted_jobs
 from burstcast_workflow.table_registry import table_names
 
 pytestmark = pytest.mark.slurm

@@ -137,7 +137,7 @@ def test_observed_counts_the_first_state_but_not_the_transient() -> None:
     falling = np.array([[-1.0, -4.0]])  # dx/dt = x^2 rises to 0, so -x falls: watch the first
     observed = integrate_observed(Quadratic(), falling, 0.01, 0)
     assert np.array_equal(observed.largest_observable, [-1.0, -4.0])
-    burst = MFE.laminar_state[:, np.newaxis] * 1.2
+    burst = np.eye(9)[:, :1] * 1.2
     watched = integrate_observed(MFE, burst, 0.25, 40, 4, transient_steps=200)
     assert watched.largest_observable[0] < MFE.observable(burst)[0]
     assert watched.largest_observable[0] == MFE.observable(watched.states[0])[0]

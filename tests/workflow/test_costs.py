@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from helpers_rules import predicted_jobs
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
@@ -16,7 +17,6 @@ from burstcast_workflow.cost_report import (
     forecasters_report,
     job_table,
     main,
-    predicted_jobs,
     report,
     rule_costs,
     write_costs,

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 from helpers_rebuilds import Project
-
-from burstcast_workflow.cost_report import predicted_jobs
+from helpers_rules import predicted_jobs
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])

@@ -38,7 +38,6 @@ EVERYWHERE = [
     "horizon_schematic",
     "horizon_evaluations",
     "horizon_by_size",
-    "by_reynolds",
 ]
 
 
@@ -73,6 +72,12 @@ def test_the_paper_has_all_figures_and_those_of_other_cases():
         assert f"horizon_by_size_{case}" not in names
     assert "classification_scores_Re400" not in names  # the example's case has the plain name
     assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("preset", sorted((WORKFLOW / "presets").glob("*.yaml")), ids=str)
+def test_every_campaign_of_networks_has_the_figures_of_the_method(preset):
+    names = figure_names(campaign(yaml.safe_load(preset.read_text(encoding="utf-8"))))
+    assert set(EVERYWHERE) <= set(names)
 
 
 def test_no_figure_over_one_reynolds_number():

@@ -21,7 +21,7 @@ class MeasuredSeries:
     ----------
     components
         Names of what was measured, in the order of a state.
-    observable
+    observable_of
         One of these names, an expression of them, or something else.
     observable_name
         What it is, for axes and tables; the observable as it is written if left out.

@@ -149,13 +149,6 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
         rates = _viscous_rates(alpha, gamma).reshape((9,) + (1,) * np.ndim(self.reynolds))
         object.__setattr__(self, "_growth", -rates / np.asarray(self.reynolds))
 
-    @property
-    def laminar_state(self) -> FloatArray:
-        """The laminar fixed point a = (1, 0, ..., 0), of kinetic energy 0.5; shape (9,)."""
-        state = np.zeros(self.dimension)
-        state[0] = 1.0
-        return state
-
     def _growth_rates(self, trailing_axes: int) -> FloatArray:
         """Linear growth rates (negative), shaped to multiply states with so many further axes."""
         missing = trailing_axes - (self._growth.ndim - 1)

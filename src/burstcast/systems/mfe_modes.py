@@ -145,18 +145,6 @@ class MoehlisFaisstEckhardtModes:
         """Velocity (u, v, w) of amplitudes ``(9, ...)``; ``(3, ..., *grid)``."""
         return _fields(self._velocity_terms(), amplitudes, x, y, z)
 
-    def velocity_gradient(
-        self, amplitudes: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray
-    ) -> FloatArray:
-        """Gradient of the velocity, ``(3, 3, ..., *grid)``; ``[i, j]`` is d u_i / d x_j."""
-        components = [
-            tuple(term.derivative(direction) for term in component)
-            for component in self._velocity_terms()
-            for direction in "xyz"
-        ]
-        gradient = _fields(components, amplitudes, x, y, z)
-        return gradient.reshape(3, 3, *gradient.shape[1:])
-
     def vorticity(
         self, amplitudes: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray
     ) -> FloatArray:

@@ -16,8 +16,8 @@ class Settings(Mapping[str, Any]):
 
     A rule declares the paths that its script reads; a path below a declared one may be read, too
     (``case.training.noise`` where ``case.training`` is declared). ``case.`` stands for the job's
-    case, ``forecaster`` for the section of the kind that forecasts. The wildcards of the job are
-    there by their names.
+    case, ``forecaster.options`` for the section of its kind of forecaster. The wildcards of the job
+    are there by their names.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ def forecasting_case(settings: Settings, time_unit: str | Sequence[str]) -> Fore
     Parameters
     ----------
     settings
-        With system, time and ``forecaster``.
+        With system, time and ``forecaster.options``.
     time_unit
         The job's input of that name.
     """
@@ -64,7 +64,7 @@ def read_forecaster(
     path
         The file.
     settings
-        With system, time and ``forecaster``, the job's identifier among them.
+        With system, time, ``forecaster.options`` and the job's ``forecaster``.
     time_unit
         The job's input of that name.
     divergence_bound

@@ -9,6 +9,9 @@ from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, 
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
+from burstcast_workflow.cost_report import jobs_of_plan
+from burstcast_workflow.costs import SECONDS_PER
+from burstcast_workflow.snakemake_plan import planned
 
 ROOT = Path(__file__).parents[3]
 
@@ -25,6 +28,11 @@ def workflow():
         rules = {rule.name: rule for rule in loaded.rules}
         config = {name: value for name, value in loaded.config.items() if name != "captions"}
     return SimpleNamespace(rules=rules, campaign=Campaign(load(config)))
+
+
+def predicted_jobs(arguments=(), seconds_per=SECONDS_PER):
+    """All jobs of the campaign that options of snakemake name, rule by rule, done or not."""
+    return jobs_of_plan(planned([*arguments, "--forceall"]), seconds_per)
 
 
 def groups():

@@ -20,7 +20,7 @@ class ForecastMonitor(Monitor):
     Attributes
     ----------
     forecaster
-        Who forecasts: a network, or the equations.
+        A forecaster of any kind.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     timing

@@ -1,0 +1,50 @@
+"""The plumbing, everything but the library, has a budget of lines for each folder.
+
+A folder that has outgrown its budget: look first for what a change has made needless, or for a fact
+that is stated twice. If the lines are worth it, raise the number here, and say in the commit why. A
+folder that has shrunk: lower its number, so that it does not grow back unseen.
+"""
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+BUDGET = {
+    "src/burstcast_workflow": 6199,
+    "src/burstcast_workflow/config": 2124,
+    "src/burstcast_workflow/harness": 1701,
+    "src/burstcast_workflow/jobs": 2260,
+    "src/snakemake_logger_plugin_burstcast": 203,
+    "src/snakemake_report_plugin_burstcast": 60,
+    "workflow/rules": 930,
+    "workflow/scripts/control": 205,
+    "workflow/scripts/data": 569,
+    "workflow/scripts/evaluation": 532,
+    "workflow/scripts/figures": 918,
+    "workflow/scripts/forecasters": 249,
+    "workflow/scripts/probabilities": 462,
+    "workflow/scripts/tables": 882,
+}
+
+
+def lines_by_folder() -> Counter[str]:
+    found: Counter[str] = Counter()
+    for root in ("workflow", "src"):
+        for path in [*(ROOT / root).rglob("*.py"), *(ROOT / root).rglob("*.smk")]:
+            folder = path.parent.relative_to(ROOT).as_posix()
+            if not f"{folder}/".startswith("src/burstcast/"):
+                found[folder] += len(path.read_text(encoding="utf-8").splitlines())
+    return found
+
+
+LINES = lines_by_folder()
+
+
+@pytest.mark.parametrize("folder", sorted({*BUDGET, *LINES}))
+def test_a_folder_of_the_plumbing_keeps_to_its_budget(folder):
+    lines, budget = LINES[folder], BUDGET.get(folder, 0)
+    assert lines <= budget, f"{folder} has {lines} lines, its budget is {budget}: {__doc__}"
+    least = budget - max(20, budget // 20)
+    assert lines >= least, f"{folder} has {lines} lines only: lower its budget, {budget}"
