@@ -150,6 +150,8 @@ def test_times_are_equidistant() -> None:
         check_equidistant("a", "t", gap, 0.02)
     with pytest.raises(ValueError, match="from row 1 to row 2"):
         check_equidistant("a", "t", time[::-1], 0.02)
+    with pytest.raises(ValueError, match="a: column 't' has no number in row 3"):
+        check_equidistant("a", "t", np.where(np.arange(1000) == 2, np.nan, time), 0.02)
 
 
 def test_series_beyond_the_laminarisation_threshold() -> None:

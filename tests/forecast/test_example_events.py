@@ -6,9 +6,11 @@ import pytest
 from burstcast.forecast.example_events import (
     EventCriterion,
     ExampleEvent,
+    forecast_event,
     isolated_events,
     predicted_event,
 )
+from burstcast.systems.measured import MeasuredSeries
 from helpers_forecasters import MadeUpForecaster
 
 CRITERION = EventCriterion(threshold=1.0, calm=0.5, quiet=10, longest=60, wanted_peak=2.0)
@@ -218,3 +220,23 @@ def test_a_forecast_from_the_start_of_a_series_is_refused():
             washout=3,
             tolerance=0.2,
         )
+
+
+def test_an_event_is_forecast_from_its_washout_to_after_its_breakdown():
+    space = MeasuredSeries(("value", "series", "step"), "value")
+    event = ExampleEvent(1, (31, 41, 50, 57), 1.9)
+    observed = OBSERVED + [0.01, 0, 0]
+    settings = {"lead": 8, "washout": 3, "after": 4, "steps_per_lyapunov_time": 5}
+    wrong = Wrong(TRUTH, 0.3, np.full(3, 45))
+    found = forecast_event(event, wrong, space, observed, OBSERVED, **settings)
+    shown = np.arange(21, 62)  # the forecast starts from step 23
+    np.testing.assert_allclose(found.time_lt, (shown - 23) / 5)
+    np.testing.assert_array_equal(found.true, TRUTH[1, shown])
+    expected = TRUTH[1, shown] + np.where(shown >= 45, 0.3, 0.0)
+    expected[:3] = [np.nan, np.nan, TRUTH[1, 23] + 0.01]
+    np.testing.assert_array_equal(found.forecast, expected)
+    np.testing.assert_array_equal(shown[found.mark], event.times)
+    np.testing.assert_array_equal(found.true_state, OBSERVED[1, list(event.times)])
+    np.testing.assert_array_equal(found.forecast_state[:, 0], expected[found.mark])
+    none = forecast_event(None, wrong, space, observed, OBSERVED, **settings)
+    assert (none.true.shape, none.forecast_state.shape) == ((0,), (0, 3))

@@ -168,3 +168,9 @@ def test_a_miss_that_is_no_error_of_timing_comes_first():
     assert outcome_examples(windows(early, never, early), truth, began, **where) == {
         "false negative": 2
     }
+    # a hit beside an early forecast is no miss, however tall
+    tall = [LOW, LOW, 2 * HIGH, LOW, LOW]
+    both = outcome_examples(
+        windows(tall, early), windows(tall, burst_in_window), quiet[:2], **where
+    )
+    assert both == {"true positive": 0, "false negative": 1}
