@@ -225,7 +225,7 @@ def test_a_forecast_from_the_start_of_a_series_is_refused():
 def test_an_event_is_forecast_from_its_washout_to_after_its_breakdown():
     space = MeasuredSeries(("value", "series", "step"), "value")
     event = ExampleEvent(1, (31, 41, 50, 57), 1.9)
-    observed = OBSERVED + [0.01, 0, 0]
+    observed = OBSERVED + np.array([0.01, 0, 0])
     settings = {"lead": 8, "washout": 3, "after": 4, "steps_per_lyapunov_time": 5}
     wrong = Wrong(TRUTH, 0.3, np.full(3, 45))
     found = forecast_event(event, wrong, space, observed, OBSERVED, **settings)
