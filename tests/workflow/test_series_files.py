@@ -300,6 +300,9 @@ def test_arrays_of_numpy(tmp_path) -> None:
     np.savez(tmp_path / "b.npz", u=STATES[0, :, 0], v=STATES[0, :3, 1])
     with pytest.raises(ValueError, match=r"v and u have the shapes \(1, 3\) and \(1, 7\)"):
         runs(tmp_path / "b.npz")
+    np.savez(tmp_path / "b.npz", u=STATES[:, :, 0], v=STATES[:1, :, 1])
+    with pytest.raises(ValueError, match=r"v and u have the shapes \(1, 7\) and \(3, 7\)"):
+        runs(tmp_path / "b.npz", axes=["series", "time"])
 
 
 def test_parquet_or_a_message(tmp_path) -> None:

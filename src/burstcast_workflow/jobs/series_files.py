@@ -401,6 +401,7 @@ def _runs_of_arrays(
 ) -> list[Run]:
     """Runs of a file with an array for each column, or one array that holds all of them."""
     columns: dict[str, Array] = {}
+    shared = set()
     whole = data["array"]
     if whole is not None:
         if whole not in known:
@@ -408,18 +409,24 @@ def _runs_of_arrays(
                 f"{path} has no array {whole!r}{suggestion(whole, known)} (data.array); it has "
                 f"{', '.join(known)}"
             )
-        block = _ordered(f"{path}, {whole}", *read(whole), data, "component")
+        array, dimensions = read(whole)
+        block = _ordered(f"{path}, {whole}", array, dimensions, data, "component")
         names = _named(f"{path}, {whole}", block.shape[2], data["columns"])
         columns = {name: block[:, :, index] for index, name in enumerate(names)}
+        shared = {name for name in names if array.ndim == 2}
     others = [name for name in known if name != whole and name not in columns]
     for name in _asked(path, [*columns, *others], needed):
         if name not in columns:
-            columns[name] = _ordered(f"{path}, {name}", *read(name), data)[:, :, 0]
+            array, dimensions = read(name)
+            columns[name] = _ordered(f"{path}, {name}", array, dimensions, data)[:, :, 0]
+            if array.ndim == 1:
+                shared.add(name)
     count = max(len(values) for values in columns.values())
     for name, values in columns.items():
-        # one time axis may serve all series
+        # what has no axis of series, such as times, serves all of them
         first, others_first = next(iter(columns.items()))
-        if len(values) not in (1, count) or values.shape[1] != others_first.shape[1]:
+        fits = len(values) == count or name in shared
+        if not fits or values.shape[1] != others_first.shape[1]:
             raise ValueError(
                 f"{path}: {name} and {first} have the shapes {values.shape} and "
                 f"{others_first.shape} (series, time), which do not fit"
