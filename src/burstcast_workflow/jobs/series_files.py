@@ -3,6 +3,7 @@
 All of them are read into runs of named columns (`burstcast.measured_data.Run`).
 """
 
+import contextlib
 import csv
 import itertools
 import math
@@ -378,22 +379,13 @@ def _variables(group: netCDF4.Dataset, prefix: str) -> list[str]:
 def _runs_of_numpy(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
     loaded = np.load(path, allow_pickle=False)
     if isinstance(loaded, np.ndarray):
-        arrays = {"array": loaded}
-        return _runs_of_arrays(
-            path,
-            ["array"],
-            lambda name: (float_array(arrays[name], path), ()),
-            {**data, "array": "array"},
-            needed,
-        )
-    with loaded:
-        return _runs_of_arrays(
-            path,
-            loaded.files,
-            lambda name: (float_array(loaded[name], f"{path}, {name}"), ()),
-            data,
-            needed,
-        )
+        loaded, data = contextlib.nullcontext({"array": loaded}), {**data, "array": "array"}
+    with loaded as arrays:
+
+        def read(name: str) -> tuple[Array, Sequence[str]]:
+            return float_array(arrays[name], f"{path}, {name}"), ()
+
+        return _runs_of_arrays(path, list(arrays), read, data, needed)
 
 
 def _runs_of_arrays(
