@@ -16,6 +16,7 @@ import pkgutil
 import traceback
 from collections.abc import Iterable, Mapping
 from functools import cache
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
 from typing import TypeVar
@@ -99,20 +100,32 @@ def _place(error: Exception) -> str:
     return f"{files[-1].filename}, line {files[-1].lineno}: " if len(files) > 1 else ""
 
 
-def top_level_directory(module: str) -> Path | None:
-    """Directory that the outermost package of a module, or the module itself, is imported from.
+def module_file(module: str) -> Path | None:
+    """File that Python runs when it imports a module, which need not have been imported.
 
-    None if there is no such module, or it is no file.
+    None if there is no such module, or it has no file (built-in modules, namespace packages).
     """
+    first, *rest = module.split(".")
     try:
-        spec = importlib.util.find_spec(module.split(".")[0])
+        spec = importlib.util.find_spec(first)
     except (ImportError, ValueError):
         return None
-    if spec is None:
-        return None
-    if spec.submodule_search_locations:
-        return Path(next(iter(spec.submodule_search_locations))).absolute().parent
-    return Path(spec.origin).absolute().parent if spec.has_location and spec.origin else None
+    name, directories = first, list((spec and spec.submodule_search_locations) or [])
+    for part in rest:
+        name = f"{name}.{part}"
+        found = [_spec_in(directory, name) for directory in directories]
+        spec = next((one for one in found if one is not None and one.loader is not None), None)
+        places = found if spec is None else [spec]
+        directories = [
+            place for one in places for place in (one and one.submodule_search_locations) or []
+        ]
+    return Path(spec.origin).absolute() if spec and spec.has_location and spec.origin else None
+
+
+def _spec_in(directory: str, module: str) -> ModuleSpec | None:
+    """Specification of a module in a directory of its package."""
+    importer = pkgutil.get_importer(directory)
+    return importer.find_spec(module) if importer is not None else None
 
 
 def suggestion(name: str, candidates: Iterable[str]) -> str:

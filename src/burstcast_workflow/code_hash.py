@@ -1,9 +1,12 @@
 """What a source file does: the hash of its code, and its imports. Remembered by its content.
 
-The hash is that of the syntax tree without positions, comments, docstrings, the texts of errors and
-of the log, and what people alone ask for: a class's ``__repr__``, and what a module offers besides
-its own names (``__getattr__``, ``__dir__``). None of that changes a result. The tree is walked here
-rather than by `ast.dump`, whose output differs between Python versions.
+The hash is that of the syntax tree without positions and comments. The tree is walked here rather
+than by `ast.dump`, whose output differs between Python versions.
+
+Of the project's own code, words count nothing either: docstrings, texts of built-in errors, and
+what goes to a module's logger, as long as these only name values; and what a module offers besides
+its own names (``__getattr__``, ``__dir__``). Code that reads any of this is kept out of the project
+by a test (``tests/workflow/forbidden_code.py``). Of a user's modules everything counts (`strict`).
 
 Parsing was a fifth of what a job takes to start. What a run has found out it therefore keeps with
 its results, and its jobs and later plans look there first. The keys are hashes of the sources'
@@ -11,17 +14,20 @@ bytes: what is kept cannot be out of date, and where it is missing, sources are 
 """
 
 import ast
+import builtins
 import hashlib
 import json
+import re
 import sys
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 from burstcast_workflow.harness.storage import atomic
 
-_HASH_LENGTH = 12
+HASH_LENGTH = 12
 
 
 class Code(NamedTuple):
@@ -33,10 +39,13 @@ class Code(NamedTuple):
         Hash of what it does.
     imports
         Names of what it imports, at its top or in a function, with their numbers of leading dots.
+    reads
+        Calls that probably read a file, or run code that imports do not show, with their lines.
     """
 
     digest: str
     imports: list[tuple[str, int]]
+    reads: list[str]
 
 
 MEMORY = ".code.json"
@@ -44,11 +53,18 @@ MEMORY = ".code.json"
 
 # by the hashes of the sources' bytes; and those of the files that were looked at
 _known: dict[str, Code] = {}
-_seen: dict[Path, str] = {}
+_seen: dict[tuple[Path, bool], str] = {}
 
 
-def code_of(path: Path) -> Code:
+def code_of(path: Path, *, strict: bool = False) -> Code:
     """Tell what a source does; it is read once, until `forget_files`.
+
+    Parameters
+    ----------
+    path
+        The source; of a compiled module, the bytes count.
+    strict
+        Whether words count, too.
 
     Raises
     ------
@@ -57,13 +73,16 @@ def code_of(path: Path) -> Code:
     SyntaxError
         If it is not Python.
     """
-    if path not in _seen:
+    if (path, strict) not in _seen:
         source = path.read_bytes()
-        key = hashlib.sha256(source).hexdigest()
-        if key not in _known:
-            _known[key] = _parsed(source, str(path))
-        _seen[path] = key
-    return _known[_seen[path]]
+        content = hashlib.sha256(source).hexdigest()
+        key = f"strict {content}" if strict else content
+        if path.suffix != ".py":
+            _known[key] = Code(content[:HASH_LENGTH], [], [])
+        elif key not in _known:
+            _known[key] = _parsed(source, str(path), strict)
+        _seen[path, strict] = key
+    return _known[_seen[path, strict]]
 
 
 def forget_files() -> None:
@@ -76,8 +95,8 @@ def recall(results: str) -> None:
     with suppress(OSError, ValueError, KeyError, TypeError):
         found = json.loads((Path(results) / MEMORY).read_bytes())
         if found["found_out_by"] == _tools():
-            for key, (digest, imports) in found["sources"].items():
-                _known[key] = Code(digest, [(name, level) for name, level in imports])
+            for key, (digest, imports, reads) in found["sources"].items():
+                _known[key] = Code(digest, [(name, level) for name, level in imports], reads)
 
 
 def keep(results: str) -> None:
@@ -98,18 +117,21 @@ def _tools() -> str:
     return hashlib.sha256(Path(__file__).read_bytes() + sys.version.encode()).hexdigest()
 
 
-def _parsed(source: bytes, path: str) -> Code:
+def _parsed(source: bytes, path: str, strict: bool) -> Code:
     tree = ast.parse(source, path)
-    parts: list[str] = []
-    _serialise(tree, parts)
-    digest = hashlib.sha256("\x1f".join(parts).encode("utf-8", "surrogatepass")).hexdigest()
-    return Code(digest[:_HASH_LENGTH], list(_imports(tree)))
+    if not strict:
+        tree.body = [node for node in tree.body if not _offers_more(node)]
+    nodes = [*ast.walk(tree)]
+    if not strict:
+        _leave_out_words(tree, nodes)
+    text = "\x1f".join(_serialised(tree)).encode("utf-8", "surrogatepass")
+    digest = hashlib.sha256(text).hexdigest()[:HASH_LENGTH]
+    return Code(digest, list(_imports(nodes)), list(_reads(nodes)) if strict else [])
 
 
-def _imports(tree: ast.Module) -> Iterator[tuple[str, int]]:
+def _imports(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, int]]:
     """Imports of a module, at its top or in a function."""
-    own = [node for node in tree.body if not _for_people(node, ast.Module)]
-    for node in (inner for outer in own for inner in ast.walk(outer)):
+    for node in nodes:
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield alias.name, 0
@@ -121,94 +143,145 @@ def _imports(tree: ast.Module) -> Iterator[tuple[str, int]]:
                 yield f"{base}.{alias.name}" if base else alias.name, node.level
 
 
+_READERS = re.compile(
+    r"\b(open|load|loadtxt|genfromtxt|fromfile|memmap|loadmat|safe_load|Dataset|File|files|get_data"
+    r"|(open|load)_(mf)?dataset|read_\w+|import_module|__import__|exec|eval)$"
+)
+
+
+def _reads(nodes: Iterable[ast.AST]) -> Iterator[str]:
+    """Calls of what is named like a function that reads, and changes of where modules are found."""
+    for node in nodes:
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name | ast.Attribute):
+            if _READERS.search(ast.unparse(node.func)):
+                yield f"line {node.lineno}, {ast.unparse(node.func)}(...)"
+        elif isinstance(node, ast.Attribute) and ast.unparse(node) == "sys.path":
+            yield f"line {node.lineno}, sys.path"
+
+
 # fields that say nothing about what the code does, or that repeat its position
 _IGNORED_FIELDS = frozenset({"ctx", "kind", "type_comment", "type_ignores"})
-# functions that only people call, by what they are defined in
-_FOR_PEOPLE: dict[type[ast.AST], tuple[str, ...]] = {
-    ast.Module: ("__getattr__", "__dir__"),
-    ast.ClassDef: ("__repr__",),
-}
 
 
-def _serialise(node: ast.AST, parts: list[str]) -> None:
-    """Append the tree below a node in a form that depends only on what the code does.
+def _serialised(tree: ast.Module) -> list[str]:
+    """A tree in a form that depends only on what the code does, not on the version of Python.
 
-    Fields that are empty are left out, since later Python versions have fields that earlier ones
-    have not; statements without effect (docstrings, other bare constants, pass) likewise.
+    Fields that are empty are left out: later versions have fields that earlier ones have not.
     """
-    kind = type(node)
-    parts.append(kind.__name__)
-    if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
-        # which error it is, but not its text
-        _serialise(node.exc.func, parts)
-        return
-    if kind is ast.Constant:
-        parts.append(_constant(node.value))  # type: ignore[attr-defined]
-        return
-    for field in kind._fields:
-        value = getattr(node, field, None)
-        if value is None or value == [] or field in _IGNORED_FIELDS:
+    parts: list[str] = []
+    waiting: list[ast.AST | str] = [tree]
+    while waiting:  # a long sum is a deep tree, too deep to recurse
+        node = waiting.pop()
+        if isinstance(node, str):
+            parts.append(node)
             continue
-        if isinstance(value, list):
-            value = [item for item in value if not _left_out(item, kind)]
-            if kind is ast.Module and not value:
-                continue  # a module that does nothing, whatever it says of itself
-            parts += [field, "["]
-            for item in value:
-                if isinstance(item, ast.AST):
-                    _serialise(item, parts)
-                else:
-                    parts.append(repr(item))  # names, and None for what is absent in a row
-            parts.append("]")
-        elif isinstance(value, ast.AST):
-            parts.append(field)
-            _serialise(value, parts)
-        else:
-            parts += [field, repr(value)]
-    parts.append(")")
+        kind = type(node)
+        parts.append(kind.__name__)
+        if isinstance(node, ast.Constant):
+            parts.append(f"{type(node.value).__name__} {node.value!r}")
+            continue
+        below: list[ast.AST | str] = []
+        for field in kind._fields:
+            value = getattr(node, field, None)
+            if value is None or value == [] or field in _IGNORED_FIELDS:
+                continue
+            if isinstance(value, list):
+                # names, and None for what is absent in a row
+                items = [item if isinstance(item, ast.AST) else repr(item) for item in value]
+                below += [field, "[", *(item for item in items if not _empty_text(item, kind)), "]"]
+            else:
+                below += [field, value if isinstance(value, ast.AST) else repr(value)]
+        waiting += reversed([*below, ")"])
+    return parts
 
 
-def _constant(value: object) -> str:
-    return f"{type(value).__name__} {value!r}"
-
-
-def _empty_text(node: ast.AST, parent: type[ast.AST]) -> bool:
+def _empty_text(item: ast.AST | str, parent: type[ast.AST]) -> bool:
     """Whether it is empty text in an f-string, which only some Python versions put there."""
-    return parent is ast.JoinedStr and isinstance(node, ast.Constant) and node.value == ""
+    return parent is ast.JoinedStr and isinstance(item, ast.Constant) and item.value == ""
 
 
-def _left_out(item: object, parent: type[ast.AST]) -> bool:
-    return isinstance(item, ast.AST) and (
-        _without_effect(item) or _empty_text(item, parent) or _for_people(item, parent)
+# -- words -----------------------------------------------------------------------------------------
+
+_LOGGER = "import logging\nlogger = logging.getLogger(__name__)"
+_LOGGER_LINES = [ast.dump(line) for line in ast.parse(_LOGGER).body]
+_LEVELS = frozenset({"debug", "info", "warning", "error", "exception", "critical"})
+_ERRORS = frozenset(
+    name
+    for name, value in vars(builtins).items()
+    if isinstance(value, type) and issubclass(value, BaseException)
+)
+# what a text may consist of: nothing that changes anything, or draws from an iterator
+_NAMING = (ast.Constant, ast.JoinedStr, ast.FormattedValue, ast.Name, ast.Attribute, ast.Load)
+_SUMS = (ast.Tuple, ast.BinOp, ast.Add, ast.Sub)
+
+
+def _leave_out_words(tree: ast.Module, nodes: Iterable[ast.AST]) -> None:
+    """Remove from a module of the project what only people read, and what has no effect."""
+    bound = _mentioned(nodes)
+    lines = [
+        ast.dump(node) if isinstance(node, ast.Import | ast.Assign) else "" for node in tree.body
+    ]
+    logs = all(line in lines for line in _LOGGER_LINES) and bound["logger"] == bound["logging"] == 1
+    if logs:
+        pairs = zip(tree.body, lines, strict=True)
+        tree.body = [node for node, line in pairs if line not in _LOGGER_LINES]
+    for node in nodes:
+        for name in ("body", "orelse", "finalbody"):
+            if isinstance(block := getattr(node, name, None), list):
+                block[:] = [one for one in block if not _without_effect(one, bound, logs)]
+        error = node.exc if isinstance(node, ast.Raise) else None
+        if isinstance(error, ast.Call) and _name_of(error.func) in _ERRORS - bound.keys():
+            error.args = [one for one in error.args if not _is_text(one, bound)]
+
+
+def _mentioned(nodes: Iterable[ast.AST]) -> Counter[str]:
+    """Count names other than those that are read: all that could be bound anew, and more."""
+    return Counter(
+        value
+        for node in nodes
+        if not isinstance(node, ast.Name) or not isinstance(node.ctx, ast.Load)
+        for found in vars(node).values()
+        for value in (found if isinstance(found, list) else [found])
+        if isinstance(value, str)
     )
 
 
-def _for_people(node: ast.AST, parent: type[ast.AST]) -> bool:
-    """Whether it is a function that no job calls."""
-    return isinstance(node, ast.FunctionDef) and node.name in _FOR_PEOPLE.get(parent, ())
+def _offers_more(node: ast.stmt) -> bool:
+    """Whether it is a function that Python calls for what a module does not have."""
+    return isinstance(node, ast.FunctionDef) and node.name in ("__getattr__", "__dir__")
 
 
-def _without_effect(node: ast.AST) -> bool:
-    kind = type(node)
-    if kind is ast.Expr:
-        value = node.value  # type: ignore[attr-defined]
-        return type(value) is ast.Constant or _says_something(value)
-    return kind is ast.Pass or _makes_logger(node)
+def _without_effect(node: ast.AST, bound: Counter[str], logs: bool) -> bool:
+    value = node.value if isinstance(node, ast.Expr) else None
+    if isinstance(value, ast.Call) and isinstance(called := value.func, ast.Attribute):
+        return (
+            logs
+            and _name_of(called.value) == "logger"
+            and called.attr in _LEVELS
+            and not value.keywords
+            and all(_only_names(one, bound) for one in value.args)
+        )
+    return isinstance(node, ast.Pass) or isinstance(value, ast.Constant)
 
 
-def _says_something(node: ast.AST) -> bool:
-    """Whether it is a call of ``logger.info`` and the like."""
-    called = node.func if isinstance(node, ast.Call) else None
-    return (
-        isinstance(called, ast.Attribute)
-        and isinstance(called.value, ast.Name)
-        and called.value.id == "logger"
+def _is_text(node: ast.expr, bound: Counter[str]) -> bool:
+    text = isinstance(node, ast.Constant) and isinstance(node.value, str)
+    return text or (isinstance(node, ast.JoinedStr) and _only_names(node, bound))
+
+
+def _only_names(node: ast.expr, bound: Counter[str]) -> bool:
+    """Whether it consists of texts, values, their lengths, shapes and types, and sums of them."""
+    return all(
+        isinstance(one, _NAMING + _SUMS)
+        or (isinstance(one, ast.Subscript) and getattr(one.value, "attr", "") == "shape")
+        or (
+            isinstance(one, ast.Call)
+            and _name_of(one.func) in {"len", "type"} - bound.keys()
+            and len(one.args) == 1
+        )
+        for one in ast.walk(node)
     )
 
 
-def _makes_logger(node: ast.AST) -> bool:
-    """Whether it is one of the lines that a module's first message brings along."""
-    return isinstance(node, ast.Import | ast.Assign) and ast.unparse(node) in (
-        "import logging",
-        "logger = logging.getLogger(__name__)",
-    )
+def _name_of(node: ast.expr) -> str:
+    return node.id if isinstance(node, ast.Name) else ""

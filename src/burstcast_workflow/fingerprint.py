@@ -9,27 +9,35 @@ do not show must not happen, and a test keeps it out. Two things are known other
 
 * Modules that a registry finds by name (systems, forecasters, validation strategies). A script that
   reaches a registry depends on those of its modules that its job is about, and on no others. A
-  system of one's own lies elsewhere: what its module imports of the same directory, or of the same
-  installed package, counts, too.
+  system of a user's own lies elsewhere: all that its module imports counts, too, as far as it is
+  not installed, and so do the files that the config declares for it.
 * The harness, which runs scripts, logs, caches, and reads and writes files (the NetCDF files with
   `burstcast.netcdf`). It is in no fingerprint: an edit of it would run everything again. Instead,
   the one number of `burstcast_workflow.harness.version` is, raised when the harness changes what
   a file holds; tests hold that for each version.
 """
 
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
-from burstcast.discovery import top_level_directory
+from burstcast.discovery import module_file
 from burstcast_workflow import code_hash
-from burstcast_workflow.code_hash import code_of
+from burstcast_workflow.code_hash import HASH_LENGTH, code_of
+from burstcast_workflow.harness.records import digest
 from burstcast_workflow.project import is_installed, packages_of
 
 _HARNESS = ("burstcast_workflow.harness.", "burstcast.netcdf.")
 _VERSION = "burstcast_workflow.harness.version"
 # the project's packages, where others may lie in the same directory
 _OURS = ("burstcast", "burstcast_workflow")
+# where libraries are: their versions count, not their code
+_LIBRARIES = {"site-packages", "dist-packages"}
+_STANDARD_LIBRARY = os.path.dirname(os.__file__)
+_FILE = "file:"
+"""Begins the fingerprint of a file that a user's module reads."""
 
 
 class Sources:
@@ -40,12 +48,15 @@ class Sources:
     root
         The project's directory.
     own_modules
-        Names of modules outside the project that have systems.
+        Modules outside the project that have systems, with the files that they read; None where
+        the config does not say which.
     """
 
-    def __init__(self, root: Path, own_modules: Sequence[str] = ()) -> None:
+    def __init__(
+        self, root: Path, own_modules: Mapping[str, Sequence[str] | None] | None = None
+    ) -> None:
         self._packages, self._scripts = packages_of(root), root / "workflow" / "scripts"
-        self._own_modules = tuple(own_modules)
+        self._own_modules = dict(own_modules or {})
 
     def fingerprint(self, script: str, found_by_name: Mapping[str, Sequence[str]]) -> list[str]:
         """Fingerprints of the code of a job (see `fingerprint`).
@@ -67,6 +78,7 @@ class Sources:
             if f"{package}.registry" in reached
             for module in modules
         ]
+        more += self._files(more)
         return fingerprint(path, self._packages, sorted(more)) if more else entries
 
     def all_fingerprints(self) -> list[str]:
@@ -76,20 +88,36 @@ class Sources:
             parts = path.relative_to(self._packages).with_suffix("").parts
             module = ".".join(parts).removesuffix(".__init__")
             entries.append(f"{module}@{code_of(path).digest}")
-        for module, path in self.own_files().items():
-            entries.append(f"{module}@{code_of(path).digest}")
-        return sorted(entries)
+        entries += [f"{name}@{one.code.digest}" for name, one in self._own().items()]
+        entries += map(_file_entry, self._files(self._own_modules))
+        return sorted(set(entries))
+
+    def _files(self, modules: Iterable[str]) -> list[str]:
+        """Files that users' modules read, as `fingerprint` takes them."""
+        return [
+            f"{_FILE}{module}:{file}"
+            for module in modules
+            for file in self._own_modules.get(module) or ()
+        ]
 
     def own_files(self) -> dict[str, Path]:
-        """Files of modules outside the project: those with systems, and what they import there."""
-        roots = _with_own_roots(((self._packages, ""),), self._own_modules)
-        found = _reached(list(self._own_modules), roots)
-        return {
-            name: path
-            for name, path in found.items()
-            if not path.is_relative_to(self._packages)
-            or (is_installed(self._packages) and name.partition(".")[0] not in _OURS)
-        }
+        """Files of modules outside the project: those with systems, and what they import."""
+        return {name: module.path for name, module in self._own().items()}
+
+    def undeclared(self) -> list[str]:
+        """Places where users' modules read something, and the config does not say what."""
+        silent = [name for name, files in self._own_modules.items() if files is None]
+        return [
+            f"{module.path}, {place}: nothing tells what this reads; list the files in the setting "
+            f"files, beside system (files: [] if there are none)"
+            for module in self._own(silent).values()
+            for place in module.code.reads
+        ]
+
+    def _own(self, systems: Sequence[str] | None = None) -> "dict[str, _Module]":
+        by_name = [*self._own_modules] if systems is None else systems
+        found = _reached([], self._packages, by_name)
+        return {name: module for name, module in found.items() if module.own}
 
 
 def fingerprint(script: Path, source_root: Path, extra_modules: Sequence[str] = ()) -> list[str]:
@@ -100,12 +128,13 @@ def fingerprint(script: Path, source_root: Path, extra_modules: Sequence[str] = 
     Parameters
     ----------
     script
-        The script's file. It may import the project's packages and its own neighbours.
+        The script's file. It may import the project's packages.
     source_root
         Directory of the project's packages.
     extra_modules
         Modules that the script reaches otherwise than by importing them: the dynamical system,
-        which is found by its name.
+        which is found by its name; and files that they read, as ``file:<module>:<path>``, the path
+        from the directory of the module.
 
     Returns
     -------
@@ -115,7 +144,7 @@ def fingerprint(script: Path, source_root: Path, extra_modules: Sequence[str] = 
     Raises
     ------
     FileNotFoundError
-        If the script or one of the extra modules does not exist.
+        If the script, one of the extra modules or one of their files does not exist.
     SyntaxError
         If one of the files is not Python.
     """
@@ -127,48 +156,93 @@ def forget_files() -> None:
     _fingerprint.cache_clear()
     code_hash.forget_files()
     _located.cache_clear()
+    _found.cache_clear()
+    _file_entry.cache_clear()
 
 
-# a directory that modules are found in, and the one package of it that counts; "": all do
-_Root = tuple[Path, str]
+class _Module(NamedTuple):
+    """File of a module, and whether it is a user's own."""
+
+    path: Path
+    own: bool
+
+    @property
+    def code(self) -> code_hash.Code:
+        return code_of(self.path, strict=self.own)
 
 
 @cache
 def _fingerprint(script: Path, source_root: Path, extra_modules: tuple[str, ...]) -> list[str]:
-    roots = _with_own_roots(((source_root, ""), (script.parent, "")), extra_modules)
-    for module in extra_modules:
-        if _located(module, roots) is None:
+    modules = [name for name in extra_modules if not name.startswith(_FILE)]
+    code = code_of(script)
+    waiting = [name for name, level in code.imports if level == 0]
+    found = _reached(waiting, source_root, modules)
+    for module in modules:
+        if module not in found:
             raise FileNotFoundError(f"there is no module {module} in {source_root}")
-    digest, imports = code_of(script)
-    waiting = [*(name for name, level in imports if level == 0), *extra_modules]
-    entries = {name: code_of(path).digest for name, path in _reached(waiting, roots).items()}
-    entries[script.name] = digest
-    return sorted(f"{name}@{digest}" for name, digest in entries.items())
+    entries = [f"{name}@{module.code.digest}" for name, module in found.items()]
+    files = [_file_entry(name) for name in extra_modules if name not in modules]
+    return sorted([*entries, *files, f"{script.name}@{code.digest}"])
 
 
-def _reached(waiting: list[str], roots: tuple[_Root, ...]) -> dict[str, Path]:
-    """Files of modules, and of all that they reach through imports, by their names."""
-    found: dict[str, Path] = {}
+@cache
+def _file_entry(name: str) -> str:
+    module, _, file = name.removeprefix(_FILE).partition(":")
+    directory = (_found(module) or Path()).parent
+    return f"{name}@{digest(directory / file)[:HASH_LENGTH]}"
+
+
+def _reached(
+    imported: Sequence[str], source_root: Path, by_name: Sequence[str]
+) -> dict[str, _Module]:
+    """Modules, and all that they reach through imports, by their names.
+
+    Parameters
+    ----------
+    imported
+        Modules of the project.
+    source_root
+        Directory of the project's packages.
+    by_name
+        Modules that may lie elsewhere.
+    """
+    found: dict[str, _Module] = {}
+    packages = {name.partition(".")[0] for name in by_name}
+    # with whether a user's module may be meant
+    waiting = [*((name, False) for name in imported), *((name, True) for name in by_name)]
     while waiting:
-        for name in _with_parents(waiting.pop()):
+        wanted, maybe_own = waiting.pop()
+        for name in _with_parents(wanted):
             module = _VERSION if f"{name}.".startswith(_HARNESS) else name
-            if module in found or (path := _located(module, roots)) is None:
+            if module in found:
                 continue
-            found[module] = path
-            package = module if path.name == "__init__.py" else module.rpartition(".")[0]
-            imports = code_of(path).imports
-            waiting += [_absolute(name, level, package) for name, level in imports]
+            path, own = _located(module, source_root), False
+            if path is None and maybe_own:
+                path, own = _own_file(module, packages), True
+            if path is None:
+                continue
+            found[module] = _Module(path, own)
+            package = module if path.stem == "__init__" else module.rpartition(".")[0]
+            imports = found[module].code.imports
+            waiting += [(_absolute(name, level, package), own) for name, level in imports]
+        # a package may name modules of its own in __all__
+        package, _, star = wanted.rpartition(".")
+        if star == "*" and package in found and found[package].path.stem == "__init__":
+            beside = {file.stem for file in found[package].path.parent.iterdir()} - {"__init__"}
+            waiting += [(f"{package}.{name}", True) for name in beside]
     return found
 
 
-def _with_own_roots(roots: tuple[_Root, ...], modules: Sequence[str]) -> tuple[_Root, ...]:
-    """Add the directories of modules that lie elsewhere; of installed ones the package alone."""
-    for module in modules:
-        directory = top_level_directory(module) if _located(module, roots) is None else None
-        if directory is not None:
-            installed = directory.name in ("site-packages", "dist-packages")
-            roots = (*roots, (directory, module.split(".")[0] if installed else ""))
-    return tuple(dict.fromkeys(roots))
+def _own_file(module: str, packages: Collection[str]) -> Path | None:
+    """File of a user's module; None for libraries, unless they are the user's own packages."""
+    path = _found(module)
+    if path is None or module.partition(".")[0] in packages:
+        return path
+    library = _LIBRARIES.intersection(path.parts) or path.is_relative_to(_STANDARD_LIBRARY)
+    return None if library else path
+
+
+_found = cache(module_file)
 
 
 def _absolute(name: str, level: int, package: str) -> str:
@@ -187,14 +261,11 @@ def _with_parents(name: str) -> list[str]:
 
 
 @cache
-def _located(module: str, roots: tuple[_Root, ...]) -> Path | None:
+def _located(module: str, source_root: Path) -> Path | None:
     """File of a module of the project; None for other modules, and names that are no modules."""
     first, *_ = parts = module.split(".")
-    for root, package in roots:
-        if not package and is_installed(root) and first not in _OURS:
-            continue  # other libraries: their versions count, not their code
-        path = root.joinpath(*parts)
-        for candidate in (path / "__init__.py", path.with_name(path.name + ".py")):
-            if package in ("", first) and candidate.is_file():
-                return candidate
-    return None
+    if first not in _OURS and is_installed(source_root):
+        return None
+    path = source_root.joinpath(*parts)
+    candidates = path / "__init__.py", path.with_name(path.name + ".py")
+    return next((candidate for candidate in candidates if candidate.is_file()), None)

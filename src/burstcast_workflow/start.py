@@ -89,6 +89,8 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> Started:
     sources = Sources(project, own_modules(whole))
     plan_by_records(run.results)
     if workflow.is_main_process:
+        if undeclared := sources.undeclared():
+            raise ConfigError(undeclared)
         compile_by_content(packages_of(project), sources.own_files().values())
         start_jobs_without_delay()
         plan_without_idle_groups()

@@ -259,8 +259,8 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
             yield case, text
     if job.recorded_code is not None:
         for module in changed_modules(job.recorded_code, job.code):
-            settled = True
-            yield "", f"code of {module} changed"
+            settled, read = True, module.partition("file:")[2]
+            yield "", f"file {read} changed" if read else f"code of {module} changed"
     if job.missing and not settled:
         yield "", "results were deleted"
     recorded = job.recorded_inputs

@@ -1,8 +1,9 @@
-"""Code that fingerprints cannot follow, and settings that no parameter carries."""
+"""Code that fingerprints cannot follow, words that they leave out, settings without a parameter."""
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import NoneType
 
 _FORBIDDEN_MODULES = frozenset({"importlib", "imp", "pkgutil", "runpy", "zipimport"})
 _FORBIDDEN_NAMES = frozenset({"__import__", "compile", "eval", "exec"})
@@ -25,6 +26,115 @@ def forbidden_reads(path: Path) -> list[str]:
     nothing else with it: its config would be settings that nothing tracks.
     """
     return _places(path, _forbidden_read)
+
+
+_WORDS = {
+    *("__doc__", "getdoc", "get_docstring", "getsource", "getsourcelines", "getcomments"),
+    *("traceback", "exc_info", "__cause__", "__context__", "__traceback__", "__notes__"),
+    *("addHandler", "addFilter", "handlers"),
+}
+
+
+def words_read(path: Path, allowed: frozenset[str] = frozenset()) -> list[str]:
+    """Places of a file where something could depend on what fingerprints leave out.
+
+    These read a docstring or an error that was caught (other than to say it in another error or in
+    the log, or its type), or do more with a logger than log.
+
+    Parameters
+    ----------
+    path
+        The file.
+    allowed
+        Functions of it that may read these, since they only pass words on to people.
+    """
+    tree = ast.parse(path.read_bytes(), str(path))
+    for node in [*ast.walk(tree)]:
+        if isinstance(body := getattr(node, "body", None), list):
+            node.body = [one for one in body if getattr(one, "name", "") not in allowed]
+    return [
+        f"line {node.lineno}: {ast.unparse(node)}"
+        for node in ast.walk(tree)
+        for node in _words_of(node)
+    ]
+
+
+def _words_of(node: ast.AST) -> Iterator[ast.AST]:
+    name = getattr(node, "id", getattr(node, "attr", ""))
+    if name in _WORDS:
+        yield node
+    if isinstance(node, ast.Attribute):
+        others = getattr(node.value, "id", "") == "logging" and node.attr != "getLogger"
+        if others or (node.attr == "logger" and not isinstance(node.ctx, ast.Load)):
+            yield node
+    if isinstance(node, ast.ImportFrom):
+        module = (node.module or "").partition(".")[0]
+        if module in ("logging", "traceback") or _WORDS & {alias.name for alias in node.names}:
+            yield node
+    if isinstance(node, ast.alias) and node.name in ("logging", "traceback") and node.asname:
+        yield node
+    if isinstance(node, ast.ExceptHandler) and node.name:
+        yield from _uses_of(node.name, node.body)
+    if isinstance(node, ast.FunctionDef) and node.name == "__exit__" and len(node.args.args) > 2:
+        yield from _uses_of(node.args.args[2].arg, node.body)
+
+
+def _uses_of(error: str, body: list[ast.AST]) -> Iterator[ast.AST]:
+    """Where an error that was caught is used for more than words."""
+    waiting = [*body]
+    while waiting:
+        node = waiting.pop()
+        below = [*ast.iter_child_nodes(node)]
+        if isinstance(node, ast.Raise):
+            below = [
+                one for one in (node.exc, node.cause) if not isinstance(one, ast.Name | NoneType)
+            ]
+            if isinstance(node.exc, ast.Call):
+                below = [node.exc.func, *_more_than_words(node.exc), *below[1:]]
+        elif isinstance(node, ast.Call) and _first_name(node.func) in ("type", "logger"):
+            below = _more_than_words(node)
+        elif isinstance(node, ast.Name) and node.id == error:
+            yield node
+        waiting += below
+
+
+def _more_than_words(call: ast.Call) -> list[ast.AST]:
+    """Arguments of a call that are more than texts and names."""
+    arguments = [*call.args, *(keyword.value for keyword in call.keywords)]
+    return [one for one in arguments if not isinstance(one, ast.JoinedStr | ast.Name)]
+
+
+def _first_name(node: ast.AST) -> str:
+    return ast.unparse(node).partition(".")[0]
+
+
+def offered_late(path: Path, package: Path) -> list[str]:
+    """Places of a file that use what a package offers by a function ``__getattr__``, or offer it.
+
+    Parameters
+    ----------
+    path
+        The file.
+    package
+        Directory of the package.
+    """
+    tree = ast.parse(path.read_bytes(), str(path))
+    found: list[ast.AST] = [
+        node for node in tree.body if getattr(node, "name", "") in ("__getattr__", "__dir__")
+    ]
+    modules = {file.stem for file in package.iterdir()}
+    qualified = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module == package.name and not node.level:
+            found += [node] * any(alias.name not in modules for alias in node.names)
+        if isinstance(node, ast.alias) and node.name == package.name and node.asname:
+            found.append(node)
+        if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == package.name:
+            qualified.add(node.value)
+            found += [node] * (node.attr not in modules)
+        if isinstance(node, ast.Name) and node.id == package.name and node not in qualified:
+            found.append(node)
+    return [f"line {node.lineno}: {ast.unparse(node)}" for node in found]
 
 
 def _places(path: Path, find: Callable[[ast.AST], str]) -> list[str]:

@@ -400,9 +400,10 @@ def compiled_steps(
         if _same_as_numpy(steps, systems, time_step, observed):
             return steps
         reason = "the order of its operations depends on the number of trajectories"
+        logger.info("%s is integrated by numpy (%s)", type(systems[0]).__name__, reason)
     except Exception as error:
-        reason = f"{type(error).__name__}: {error}"
-    logger.info("%s is integrated by numpy (%s)", type(systems[0]).__name__, reason)
+        name, kind = type(systems[0]).__name__, type(error).__name__
+        logger.info("%s is integrated by numpy (%s: %s)", name, kind, error)
     return None
 
 

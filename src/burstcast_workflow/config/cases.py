@@ -1,9 +1,12 @@
 """The cases of a campaign: dynamical systems with their parameters, thresholds and datasets."""
 
+import glob
 import re
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
+from burstcast.discovery import module_file
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import module_of, system_class
 from burstcast_workflow.canonical import canonical
@@ -120,10 +123,44 @@ _ORTHONORMALISATION_STEPS = 5
 """Steps of a forecast between two QR factorisations."""
 
 
-def own_modules(config: Mapping[str, Any]) -> list[str]:
-    """Modules of the user's own that systems of the campaign's cases lie in."""
-    systems = {record["system"] for record in case_records(config).values()}
-    return sorted({module_of(system) for system in systems if ":" in system})
+def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
+    """Modules of the user's own that systems of the campaign's cases lie in, and what they read.
+
+    None stands for files that no case of a module says anything of.
+    """
+    found: dict[str, list[str] | None] = {}
+    for record in case_records(config).values():
+        if ":" in record["system"]:
+            module, files = module_of(record["system"]), found.get(module_of(record["system"]))
+            if record.get("files") is not None:
+                files = sorted({*(files or []), *files_read(record)})
+            found[module] = files
+    return found
+
+
+def files_read(record: Mapping[str, Any]) -> list[str]:
+    """Files that a case says its module reads, from the directory of the module.
+
+    Raises
+    ------
+    ValueError
+        If there is no such file.
+    """
+    found: dict[str, None] = {}
+    if not record.get("files"):
+        return []
+    if ":" not in record["system"]:
+        raise ValueError("files belong to a system of your own (<module>:<class>): leave them out")
+    directory = (module_file(module_of(record["system"])) or Path()).parent
+    for name in record["files"]:
+        files = (
+            glob.glob(name, root_dir=directory, recursive=True) if glob.has_magic(name) else [name]
+        )
+        files = [file for file in files if (directory / file).is_file()]
+        if not files:
+            raise ValueError(f"files: there is no file {name} in {directory}, where the module is")
+        found.update(dict.fromkeys(files))
+    return list(found)
 
 
 def said_by_class(system: str) -> Config:
@@ -151,6 +188,7 @@ def _derive(record: Config, *, draws: bool) -> None:
     record.setdefault("parameters", {})
     record.setdefault("laminarisation_threshold", None)
     record.setdefault("data", None)
+    record.setdefault("files", None)
     lyapunov, ensemble = record["lyapunov"], record["ensemble"]
     lyapunov.setdefault("published_exponent", None)
     if draws and "initial_state" not in ensemble:

@@ -21,6 +21,7 @@ from burstcast_workflow.config.cases import (
     campaign_cases,
     case_name,
     case_record,
+    files_read,
     missing_settings,
     realisation_of,
     said_by_class,
@@ -287,6 +288,10 @@ def _case(config: Settings, name: str) -> Iterator[str]:
     except (ValueError, TypeError) as error:
         yield f"system: {error}"
         return
+    try:
+        files_read(record)
+    except ValueError as error:
+        yield str(error)
     another = record["system"] != config["case_defaults"]["system"]
     if another and (missing := missing_settings(record)):
         are, it = ("is", "it") if len(missing) == 1 else ("are", "them")

@@ -41,7 +41,7 @@ _NOTHING_SAID: Config = {
 SUBSTEPS = 4
 """Steps of the Runge-Kutta scheme from one row to the next, for equations that are learnt."""
 
-_MEANINGLESS = ("system", "parameters", "ensemble", "actuation", "controlled_density")
+_MEANINGLESS = ("system", "files", "parameters", "ensemble", "actuation", "controlled_density")
 
 
 def is_measured(record: Settings) -> bool:

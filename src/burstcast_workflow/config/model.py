@@ -275,6 +275,11 @@ class Case(Section):
         "the equations: a module of burstcast.systems, or module and class of your own, from the "
         "working directory, that of a config, or what is installed"
     )
+    files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = setting(
+        "files that a module of your own reads, or patterns (tables/*.csv), from its directory; [] "
+        "if it reads none",
+        default=None,
+    )
     parameters: dict[ParameterName, float] = setting("parameters of the equations")
     event_threshold: Threshold = setting(
         "value of the observable that an extreme event reaches, k_e, or the share of its values in "

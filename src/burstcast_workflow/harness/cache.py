@@ -30,6 +30,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import numpy
+from threadpoolctl import threadpool_info
+
 from burstcast_workflow.canonical import canonical_json
 from burstcast_workflow.harness.records import digest
 from burstcast_workflow.harness.storage import atomic, write_json
@@ -95,6 +98,8 @@ def entry_key(
         "libraries": {name: library_version(name) for name in LIBRARIES},
         "python": ".".join(platform.python_version_tuple()[:2]),
         "machine": platform.machine(),
+        "instructions": numpy.show_config(mode="dicts").get("SIMD Extensions"),
+        "blas": blas_kernels(),
         "inputs": inputs,
         "outputs": sorted(outputs),
     }
@@ -108,6 +113,20 @@ def library_version(library: str) -> str:
         return version(library)
     except PackageNotFoundError:
         return "not installed"
+
+
+def blas_kernels() -> list[str]:
+    """BLAS libraries of this process: version, kernel for this processor, and threads.
+
+    OpenBLAS chooses the kernel by the processor's model or ``OPENBLAS_CORETYPE``; another one adds
+    in another order.
+    """
+    return sorted(
+        f"{one['internal_api']} {one['version']} {one.get('architecture', '')}, "
+        f"threads {one['num_threads']}"
+        for one in threadpool_info()
+        if one["user_api"] == "blas"
+    )
 
 
 # -- entries ---------------------------------------------------------------------------------------

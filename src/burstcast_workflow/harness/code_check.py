@@ -108,8 +108,8 @@ def compile_by_content(sources: Path, own_files: Iterable[Path] = ()) -> None:
 
 def script_of(snakemake: Any) -> Path:
     """File of a job's script, from the object that Snakemake puts into it."""
-    names = [str(entry).partition("@")[0] for entry in snakemake.params.code]
-    (script,) = [name for name in names if name.endswith(".py")]
+    names = [str(entry).rpartition("@")[0] for entry in snakemake.params.code]
+    (script,) = [name for name in names if name.endswith(".py") and ":" not in name]
     return Path(snakemake.scriptdir) / script
 
 

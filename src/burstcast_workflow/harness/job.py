@@ -36,6 +36,7 @@ from burstcast_workflow import code_hash
 from burstcast_workflow.canonical import canonical, canonical_json
 from burstcast_workflow.harness.cache import (
     LIBRARIES,
+    blas_kernels,
     entry_key,
     library_version,
     location,
@@ -153,7 +154,8 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     if records is not None:
         made_by = identity, dict(snakemake.params.items()), inputs.by_path
         revision = plan.get("revision", "")
-        records.write(snakemake.output, *made_by, snakemake.log[0], seconds, revision)
+        about = (seconds, revision, blas_kernels())
+        records.write(snakemake.output, *made_by, snakemake.log[0], *about)
     if keep is not None and not cached:
         keep(seconds)
 

@@ -60,6 +60,9 @@ class Record:
     revision
         Git revision of the sources that it was planned with; empty in records of former versions.
         It makes no job run again: what a job runs, the fingerprints in its parameters tell.
+    blas
+        BLAS libraries that the job had loaded, with their kernels; empty in records of former
+        versions. They make no job run again either.
     """
 
     path: str
@@ -71,6 +74,7 @@ class Record:
     log: str
     seconds: float
     revision: str = ""
+    blas: tuple[str, ...] = ()
 
 
 class Records:
@@ -162,6 +166,7 @@ class Records:
         log: str,
         seconds: float,
         revision: str = "",
+        blas: Iterable[str] = (),
     ) -> None:
         """Write the records of a job's outputs.
 
@@ -169,7 +174,7 @@ class Records:
         ----------
         outputs
             Its files.
-        identity, parameters, inputs, log, seconds, revision
+        identity, parameters, inputs, log, seconds, revision, blas
             As in `Record`; the inputs by their paths, as the rules give them.
         """
         for path in outputs:
@@ -185,6 +190,7 @@ class Records:
                 log=self.name(log),
                 seconds=round(seconds, 3),
                 revision=revision,
+                blas=tuple(blas),
             )
             check_ownership()
             self._write(record)
