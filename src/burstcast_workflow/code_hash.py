@@ -120,7 +120,8 @@ def _tools() -> str:
 def _parsed(source: bytes, path: str, strict: bool) -> Code:
     tree = ast.parse(source, path)
     if not strict:
-        tree.body = [node for node in tree.body if not _offers_more(node)]
+        late = "__getattr__", "__dir__"
+        tree.body = [node for node in tree.body if getattr(node, "name", "") not in late]
     nodes = [*ast.walk(tree)]
     if not strict:
         _leave_out_words(tree, nodes)
@@ -143,20 +144,20 @@ def _imports(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, int]]:
                 yield f"{base}.{alias.name}" if base else alias.name, node.level
 
 
-_READERS = re.compile(
+_READS = re.compile(
     r"\b(open|load|loadtxt|genfromtxt|fromfile|memmap|loadmat|safe_load|Dataset|File|files|get_data"
-    r"|(open|load)_(mf)?dataset|read_\w+|import_module|__import__|exec|eval)$"
+    r"|(open|load)_(mf)?dataset|read_\w+|import_module|__import__|exec|eval)\(\)$|^sys\.path$"
 )
 
 
 def _reads(nodes: Iterable[ast.AST]) -> Iterator[str]:
     """Calls of what is named like a function that reads, and changes of where modules are found."""
     for node in nodes:
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name | ast.Attribute):
-            if _READERS.search(ast.unparse(node.func)):
-                yield f"line {node.lineno}, {ast.unparse(node.func)}(...)"
-        elif isinstance(node, ast.Attribute) and ast.unparse(node) == "sys.path":
-            yield f"line {node.lineno}, sys.path"
+        if isinstance(node, ast.Call | ast.Attribute):
+            called = getattr(node, "func", None)
+            text = f"{ast.unparse(called)}()" if called else ast.unparse(node)
+            if _READS.search(text):
+                yield f"line {node.lineno}: {text}"
 
 
 # fields that say nothing about what the code does, or that repeat its position
@@ -202,14 +203,13 @@ def _empty_text(item: ast.AST | str, parent: type[ast.AST]) -> bool:
 
 # -- words -----------------------------------------------------------------------------------------
 
-_LOGGER = "import logging\nlogger = logging.getLogger(__name__)"
-_LOGGER_LINES = [ast.dump(line) for line in ast.parse(_LOGGER).body]
-_LEVELS = frozenset({"debug", "info", "warning", "error", "exception", "critical"})
-_ERRORS = frozenset(
+_LOGGER_LINES = ["import logging", "logger = logging.getLogger(__name__)"]
+_LOGS = {f"logger.{level}" for level in ("debug", "info", "warning", "error", "critical")}
+_ERRORS = {
     name
     for name, value in vars(builtins).items()
     if isinstance(value, type) and issubclass(value, BaseException)
-)
+}
 # what a text may consist of: nothing that changes anything, or draws from an iterator
 _NAMING = (ast.Constant, ast.JoinedStr, ast.FormattedValue, ast.Name, ast.Attribute, ast.Load)
 _SUMS = (ast.Tuple, ast.BinOp, ast.Add, ast.Sub)
@@ -219,9 +219,9 @@ def _leave_out_words(tree: ast.Module, nodes: Iterable[ast.AST]) -> None:
     """Remove from a module of the project what only people read, and what has no effect."""
     bound = _mentioned(nodes)
     lines = [
-        ast.dump(node) if isinstance(node, ast.Import | ast.Assign) else "" for node in tree.body
+        ast.unparse(node) if isinstance(node, ast.Import | ast.Assign) else "" for node in tree.body
     ]
-    logs = all(line in lines for line in _LOGGER_LINES) and bound["logger"] == bound["logging"] == 1
+    logs = {*_LOGGER_LINES} <= {*lines} and bound["logger"] == bound["logging"] == 1
     if logs:
         pairs = zip(tree.body, lines, strict=True)
         tree.body = [node for node, line in pairs if line not in _LOGGER_LINES]
@@ -231,7 +231,9 @@ def _leave_out_words(tree: ast.Module, nodes: Iterable[ast.AST]) -> None:
                 block[:] = [one for one in block if not _without_effect(one, bound, logs)]
         error = node.exc if isinstance(node, ast.Raise) else None
         if isinstance(error, ast.Call) and _name_of(error.func) in _ERRORS - bound.keys():
-            error.args = [one for one in error.args if not _is_text(one, bound)]
+            error.args = [
+                one for one in error.args if not (_is_text(one) and _only_names(one, bound))
+            ]
 
 
 def _mentioned(nodes: Iterable[ast.AST]) -> Counter[str]:
@@ -246,39 +248,26 @@ def _mentioned(nodes: Iterable[ast.AST]) -> Counter[str]:
     )
 
 
-def _offers_more(node: ast.stmt) -> bool:
-    """Whether it is a function that Python calls for what a module does not have."""
-    return isinstance(node, ast.FunctionDef) and node.name in ("__getattr__", "__dir__")
-
-
 def _without_effect(node: ast.AST, bound: Counter[str], logs: bool) -> bool:
+    """Whether a statement does nothing, or a message to the log nothing else."""
     value = node.value if isinstance(node, ast.Expr) else None
-    if isinstance(value, ast.Call) and isinstance(called := value.func, ast.Attribute):
-        return (
-            logs
-            and _name_of(called.value) == "logger"
-            and called.attr in _LEVELS
-            and not value.keywords
-            and all(_only_names(one, bound) for one in value.args)
-        )
+    if isinstance(value, ast.Call):
+        says = logs and ast.unparse(value.func) in _LOGS and not value.keywords
+        return says and all(_only_names(one, bound) for one in value.args)
     return isinstance(node, ast.Pass) or isinstance(value, ast.Constant)
 
 
-def _is_text(node: ast.expr, bound: Counter[str]) -> bool:
-    text = isinstance(node, ast.Constant) and isinstance(node.value, str)
-    return text or (isinstance(node, ast.JoinedStr) and _only_names(node, bound))
+def _is_text(node: ast.expr) -> bool:
+    return isinstance(node, ast.JoinedStr) or isinstance(getattr(node, "value", None), str)
 
 
 def _only_names(node: ast.expr, bound: Counter[str]) -> bool:
     """Whether it consists of texts, values, their lengths, shapes and types, and sums of them."""
+    known = {"len", "type"} - bound.keys()
     return all(
         isinstance(one, _NAMING + _SUMS)
         or (isinstance(one, ast.Subscript) and getattr(one.value, "attr", "") == "shape")
-        or (
-            isinstance(one, ast.Call)
-            and _name_of(one.func) in {"len", "type"} - bound.keys()
-            and len(one.args) == 1
-        )
+        or (isinstance(one, ast.Call) and _name_of(one.func) in known and len(one.args) == 1)
         for one in ast.walk(node)
     )
 

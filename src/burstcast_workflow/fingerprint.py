@@ -88,7 +88,9 @@ class Sources:
             parts = path.relative_to(self._packages).with_suffix("").parts
             module = ".".join(parts).removesuffix(".__init__")
             entries.append(f"{module}@{code_of(path).digest}")
-        entries += [f"{name}@{one.code.digest}" for name, one in self._own().items()]
+        entries += [
+            f"{name}@{one.code.digest}" for name, one in self._own(self._own_modules).items()
+        ]
         entries += map(_file_entry, self._files(self._own_modules))
         return sorted(set(entries))
 
@@ -100,23 +102,22 @@ class Sources:
             for file in self._own_modules.get(module) or ()
         ]
 
-    def own_files(self) -> dict[str, Path]:
+    def own_files(self) -> list[Path]:
         """Files of modules outside the project: those with systems, and what they import."""
-        return {name: module.path for name, module in self._own().items()}
+        return [module.path for module in self._own(self._own_modules).values()]
 
     def undeclared(self) -> list[str]:
         """Places where users' modules read something, and the config does not say what."""
         silent = [name for name, files in self._own_modules.items() if files is None]
         return [
-            f"{module.path}, {place}: nothing tells what this reads; list the files in the setting "
-            f"files, beside system (files: [] if there are none)"
+            f"{module.path}, {place} reads a file that the config does not declare: list it in the "
+            f"setting files, beside system (files: [] if there is none)"
             for module in self._own(silent).values()
             for place in module.code.reads
         ]
 
-    def _own(self, systems: Sequence[str] | None = None) -> "dict[str, _Module]":
-        by_name = [*self._own_modules] if systems is None else systems
-        found = _reached([], self._packages, by_name)
+    def _own(self, by_name: Iterable[str]) -> "dict[str, _Module]":
+        found = _reached([], self._packages, [*by_name])
         return {name: module for name, module in found.items() if module.own}
 
 
@@ -195,17 +196,7 @@ def _file_entry(name: str) -> str:
 def _reached(
     imported: Sequence[str], source_root: Path, by_name: Sequence[str]
 ) -> dict[str, _Module]:
-    """Modules, and all that they reach through imports, by their names.
-
-    Parameters
-    ----------
-    imported
-        Modules of the project.
-    source_root
-        Directory of the project's packages.
-    by_name
-        Modules that may lie elsewhere.
-    """
+    """Modules of the project, users' modules, and all that they import, by their names."""
     found: dict[str, _Module] = {}
     packages = {name.partition(".")[0] for name in by_name}
     # with whether a user's module may be meant

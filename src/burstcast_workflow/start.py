@@ -91,7 +91,7 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> Started:
     if workflow.is_main_process:
         if undeclared := sources.undeclared():
             raise ConfigError(undeclared)
-        compile_by_content(packages_of(project), sources.own_files().values())
+        compile_by_content(packages_of(project), sources.own_files())
         start_jobs_without_delay()
         plan_without_idle_groups()
         interrupt_quietly()

@@ -1,6 +1,9 @@
 import multiprocessing
 import os
+import platform
 import shutil
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -89,6 +92,29 @@ def test_library_versions_count(place, monkeypatch):
     run(place)
     monkeypatch.setattr(cache, "library_version", lambda library: "99.0")
     assert not run(place, "b", "another result")
+
+
+@pytest.mark.skipif("openblas" not in "".join(cache.blas_kernels()), reason="no OpenBLAS")
+def test_the_kernel_and_the_threads_of_blas_count():
+    arm = platform.machine() not in ("x86_64", "AMD64")
+    code = f"from burstcast_workflow.harness.cache import *; print(entry_key(**{JOB!r}))"
+    threads = {"OPENBLAS_NUM_THREADS": "1"}
+    keys = [
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env={**os.environ, **threads, **changes},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for changes in (
+            *({}, {}, {"OPENBLAS_NUM_THREADS": "2"}),
+            {"OPENBLAS_CORETYPE": "ARMV8" if arm else "Nehalem"},
+            {"OPENBLAS_CORETYPE": "CORTEXA57" if arm else "Sandybridge"},
+        )
+    ]
+    assert keys[0] == keys[1]
+    assert len(set(keys)) == 4
 
 
 def damage(found: Path, kind: str) -> None:

@@ -304,6 +304,9 @@ def test_records_say_the_revision_and_files_do_not(finished):
     path = results / "Re400" / "esn-N40-RV-seed0" / "forecaster.nc"
     if claim["revision"] != "unknown":
         assert claim["revision"][:40].encode() not in path.read_bytes()
+    record, _ = Records(str(results)).found(str(path))
+    assert record.blas
+    assert record.blas[0].encode() not in path.read_bytes()
 
 
 # -- the wheel -------------------------------------------------------------------------------------

@@ -273,6 +273,7 @@ def test_a_case_of_another_system_starts_from_what_its_class_says(config):
     config["campaign"].append({"cases": ["lorenz"], "forecasters": networks(100)})
     assert case_records(load(config))["lorenz"] == {
         "system": "lorenz63",
+        "files": None,
         "parameters": {},
         "event_threshold": 40,
         "laminarisation_threshold": None,
@@ -383,6 +384,13 @@ def test_a_system_that_draws_initial_states_needs_none(config, monkeypatch):
 def test_initial_states_that_are_incomplete(config, ensemble, part):
     a_lorenz_case(config, ensemble=ensemble)
     assert part in only_problem(config)
+
+
+def test_files_belong_to_a_system_of_ones_own(config):
+    a_lorenz_case(config, files=["table.csv"])
+    assert only_problem(config) == (
+        "case lorenz: files belong to a system of your own (<module>:<class>): leave them out"
+    )
 
 
 def test_a_force_needs_a_right_hand_side(config, monkeypatch):

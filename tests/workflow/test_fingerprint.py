@@ -1,3 +1,4 @@
+import importlib
 import textwrap
 from pathlib import Path
 
@@ -463,6 +464,135 @@ def test_a_module_that_a_registry_does_not_have_is_an_error(tmp_path, harnessed)
     harnessed("workflow/scripts/train.py", "import pack.systems.registry\n")
     with pytest.raises(FileNotFoundError, match=r"pack\.systems\.rossler"):
         Sources(tmp_path).fingerprint("train.py", {"pack.systems": ["rossler"]})
+
+
+# -- modules of a user -----------------------------------------------------------------------------
+
+
+class User:
+    """Two directories that Python finds modules in, and a system of the user's own."""
+
+    def __init__(self, directory):
+        self.project, self.here, self.beside = (
+            directory / name for name in ("project", "user/here", "user/beside")
+        )
+
+    def write(self, path, text):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        importlib.invalidate_caches()  # files that are new within a tick of the clock
+        module.forget_files()
+
+    def entries(self, files=None):
+        """Fingerprints of a job that is about the system, and of all code of the plan."""
+        sources = Sources(self.project, {"flows.system": files})
+        found = sources.fingerprint("job.py", {"pack.systems": ["flows.system:System"]})
+        everything = {*sources.all_fingerprints()}
+        assert {entry for entry in found if not entry.startswith(("pack", "job"))} <= everything
+        return dict(entry.rsplit("@", 1) for entry in found)
+
+
+@pytest.fixture
+def user(tmp_path, monkeypatch):
+    user = User(tmp_path)
+    for path, text in {
+        user.project / "src/pack/systems/registry.py": "",
+        user.project / "src/pack/systems/__init__.py": "",
+        user.project / "src/pack/__init__.py": "",
+        user.project / "workflow/scripts/job.py": "import pack.systems.registry\n",
+        user.here / "flows/__init__.py": "",
+        user.here / "flows/system.py": "from . import part\nimport scan, numpy, json\n",
+        user.here / "flows/part.py": "X = 1\n",
+        user.here / "flows/table.csv": "1\n",
+        user.here / "scan.py": "X = 1\n",
+        user.beside / "scan.py": "X = 1\n",
+        user.beside / "other.py": "X = 1\n",
+        user.project / "workflow/scripts/scan.py": "X = 1\n",
+    }.items():
+        user.write(path, text)
+    for directory in (user.beside, user.here):
+        monkeypatch.syspath_prepend(str(directory))
+    yield user
+    module.forget_files()
+
+
+PLAIN = {"job.py", "pack", "pack.systems", "pack.systems.registry"}
+OWN = {"flows", "flows.system", "flows.part", "scan"}
+
+
+# What is edited, and what else there is then: each has to change the fingerprint of one module.
+@pytest.mark.parametrize(
+    ("path", "text", "changed"),
+    [
+        ("here/flows/part.py", '"""Words."""\nX = 1\n', {"flows.part"}),
+        ("here/flows/part.py", "X = 1\npass\n", {"flows.part"}),
+        ("here/flows/part.py", "# a comment\nX  =  1\n", set()),
+        ("here/scan.py", "X = 2\n", {"scan"}),  # the first that Python finds
+        ("beside/scan.py", "X = 2\n", set()),
+        ("../project/workflow/scripts/scan.py", "X = 2\n", set()),
+        ("here/flows/part/__init__.py", "X = 1\nY = 1\n", {"flows.part"}),  # a package comes first
+        ("here/flows/part.abi3.so", b"\x7fELF", {"flows.part"}),  # and what is compiled
+        ("here/flows/part.pyi", "X: int\n", set()),
+        ("here/flows/unused.py", "X = 1\n", set()),
+        (
+            "here/flows/system.py",
+            "from . import part\nimport other, scan\n",
+            {"flows.system", "other"},
+        ),
+        ("here/flows/table.csv", "2\n", {"file:flows.system:table.csv"}),
+    ],
+)
+def test_all_of_a_users_modules_counts(user, path, text, changed):
+    before = user.entries(["table.csv"])
+    assert set(before) == PLAIN | OWN | {"file:flows.system:table.csv"}
+    user.write(user.here.parent / path, text)
+    after = user.entries(["table.csv"])
+    assert {name for name in after if before.get(name) != after[name]} == changed
+
+
+def test_a_link_counts_as_what_it_leads_to(user):
+    (user.here / "flows/part.py").unlink()
+    (user.here / "flows/part.py").symlink_to(user.beside / "other.py")
+    before = user.entries()
+    user.write(user.beside / "other.py", "X = 2\n")
+    assert before.keys() == user.entries().keys()
+    assert before["flows.part"] != user.entries()["flows.part"]
+
+
+def test_packages_without_a_file_of_their_own_are_followed(user):
+    user.write(user.here / "space/deep/one.py", "import space.deep.two\n")
+    user.write(user.beside / "space/deep/two.py", "X = 1\n")  # the other part of the package
+    user.write(user.here / "scan.py", "import space.deep.one\n")
+    assert set(user.entries()) == PLAIN | OWN | {"space.deep.one", "space.deep.two"}
+
+
+def test_what_a_star_imports_is_followed(user):
+    user.write(user.here / "scan.py", "from stars import *\n")
+    user.write(user.here / "stars/__init__.py", "__all__ = ['a']\n")
+    user.write(user.here / "stars/a.py", "X = 1\n")
+    assert set(user.entries()) == PLAIN | OWN | {"stars", "stars.a"}
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("x = numpy.loadtxt('a.csv')", "line 1: numpy.loadtxt()"),
+        ("with open('a.csv') as f: pass", "line 1: open()"),
+        ("x = (Path(__file__).parent / 'a').read_text()", "line 1: (Path(__file__).parent / 'a')"),
+        ("x = importlib.import_module('a')", "line 1: importlib.import_module()"),
+        ("x = pandas.read_csv('a')", "line 1: pandas.read_csv()"),
+        ("x = importlib.resources.files('a')", "line 1: importlib.resources.files()"),
+        ("import sys; sys.path.append('a')", "line 1: sys.path"),
+        ("x = re.compile('a')", ""),
+        ("x = opened('a')", ""),
+    ],
+)
+def test_what_a_users_module_reads_is_to_be_declared(user, line, said):
+    user.write(user.here / "flows/part.py", line)
+    place = f"{user.here / 'flows/part.py'}, {said}"
+    found = Sources(user.project, {"flows.system": None}).undeclared()
+    assert [text.startswith(place) for text in found] == [True] * bool(said)
+    assert Sources(user.project, {"flows.system": []}).undeclared() == []
 
 
 # -- the project itself -------------------------------------------------------------------------

@@ -21,7 +21,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from my_flows.classical import A, B, C
+from my_flows.classical import A, B, C, D
 from burstcast.systems.base import DynamicalSystem
 
 
@@ -45,7 +45,7 @@ class Roessler(DynamicalSystem):
     def right_hand_side(self, state):
         x, y, z = state
         derivative = np.empty_like(state)
-        derivative[0] = -y - z
+        derivative[0] = -y - D * z
         derivative[1] = x + self.a * y
         derivative[2] = self.b + z * (x - self.c)
         return derivative
@@ -55,6 +55,13 @@ class Roessler(DynamicalSystem):
 
     def sample_initial_states(self, series, generator):
         return generator.uniform(-5.0, 5.0, (3, series)) + [[0.0], [0.0], [5.0]]
+"""
+
+CONSTANTS = """
+from pathlib import Path
+
+A, B, C = 0.2, 0.2, 5.7
+D = float((Path(__file__).parent / "constants/d.txt").read_text())
 """
 
 OVERLAY = yaml.safe_load("""
@@ -67,6 +74,7 @@ OVERLAY = yaml.safe_load("""
     cases:
       roessler:
         system: "my_flows.roessler:Roessler"
+        files: ["constants/d.txt"]
         lyapunov: {published_exponent: 0.0714}    # Sprott, Chaos and Time-Series Analysis (2003)
         test_series: 10
         recycle_validation: {series: 2, intervals_per_series: 5}
@@ -86,7 +94,9 @@ def mine(tmp_path_factory, job_server):
     directory = tmp_path_factory.mktemp("user") / "campaign"
     (directory / "my_flows").mkdir(parents=True)
     (directory / "my_flows" / "__init__.py").write_text("")
-    (directory / "my_flows" / "classical.py").write_text("A, B, C = 0.2, 0.2, 5.7\n")
+    (directory / "my_flows" / "classical.py").write_text(CONSTANTS)
+    (directory / "my_flows" / "constants").mkdir()
+    (directory / "my_flows" / "constants" / "d.txt").write_text("1\n")
     (directory / "my_flows" / "unused.py").write_text("D = 1\n")
     (directory / "my_flows" / "roessler.py").write_text(MODULE)
     own = replace(project, directory=directory, preset=str(project.directory / TINY))
@@ -169,6 +179,39 @@ def test_edits_of_ones_own_modules_run_what_depends_on_them(mine):
         "event_threshold",
     }
     mine.edit("roessler.py", "1.0 * self.b + z", "self.b + z")
+
+
+def test_words_of_ones_own_modules_count(mine):
+    """Nothing keeps a user's code from reading them."""
+    mine.edit("classical.py", "\nfrom pathlib", '"""Constants."""\nfrom pathlib')
+    assert "simulate" in mine.planned()
+    mine.edit("classical.py", '"""Constants."""\nfrom pathlib', "\nfrom pathlib")
+    assert mine.planned() == set()
+
+
+def test_edits_of_files_that_ones_own_module_reads_run_what_depends_on_it(mine):
+    threshold = f"{RESULTS}/roessler/event_threshold.json"
+    mine.edit("constants/d.txt", "1", "1.01")
+    planned, of_threshold = mine.planned(), mine.planned(threshold)
+    mine.edit("constants/d.txt", "1.01", "1")
+    assert {"simulate", "scan", "train", "forecast"} <= planned
+    assert of_threshold == {"simulate", "event_threshold"}
+    assert mine.planned() == set()
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        (["e.txt"], "case roessler: files: there is no file e.txt in"),
+        (None, "(Path(__file__).parent / 'constants/d.txt').read_text() reads a file that"),
+    ],
+)
+def test_files_that_ones_own_module_reads_are_there_and_declared(mine, files, message):
+    overlay = {**OVERLAY, "cases": {"roessler": {**OVERLAY["cases"]["roessler"], "files": files}}}
+    outcome = mine("-n", overlay=overlay)
+    assert outcome.status == 1
+    assert message in outcome.text
+    assert "Traceback" not in outcome.text
 
 
 def test_a_mistake_in_ones_own_module_is_told_before_any_job(mine):

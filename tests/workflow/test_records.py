@@ -53,6 +53,16 @@ def test_a_record_says_what_made_a_file(place):
     assert record.log == "logs/a.log"
 
 
+def test_a_record_of_a_former_version_is_one(place):
+    file = Records("results").file(path_of())
+    content = json.loads(file.read_text())
+    for name in ("blas", "revision"):
+        del content[name]
+    file.write_text(json.dumps(content))
+    record, nothing = Records("results").found(path_of())
+    assert (record.blas, record.revision, nothing) == ((), "", "")
+
+
 def test_results_may_be_spelt_otherwise_and_moved(place):
     assert Records(f"{place}/results").found(f"{place}/{path_of()}")[1] == ""
     os.rename("results", "elsewhere")

@@ -125,6 +125,7 @@ def test_settings_that_set_off_the_same_share_a_line():
     ("values", "text"),
     [
         ({"recorded_code": [CODE[0], "train.py@1"]}, "code of train.py changed"),
+        ({"code": [*CODE, "file:my.flows:a.csv@1"]}, "file my.flows:a.csv changed"),
         ({"changed_files": ["a.csv"]}, "file a.csv changed"),
         ({"incomplete": ["a.nc"]}, "interrupted before it was complete"),
         ({"missing": ["a.nc"]}, "results were deleted"),

@@ -1,12 +1,9 @@
 """The cases of a campaign: dynamical systems with their parameters, thresholds and datasets."""
 
-import glob
 import re
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
-from burstcast.discovery import module_file
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import module_of, system_class
 from burstcast_workflow.canonical import canonical
@@ -89,7 +86,7 @@ def case_record(config: Mapping[str, Any], name: str) -> Config:
         shared = _part(defaults, WITHOUT_UNITS)
         if not said.get("actuation"):
             shared["actuation"] = None
-        record = _merged(shared, said)
+        record = {"files": None, **_merged(shared, said)}
         _derive(record, draws=_draws_initial_states(system))
     if not is_measured(own) and (match := _REYNOLDS_NAME.fullmatch(name)):
         # what the entry itself says stays, for the checks to compare
@@ -124,43 +121,17 @@ _ORTHONORMALISATION_STEPS = 5
 
 
 def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
-    """Modules of the user's own that systems of the campaign's cases lie in, and what they read.
+    """Modules of the user's own that the campaign's systems lie in, and the files that they read.
 
-    None stands for files that no case of a module says anything of.
+    The files are None where no case of the module has the setting ``files``.
     """
     found: dict[str, list[str] | None] = {}
     for record in case_records(config).values():
         if ":" in record["system"]:
-            module, files = module_of(record["system"]), found.get(module_of(record["system"]))
-            if record.get("files") is not None:
-                files = sorted({*(files or []), *files_read(record)})
-            found[module] = files
+            module = module_of(record["system"])
+            said = [files for files in (found.get(module), record["files"]) if files is not None]
+            found[module] = sorted({file for files in said for file in files}) if said else None
     return found
-
-
-def files_read(record: Mapping[str, Any]) -> list[str]:
-    """Files that a case says its module reads, from the directory of the module.
-
-    Raises
-    ------
-    ValueError
-        If there is no such file.
-    """
-    found: dict[str, None] = {}
-    if not record.get("files"):
-        return []
-    if ":" not in record["system"]:
-        raise ValueError("files belong to a system of your own (<module>:<class>): leave them out")
-    directory = (module_file(module_of(record["system"])) or Path()).parent
-    for name in record["files"]:
-        files = (
-            glob.glob(name, root_dir=directory, recursive=True) if glob.has_magic(name) else [name]
-        )
-        files = [file for file in files if (directory / file).is_file()]
-        if not files:
-            raise ValueError(f"files: there is no file {name} in {directory}, where the module is")
-        found.update(dict.fromkeys(files))
-    return list(found)
 
 
 def said_by_class(system: str) -> Config:
@@ -188,7 +159,6 @@ def _derive(record: Config, *, draws: bool) -> None:
     record.setdefault("parameters", {})
     record.setdefault("laminarisation_threshold", None)
     record.setdefault("data", None)
-    record.setdefault("files", None)
     lyapunov, ensemble = record["lyapunov"], record["ensemble"]
     lyapunov.setdefault("published_exponent", None)
     if draws and "initial_state" not in ensemble:

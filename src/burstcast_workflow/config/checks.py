@@ -11,17 +11,17 @@ from burstcast import durations
 from burstcast.control.committee import VOTE_SHARE, votes
 from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy, strategy_class
+from burstcast.discovery import module_file
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.probability.members import has_members
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.base import has_own
-from burstcast.systems.registry import make_system, system_class
+from burstcast.systems.registry import make_system, module_of, system_class
 from burstcast_workflow.config.cases import (
     block_cases,
     campaign_cases,
     case_name,
     case_record,
-    files_read,
     missing_settings,
     realisation_of,
     said_by_class,
@@ -288,10 +288,7 @@ def _case(config: Settings, name: str) -> Iterator[str]:
     except (ValueError, TypeError) as error:
         yield f"system: {error}"
         return
-    try:
-        files_read(record)
-    except ValueError as error:
-        yield str(error)
+    yield from _files(record)
     another = record["system"] != config["case_defaults"]["system"]
     if another and (missing := missing_settings(record)):
         are, it = ("is", "it") if len(missing) == 1 else ("are", "them")
@@ -321,6 +318,17 @@ def _case(config: Settings, name: str) -> Iterator[str]:
         )
     yield from _starts_of_actuation(config["control"], record)
     yield from _durations(config, name, record)
+
+
+def _files(record: Settings) -> Iterator[str]:
+    """What is wrong with the files that a user's module reads."""
+    files, system = record.get("files") or [], record["system"]
+    if files and ":" not in system:
+        yield "files belong to a system of your own (<module>:<class>): leave them out"
+    elif files and (module := module_file(module_of(system))):
+        missing = [name for name in files if not (module.parent / name).is_file()]
+        if missing:
+            yield f"files: there is no file {', '.join(missing)} in {module.parent}"
 
 
 def _counts_of_series(config: Settings, record: Settings) -> Iterator[str]:

@@ -276,9 +276,7 @@ class Case(Section):
         "working directory, that of a config, or what is installed"
     )
     files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = setting(
-        "files that a module of your own reads, or patterns (tables/*.csv), from its directory; [] "
-        "if it reads none",
-        default=None,
+        "files that a module of your own reads, from the directory of the module; [] if none"
     )
     parameters: dict[ParameterName, float] = setting("parameters of the equations")
     event_threshold: Threshold = setting(
