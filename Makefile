@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 # What `make` and `make help` say: the words after ##.
-.PHONY: help demo test test-long test-slurm paper why prune report archive results bench slurm check clean
+.PHONY: help demo test test-long test-slurm paper why prune report archive pages results bench slurm check clean
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -48,6 +48,10 @@ report: $(VENV)/installed ## a finished campaign on one page to hand on, report.
 
 archive: $(VENV)/installed ## tables, figures, config, versions and why in one zip
 	@$(BIN)/burstcast archive $(ARGS)
+
+pages: $(VENV)/installed ## docs/settings.md and docs/tables.md, from the model and the declarations
+	$(BIN)/burstcast settings > docs/settings.md
+	$(BIN)/python -m burstcast_workflow.tables.page > docs/tables.md
 
 # make results ARGS="collect results/paper" takes a campaign's tables first
 results: $(VENV)/installed ## docs/results.md, from the tables in docs/results

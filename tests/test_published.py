@@ -16,7 +16,7 @@ from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.profiles import flow_modes, velocity_profiles
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.table_metrics import SUMMARIES
+from burstcast_workflow.tables.declarations import TABLES
 
 RESOURCE = Path(__file__).parents[1] / "resources" / "published_percentiles.csv"
 KINDS = {
@@ -62,7 +62,7 @@ def test_every_published_value_belongs_to_a_table_of_ours(published, table):
     assert rows["p50"].notna().all()
     assert ((rows["p25"] <= rows["p50"]) | rows["p25"].isna()).all()
     assert ((rows["p50"] <= rows["p75"]) | rows["p75"].isna()).all()
-    assert set(rows["metric"]) <= set(SUMMARIES[table].metrics)
+    assert set(rows["metric"]) <= set(TABLES[table].percentiles)
     comparable = published["metric"] != "input_scaling"
     assert len(rows) == ((published["kind"] == KINDS[table]) & comparable).sum()
 

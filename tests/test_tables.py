@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from burstcast.percentiles import percentiles
 from burstcast.tables import (
     data_parameters,
     escape,
     latex_number,
     network_parameters,
-    percentiles,
     side_by_side,
 )
 

@@ -11,7 +11,7 @@ from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.thresholds import INPUT as THRESHOLDS
 from burstcast_workflow.report_sections import category
 from burstcast_workflow.stages import Stages
-from burstcast_workflow.table_registry import table_names, table_of
+from burstcast_workflow.tables.registry import table_names, table_of
 
 
 class FigureJobs:

@@ -30,7 +30,7 @@ from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.project import project_root
 from burstcast_workflow.report_sections import SECTIONS
 from burstcast_workflow.summary import found_warnings, summary_table
-from burstcast_workflow.table_columns import unit_and_meaning
+from burstcast_workflow.tables.registry import column_of
 
 SWITCHES = ("case", "validation")
 """Key columns of tables that buttons choose from, as far as there are few values."""
@@ -359,7 +359,8 @@ def _shown_table(name: str, one: Flagged) -> Shown:
     columns = [
         {
             "name": column,
-            **dict(zip(("unit", "meaning"), unit_and_meaning(column, name), strict=True)),
+            "unit": column_of(column, name).unit,
+            "meaning": column_of(column, name).meaning,
             "key": column in KEYS or column in ("metric", "prediction_time_lt"),
             "switch": column in SWITCHES,
         }

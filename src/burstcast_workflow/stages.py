@@ -16,7 +16,7 @@ from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.thresholds import INPUT as THRESHOLDS
 from burstcast_workflow.harness.thresholds import cases_of_thresholds
 from burstcast_workflow.setting_groups import listed
-from burstcast_workflow.table_registry import cases_of_tables
+from burstcast_workflow.tables.registry import cases_of
 
 Paths: TypeAlias = str | list[str]
 OfJob: TypeAlias = Callable[..., Any]
@@ -146,7 +146,7 @@ class Stages:
         """Tables of a job's case, by their names; nothing for those that it does not have."""
 
         def of_name(name: str) -> OfJob:
-            cases = cases_of_tables(self.campaign).get(name, [])
+            cases = cases_of(self.campaign, name)
             return of_job(
                 lambda wildcards: (
                     self.in_results(f"{wildcards.case}/tables/{name}.csv")
@@ -156,11 +156,6 @@ class Stages:
             )
 
         return {name: of_name(name) for name in names.split()}
-
-    def tables_of_cases(self, wildcards: Any) -> Paths:
-        """The table of a job, of each case that has it."""
-        cases = cases_of_tables(self.campaign)[wildcards.table]
-        return self.of_cases(f"tables/{wildcards.table}.csv", cases)
 
     def of_case(self, function: Callable[[Campaign, str], Any]) -> OfJob:
         """``function`` of the campaign and a job's case."""

@@ -33,7 +33,7 @@ from snakemake.utils import update_config
 
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.table_registry import table_names
+from burstcast_workflow.tables.registry import table_names
 
 pytestmark = pytest.mark.slurm
 

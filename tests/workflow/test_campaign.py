@@ -15,7 +15,7 @@ from burstcast_workflow.canonical import canonical, canonical_json, natural_orde
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.figure_registry import FIGURES, figure_names
 from burstcast_workflow.identifiers import ForecasterName, parsed
-from burstcast_workflow.table_registry import cases_of_tables, table_names
+from burstcast_workflow.tables.registry import cases_of_tables, table_names
 
 ROOT = Path(__file__).parents[2]
 

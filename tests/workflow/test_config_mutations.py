@@ -22,7 +22,7 @@ from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.costs import CostModel
 from burstcast_workflow.figure_registry import FIGURES, figure_case, figure_names
-from burstcast_workflow.table_registry import latex_names, table_names
+from burstcast_workflow.tables.registry import latex_names, table_names
 
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))
 SEED = int(os.environ.get("BURSTCAST_SEED", "2026"))

@@ -12,15 +12,13 @@ from burstcast.tables import described_parameters
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.figure_registry import FIGURES, caption, figure_case, figure_names
-from burstcast_workflow.table_metrics import NETWORK_KEYS, SUMMARIES
-from burstcast_workflow.table_registry import (
-    PARAMETER_TABLES,
+from burstcast_workflow.tables.declarations import TABLES
+from burstcast_workflow.tables.registry import (
     cases_of_tables,
     latex_names,
     table_names,
-    table_of,
+    typeset,
 )
-from burstcast_workflow.table_texts import LAYOUTS, head, latex_caption, source_of
 
 ROOT = Path(__file__).parents[2]
 WORKFLOW = ROOT / "workflow"
@@ -232,21 +230,10 @@ def test_files_of_figures_are_those_of_the_example():
     assert found["horizon_schematic"] == {}
 
 
-def test_every_summary_has_its_percentiles_over_seeds():
-    for name in SUMMARIES:
-        assert f"{name}_percentiles" in table_names(PAPER)
-        assert "seed" not in (*NETWORK_KEYS, *SUMMARIES[name].keys)
-
-
-def test_every_table_for_papers_is_made_of_one_that_there_is():
-    names = latex_names(PAPER)
-    assert {source_of(name) for name in names} <= set(table_names(PAPER))
-    assert set(names) == {*LAYOUTS, *PARAMETER_TABLES}
-    for name in names:
-        assert latex_caption(name).endswith(".")
-        text = table_of(source_of(name))
-        if name in LAYOUTS and text.metrics:
-            assert set(LAYOUTS[name].metrics) <= set(text.metrics.split())
+def test_the_paper_has_all_tables_but_those_of_other_training_series():
+    declared = {layout for table in TABLES.values() for layout in table.latex}
+    assert set(latex_names(PAPER)) == declared
+    assert set(TABLES) - set(table_names(PAPER)) == {"training_realisations"}
 
 
 def test_stages_that_are_switched_off_have_no_tables():
@@ -261,7 +248,7 @@ def test_stages_that_are_switched_off_have_no_tables():
         *("kaplan_yorke", "kaplan_yorke_percentiles"),
     }
     assert set(table_names(PAPER)) - set(table_names(without)) == gone
-    assert not {source_of(name) for name in latex_names(without)} & gone
+    assert not {typeset(TABLES)[name]["source"] for name in latex_names(without)} & gone
 
 
 def test_tables_are_of_the_cases_that_have_them():
@@ -269,11 +256,6 @@ def test_tables_are_of_the_cases_that_have_them():
     cases = cases_of_tables(one)
     assert cases["statistics"] == cases["statistics_percentiles"] == ["Re400"]
     assert cases["horizon"] == ["Re400", "Re600", "Re800", "Re1000"]
-
-
-def test_heads_are_latex():
-    assert head("f_score") == "F-score"
-    assert "_" not in head("some_new_column")
 
 
 def test_parameters_of_the_shear_flow_are_the_papers():

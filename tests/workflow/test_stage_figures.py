@@ -20,8 +20,7 @@ from burstcast_workflow.figure_registry import (
     figure_names,
     long_term_candidates,
 )
-from burstcast_workflow.table_metrics import SUMMARIES
-from burstcast_workflow.table_registry import table_names
+from burstcast_workflow.tables.registry import table_names
 
 ROOT = Path(__file__).parents[2]
 FLOW = {"midplane_planes", "vorticity_isosurfaces"}
@@ -111,7 +110,7 @@ def test_forecasters_that_are_no_networks_have_tables_and_no_figures_of_their_ow
     choice = {"forecasters": {"esn": None, "equations": {}, "equations_noisy": {}}}
     found = campaign(ONE, statistics=choice, control=choice)
     assert stage_figures(found) == FLOW
-    assert {"control", "statistics"} <= set(table_names(found)) & set(SUMMARIES)
+    assert {"control_percentiles", "statistics_percentiles"} <= set(table_names(found))
     assert {run.forecaster.name.kind for run in found.control_runs} == {
         "equations",
         "equations_noisy",

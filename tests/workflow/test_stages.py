@@ -22,12 +22,25 @@ SOURCE = ROOT / "src"
 
 
 def rules_of_stages():
-    """Names of the rules that stages make, read as text: pytest asks for them before any test."""
+    """Names of the rules that stages make, read as text: pytest asks for them before any test.
+
+    A stage of tables makes a second rule, which joins those of all cases.
+    """
     texts = [path.read_text() for path in sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
-    return [name for text in texts for name in re.findall(r'^stage\([^"]*"\w+/(\w+)"', text, re.M)]
+    found = [
+        match
+        for text in texts
+        for match in re.findall(r'^(\w*)stage\([^"]*"(?:\w+/)?(\w+)"', text, re.M)
+    ]
+    return [
+        *(name for _, name in found),
+        *(f"all_{name}" for kind, name in found if kind == "table_"),
+    ]
 
 
 STAGES = rules_of_stages()
+JOINING = ("all_cases", "all_cases_latex")
+"""Scripts that rules of several names run."""
 
 
 def script_of(rule):
@@ -41,7 +54,6 @@ def wildcards_of(rule):
         "reservoir": "esn-N2000-seed0",
         "strategies": "RV+SSV",
         "strategy": "prediction_triggered-prediction_time1-window1",
-        "table": "horizon",
     }
     names = workflow().rules[rule].wildcard_names
     return Wildcards({name: found[name] for name in names})
@@ -63,7 +75,8 @@ def test_the_rules_are_those_of_the_text():
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_rule_runs_the_script_of_its_name(rule):
     # not that of the last stage, as in a loop
-    assert script_of(rule).name == f"{rule}.py"
+    script = script_of(rule).stem
+    assert script in JOINING if rule.startswith("all_") else script == rule
 
 
 # -- scripts ---------------------------------------------------------------------------------------

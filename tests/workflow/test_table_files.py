@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast_workflow.harness.tables import keyed_table, read_table, write_table
+from burstcast_workflow.harness.tables import read_table, write_table
 
 
 def example() -> pd.DataFrame:
@@ -85,18 +85,3 @@ def test_large_tables_are_read_quickly(tmp_path):
 def test_repeated_columns_are_refused(tmp_path):
     with pytest.raises(ValueError, match="share a name"):
         write_table(tmp_path / "table.csv", pd.DataFrame([[1, 2]], columns=["a", "a"]))
-
-
-def test_columns_of_other_systems_are_left_out_where_they_are_empty(tmp_path):
-    rows = [
-        {"case": "a", "reynolds": None, "forecaster": "esn", "f_score": 0.5, "nrmse_u": None},
-        {"case": "b", "reynolds": None, "forecaster": "esn", "f_score": None, "nrmse_u": None},
-    ]
-    path = tmp_path / "table.csv"
-    write_table(path, keyed_table(rows))
-    assert path.read_text().splitlines()[0] == "case,forecaster,f_score"
-    assert list(read_table(path)) == ["case", "reynolds", "forecaster", "f_score"]
-    assert read_table(path)["reynolds"].isna().all()
-    rows[0]["reynolds"], rows[1]["nrmse_u"] = 400, 0.1
-    write_table(path, keyed_table(rows))
-    assert list(read_table(path)) == list(rows[0])

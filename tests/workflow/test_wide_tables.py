@@ -1,15 +1,12 @@
 """Tables for papers from the rows of a campaign's tables."""
 
-import runpy
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-from burstcast_workflow.jobs.wide_tables import wide_tables
-from burstcast_workflow.table_texts import LAYOUTS
+from burstcast_workflow.jobs.wide_tables import typeset, wide_tables
+from burstcast_workflow.tables import registry
 
-SCRIPTS = Path(__file__).parents[2] / "workflow" / "scripts"
+LAYOUTS = registry.typeset(["dataset", "control_strategies"])
 
 
 def rows(case: str, forecaster: str, seeds: list[float]) -> pd.DataFrame:
@@ -50,7 +47,7 @@ def test_seeds_tell_networks_apart_also_after_a_case_without_networks():
 
 def test_what_no_case_has_is_no_column():
     layout = LAYOUTS["dataset"]
-    names = [name for name in layout.metrics if name != "lyapunov_exponent_paper"]
+    names = [name for name in layout["metrics"] if name != "lyapunov_exponent_paper"]
     table = pd.DataFrame({"case": ["lab"], **{name: [1.5] for name in names}})
     ((_, texts, _),) = wide_tables(table, layout)
     assert len(texts.columns) == 1 + len(names)
@@ -59,19 +56,20 @@ def test_what_no_case_has_is_no_column():
     assert len(texts.columns) == 2 + len(names)
 
 
-def test_settings_that_only_later_cases_have_tell_their_rows_apart(tmp_path):
+def test_settings_that_only_later_cases_have_tell_their_rows_apart():
     """As where only one case has committees: their share of votes stands among the settings."""
     first = rows("Re600", "equations", [0.0])
     second = pd.concat([rows("Re400", "equations", [0.0]) for _ in range(2)])
     second.insert(list(second.columns).index("metric"), "vote_share", [0.1, 0.5])
-    paths = [tmp_path / "first.csv", tmp_path / "second.csv"]
-    for table, path in zip((first, second), paths, strict=True):
-        table.to_csv(path, index=False)
-    whole = tmp_path / "whole.csv"
-    join = runpy.run_path(str(SCRIPTS / "tables" / "all_cases.py"))["join"]
-    join(tables=[str(path) for path in paths], table=str(whole), settings={})
-    joined = pd.read_csv(whole)
-    assert list(joined.columns) == list(second.columns)
-    assert joined["vote_share"].isna().tolist() == [True, False, False]
+    joined = pd.concat([first, second])[second.columns]
     (_, of_first, _), (_, of_second, _) = wide_tables(joined, LAYOUTS["control_strategies"])
     assert (len(of_first), len(of_second)) == (1, 2)
+
+
+def test_heads_and_formats_are_those_declared():
+    table = rows("Re400", "equations", [0.0])
+    text = typeset("control_strategies", table, LAYOUTS["control_strategies"])
+    assert "under control" in text  # the head of what is the exceedance with control
+    assert "$0.1000$ ($0.0000$ to $1.0000$)" in text
+    assert r"\label{tab:control_strategies:Re400}" in text
+    assert r"\caption{Re400: Costs and gains of control" in text

@@ -11,21 +11,22 @@ from pathlib import Path
 
 import netCDF4
 import numpy as np
+import pandas as pd
 import pytest
 
 from burstcast.netcdf import Variable, read_attributes, read_netcdf, read_rows
 from burstcast_workflow.harness import figures
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf, write_text
-from burstcast_workflow.harness.tables import read_table, write_rows
+from burstcast_workflow.harness.tables import read_table, write_table
 from burstcast_workflow.harness.thresholds import with_thresholds
 from burstcast_workflow.harness.version import HARNESS_VERSION
 
 DIGESTS = {
-    2: {
+    3: {
         "netcdf": "4d8c1011a202fa874f6dbbb2ecd477b1d29829cf7d70145bd16c7098b6ec31c7",
         "json_and_text": "986b233532407d1d8e37deb92f62dc68ccc0a9e98c87b0185cbbe74f88ba3f6e",
-        "table": "6893283e36cf643667c11467165ae588151845ad537671f7d547e4491c204ca0",
+        "table": "5b320b284743e941fef8c14847e7bcaf0a15dc40f88f2ec4ed4eea677eb531ec",
         "settings_and_origin": "23428af6cb5cbfbc98e1026f68968c3d7c324751b3efa2b2baff0278f9450b43",
         "figure": "95c4f9809d36baacd73fa314f692adc485a091ea20db234c0b4c8f892f2f2893",
     },
@@ -72,20 +73,18 @@ def json_and_text() -> bytes:
 
 
 def table() -> bytes:
-    names = {"case": "a", "reynolds": 400, "forecaster": "esn-N40-RV-seed0"}
-    network = {"seed": 0, "neurons": 40, "kind": "esn"}
-    rows = [
-        {
-            "score": 0.1 + 0.2,
-            "chosen": True,
-            "note": 'a "b", c',
-            "time": np.inf,
-            **names,
-            **network,
-        },
-        {"score": np.nan, "chosen": False, "note": None, "time": 1e-300, **names, "events": 7},
-    ]
-    write_rows("table.csv", rows)
+    columns = {
+        "reynolds": [400, None],
+        "seed": pd.array([0, None], dtype="Int64"),
+        "score": [0.1 + 0.2, np.nan],
+        "chosen": [True, False],
+        "note": ['a "b", c', None],
+        "time": [np.inf, 1e-300],
+        "case": ["a", "b"],
+        "events": [7, 8],
+        "nrmse_u": [np.nan, np.nan],  # a column without any value is written, and read
+    }
+    write_table("table.csv", pd.DataFrame(columns))
     read = read_table("table.csv")
     seen = {name: [str(read[name].dtype), *map(repr, read[name].tolist())] for name in read}
     return Path("table.csv").read_bytes() + json.dumps(seen).encode()

@@ -17,12 +17,19 @@ from burstcast_workflow.costs import CostModel
 from burstcast_workflow.figure_jobs import captions
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.prune import stale_note
-from burstcast_workflow.report_sections import category_of_table
+from burstcast_workflow.report_sections import category
 from burstcast_workflow.snakemake_plan import covers_campaign
 from burstcast_workflow.stages import Stages, of_job, one_of
 from burstcast_workflow.start import REFUSALS, RefusedError, start, tell_what_is_off
 from burstcast_workflow.summary import campaign_summary, warnings_summary
-from burstcast_workflow.table_registry import cases_of_tables
+from burstcast_workflow.tables.registry import (
+    cases_of,
+    joined,
+    made_by,
+    typeset,
+    with_percentiles,
+    written,
+)
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
 PROJECT = Path(str(workflow.current_basedir)).parents[1]
@@ -77,7 +84,6 @@ wildcard_constraints:
     reservoir=r"esn-N\d+-seed\d+",
     strategies=r"[A-Z]+(\+[A-Z]+)*",
     strategy=r"[a-z][A-Za-z0-9_.+-]*",
-    table="[a-z_]+",
 
 
 # -- before and after --------------------------------------------------------------------------------
@@ -132,6 +138,7 @@ def stage(
     cost="gather",
     cached=False,
     constraints={},
+    rule_name=None,
     **values,
 ):
     """A stage of the workflow: the one rule of a script, and of its name.
@@ -150,10 +157,13 @@ def stage(
         The class of its cost, and whether the cache keeps its results (see `Stages.needs`).
     constraints
         Of wildcards, beside those of all rules.
+    rule_name
+        Of a script that several rules run.
     """
-    folder, _, rule_name = name.partition("/")
+    folder, _, script_name = name.partition("/")
+    rule_name = rule_name or script_name
     wildcards = list(
-        dict.fromkeys(re.findall(r"\{(\w+)\}", next(iter(outputs.values()))))
+        dict.fromkeys(re.findall(r"\{(\w+)\}", str(next(iter(outputs.values())))))
     )
     # logs/horizon/Re400/esn-N2000-RV-seed3.log, logs/horizon_table.log
     record = os.path.join(rule_name, *(f"{{{key}}}" for key in wildcards))
@@ -196,7 +206,45 @@ def in_report(table):
     return report(
         f"{TABLES}/{table}.csv",
         caption="../report/table.rst",
-        category=category_of_table(table),
+        category=category("tables", table),
         subcategory="Tables",
         labels={"table": table},
+    )
+
+
+def table_stage(name, does, **arguments):
+    """A stage that writes tables of a case, and one, ``all_<script>``, that joins those of all cases.
+
+    Its arguments are those of `stage`. Which tables they are is declared (workflow/tables.yaml).
+    """
+    script_name = name.partition("/")[2]
+    names = made_by(script_name)
+    files = with_percentiles(names)
+    stage(
+        name,
+        does,
+        {"tables": [f"{TABLES_OF_CASE}/{file}.csv" for file in files]},
+        tables=written(names),
+        **arguments,
+    )
+    cases = cases_of(campaign, names[0])
+    if not cases:
+        return
+    layouts = typeset(names)
+    outputs, values = {"tables": list(map(in_report, files))}, {}
+    if layouts:
+        outputs["latex"] = [f"{TABLES}/{paper}.tex" for paper in layouts]
+        values["latex"] = layouts
+    stage(
+        "tables/all_cases_latex" if layouts else "tables/all_cases",
+        f"{does}, of all cases",
+        outputs,
+        {
+            "of_cases": [
+                path for file in files for path in of_cases(f"tables/{file}.csv", cases)
+            ]
+        },
+        rule_name=f"all_{script_name}",
+        columns=joined(files),
+        **values,
     )

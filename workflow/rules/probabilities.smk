@@ -94,46 +94,35 @@ PROBABILITIES = {
     **files("evaluation_set calibration"),
 }
 
-stage(
+table_stage(
     "probabilities/probability_scores",
     "score the probabilities",
     inputs=PROBABILITIES,
-    outputs={
-        "table": f"{TABLES_OF_CASE}/probability_scores.csv",
-        "differences": f"{TABLES_OF_CASE}/probability_differences.csv",
-    },
     settings="SCORED case.event_threshold probability.bins",
     cost="bootstrap",
     **ALARMS,
 )
-stage(
+table_stage(
     "probabilities/probability_diagrams",
     "reliability, economic value, curves over all thresholds",
     inputs=PROBABILITIES,
-    outputs={
-        "reliability": f"{TABLES_OF_CASE}/reliability.csv",
-        "value": f"{TABLES_OF_CASE}/economic_value.csv",
-        "curves": f"{TABLES_OF_CASE}/alarm_curves.csv",
-    },
     settings="SCORED case.event_threshold probability.bins probability.cost_loss_ratios",
     cost="bootstrap",
     **ALARMS,
 )
-stage(
+table_stage(
     "probabilities/lead_times",
     "how early events were warned of",
     inputs={**files("ensemble"), **PROBABILITIES},
-    outputs={"table": f"{TABLES_OF_CASE}/lead_times.csv"},
     settings="SCORED case.event_threshold case.training.series "
     "classification.start_spacing_lt",
     cost="bootstrap",
     **ALARMS,
 )
-stage(
+table_stage(
     "probabilities/threshold_sweep",
     "score alarms for other event thresholds",
     inputs=PROBABILITIES,
-    outputs={"table": f"{TABLES_OF_CASE}/threshold_sweep.csv"},
     settings="SCORED case.event_threshold probability.bins probability.threshold_factors",
     cost="bootstrap",
     **ALARMS,

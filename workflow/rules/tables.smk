@@ -1,10 +1,13 @@
 """Tables: each case's, gathered from the files of many jobs; then those of all cases, and LaTeX."""
 
 from burstcast_workflow.setting_groups import listed
-from burstcast_workflow.table_registry import SCATTERED, latex_names, table_names
-from burstcast_workflow.table_texts import source_of
+from burstcast_workflow.tables.registry import (
+    cases_of_tables,
+    latex_names,
+    table_names,
+)
 
-stage(
+table_stage(
     "tables/dataset_table",
     "table of the dataset",
     inputs={
@@ -14,11 +17,10 @@ stage(
             lambda wildcards: f"{RESULTS}/{campaign.source_case(wildcards.case)}/lyapunov.json"
         ),
     },
-    outputs={"table": f"{TABLES_OF_CASE}/dataset.csv"},
     settings="TIME",
     keys=of_case(Campaign.case_keys),
 )
-stage(
+table_stage(
     "tables/hyperparameters_table",
     "table of the hyperparameters",
     inputs={
@@ -26,66 +28,48 @@ stage(
             campaign.hyperparameters_file, campaign.networks
         )
     },
-    outputs={"table": f"{TABLES_OF_CASE}/hyperparameters.csv"},
     rows=in_case(campaign.networks, campaign.keys),
 )
-stage(
+table_stage(
     "tables/classification_table",
     "score the forecasts",
     inputs={"forecasts": files_in_case("forecast.nc"), **files("evaluation_set")},
-    outputs={
-        "table": f"{TABLES_OF_CASE}/classification.csv",
-        "intervals": f"{TABLES_OF_CASE}/classification_intervals.csv",
-    },
     settings="case.event_threshold SCORED",
     cost="bootstrap",
     rows=in_case(campaign.forecasters, campaign.keys),
 )
-stage(
+table_stage(
     "tables/horizon_table",
     "table of the prediction horizons",
     inputs={"horizons": files_in_case("horizon.nc")},
-    outputs={
-        "table": f"{TABLES_OF_CASE}/horizon.csv",
-        "intervals": f"{TABLES_OF_CASE}/horizon_intervals.csv",
-        "differences": f"{TABLES_OF_CASE}/horizon_differences.csv",
-    },
     settings="random_seed bootstrap",
     rows=in_case(campaign.forecasters, campaign.keys),
 )
-stage(
+table_stage(
     "tables/statistics_table",
     "table of the long-term statistics",
     inputs={
         **files("data training floor"),
         "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
-    outputs={
-        "table": f"{TABLES_OF_CASE}/statistics.csv",
-        "intervals": f"{TABLES_OF_CASE}/statistics_intervals.csv",
-    },
     settings="SYSTEM random_seed bootstrap statistics.profile_points",
     cost="bootstrap_runs",
     keys=of_case(Campaign.case_keys),
     rows=in_case(campaign.long_term_forecasters, campaign.keys),
 )
-stage(
+table_stage(
     "tables/survival_table",
     "table of escapes from the chaotic phase",
     inputs={
         **files("ensemble"),
         "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
-    outputs={
-        "table": f"{TABLES_OF_CASE}/survival.csv",
-        "curves": f"{TABLES_OF_CASE}/survival_curve.csv",
-    },
     settings="case.ensemble.time_step case.ensemble.sampling_stride "
     "statistics.duration bootstrap.confidence",
     keys=of_case(Campaign.case_keys),
     rows=in_case(campaign.long_term_forecasters, campaign.keys),
 )
-stage(
+table_stage(
     "tables/lyapunov_spectrum_table",
     "table of the Lyapunov exponents",
     inputs={
@@ -100,41 +84,31 @@ stage(
             "lyapunov_spectrum.nc", campaign.spectrum_forecasters
         ),
     },
-    outputs={
-        "table": f"{TABLES_OF_CASE}/lyapunov_spectrum.csv",
-        "dimensions": f"{TABLES_OF_CASE}/kaplan_yorke.csv",
-    },
     settings="random_seed bootstrap",
     keys=of_case(Campaign.case_keys),
     rows=in_case(campaign.spectrum_forecasters, campaign.keys),
 )
-stage(
+table_stage(
     "tables/control_table",
     "table of control",
     inputs={"counts": files_in_case("counts.json", campaign.control_runs)},
-    outputs={"table": f"{TABLES_OF_CASE}/control.csv"},
     rows=in_case(campaign.control_runs, campaign.control_keys),
 )
-stage(
+table_stage(
     "tables/control_density_table",
     "densities with and without control",
     inputs={"histograms": files_in_case("histograms.nc", campaign.control_runs)},
-    outputs={"table": f"{TABLES_OF_CASE}/control_density.csv"},
     rows=in_case(campaign.control_runs, campaign.control_keys),
 )
-stage(
+table_stage(
     "tables/control_strategies_table",
     "costs and gains of control",
     inputs={"flows": files_in_case("flows.nc", campaign.strategy_runs)},
-    outputs={
-        "table": f"{TABLES_OF_CASE}/control_strategies.csv",
-        "differences": f"{TABLES_OF_CASE}/control_differences.csv",
-    },
     settings="random_seed bootstrap",
     rows=in_case(campaign.strategy_runs, campaign.strategy_keys),
 )
 table_of_spectra = stages.tables_in_case("lyapunov_spectrum")["lyapunov_spectrum"]
-stage(
+table_stage(
     "tables/warnings_table",
     "look for warning signs",
     inputs={
@@ -149,29 +123,23 @@ stage(
             )
         ),
     },
-    outputs={"table": f"{TABLES_OF_CASE}/warnings.csv"},
     settings="case.event_threshold case.training.series case.training.noise horizon.events "
     "search.spectral_radius search.input_scaling search.tikhonov",
     keys=of_case(Campaign.case_keys),
 )
-stage(
-    "tables/percentiles",
-    "percentiles over networks",
-    inputs={"table": f"{TABLES_OF_CASE}/{{table}}.csv"},
-    outputs={"percentiles": f"{TABLES_OF_CASE}/{{table}}_percentiles.csv"},
-)
-stage(
-    "tables/all_cases",
-    "the rows of all cases",
-    inputs={"tables": stages.tables_of_cases},
-    outputs={"table": in_report("{table}")},
-    constraints={"table": "|".join(cases_of_tables(campaign))},
-)
-stage(
-    "tables/data_generation_parameters",
+
+
+def parameter_stage(name, does, **arguments):
+    """A stage that writes a table of parameters, and typesets it: no case has one of its own."""
+    outputs = {"table": in_report(name), "latex": f"{TABLES}/{name}.tex"}
+    caption = typeset([name])[name]["caption"]
+    stage(f"tables/{name}", does, outputs, caption=caption, **arguments)
+
+
+parameter_stage(
+    "data_generation_parameters",
     "table of the parameters of the data",
     inputs={"summaries": of_cases("dataset.json", campaign.simulated_cases)},
-    outputs={"table": in_report("data_generation_parameters")},
     cases=campaign.of_each_case(
         *listed("SYSTEM case.ensemble.time_step case.ensemble.duration"),
         *listed("case.training.series case.laminarisation_threshold"),
@@ -179,31 +147,28 @@ stage(
         cases=campaign.simulated_cases,
     ),
 )
-stage(
-    "tables/network_hyperparameters",
+parameter_stage(
+    "network_hyperparameters",
     "table of the networks' hyperparameters",
-    outputs={"table": in_report("network_hyperparameters")},
     settings="forecasters.esn.connectivity forecasters.esn.input_bias "
     "search.spectral_radius search.input_scaling search.tikhonov",
     cases=campaign.of_each_case("case.training.noise"),
 )
-scattered = [name for name in SCATTERED if name in cases_of_tables(campaign)]
+# the tables whose scatter over seeds is told apart from that over training sets
+scattered = [
+    name
+    for name in ("classification", "horizon", "statistics", "survival")
+    if name in cases_of_tables(campaign)
+]
 stage(
     "tables/training_realisations",
     "scatter over training sets and over seeds",
-    inputs={"tables": [f"{TABLES}/{name}.csv" for name in scattered]},
-    outputs={"table": f"{TABLES}/training_realisations.csv"},
-    names=scattered,
+    inputs={"scores": [f"{TABLES}/{name}.csv" for name in scattered]},
+    outputs={"tables": [in_report("training_realisations")]},
+    tables=written(["training_realisations"]),
+    scattered=written(scattered),
     families=campaign.families(),
     kinds=sorted({one.name.kind for one in campaign.forecasters}),
-)
-stage(
-    "tables/latex",
-    "typeset in LaTeX",
-    inputs={
-        "table": of_job(lambda wildcards: f"{TABLES}/{source_of(wildcards.table)}.csv")
-    },
-    outputs={"latex": f"{TABLES}/{{table}}.tex"},
 )
 
 

@@ -27,7 +27,7 @@ Kinds of forecasters are modules of `burstcast.forecasters`; where they are chos
 `statistics`, `control`), a kind that is left out or null has none. An overlay lays mappings over
 those of config.yaml and replaces all else, lists too: null takes away a kind that config.yaml has.
 
-This page is made by `burstcast settings > docs/settings.md`.
+This page is made by `make pages` (`burstcast settings`).
 """
 _COLUMNS = ("Setting", "Allowed", "Unit", "Default", "Meaning")
 

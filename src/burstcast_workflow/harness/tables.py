@@ -5,7 +5,6 @@ import.
 """
 
 import io
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,31 +12,10 @@ import numpy as np
 import pandas as pd
 
 from burstcast_workflow.harness.storage import write_text
-from burstcast_workflow.identifiers import KEYS
-
-
-def keyed_table(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Table with the keys first and, where a whole number may be missing, still whole numbers."""
-    table = pd.DataFrame(rows)
-    keys = [key for key in KEYS if key in table.columns]
-    table = table[[*keys, *(column for column in table.columns if column not in keys)]]
-    return table.astype({key: "Int64" for key in ("neurons", "seed") if key in keys})
-
-
-OF_SOME_CASES = (
-    "reynolds",
-    "nrmse_u",
-    "nrmse_uu",
-    "nrmse_uv",
-    "lyapunov_exponent_paper",
-)
-"""Columns that only some systems have values for; a table without any has no such column."""
 
 
 def write_table(path: str | Path, table: pd.DataFrame) -> None:
     """Write a table without its index; an undefined value (NaN, None, NA) is an empty cell.
-
-    Columns `OF_SOME_CASES` are left out where they are empty.
 
     Raises
     ------
@@ -46,10 +24,6 @@ def write_table(path: str | Path, table: pd.DataFrame) -> None:
     """
     if not table.columns.is_unique:
         raise ValueError(f"{path}: two columns share a name: {list(table.columns)}")
-    empty = [
-        name for name in OF_SOME_CASES if name in table and table[name].isna().all() and len(table)
-    ]
-    table = table.drop(columns=empty)
     text = table.to_csv(index=False, lineterminator="\n")
     read_back = _parse(text)
     for column in table.columns:
@@ -62,17 +36,11 @@ def write_table(path: str | Path, table: pd.DataFrame) -> None:
     write_text(path, text)
 
 
-def write_rows(path: str | Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write rows as a table: `keyed_table`, as `write_table` writes it."""
-    write_table(path, keyed_table(rows))
-
-
 def read_table(path: str | Path) -> pd.DataFrame:
     """Read a table that `write_table` wrote.
 
-    The key ``reynolds`` is there, empty, if `write_table` has left it out. Numbers come back
-    exactly. Whole numbers are int64, or Int64 where cells are empty; other numbers and columns
-    without any value are float64; the rest is text. Empty cells are missing.
+    Numbers come back exactly. Whole numbers are int64, or Int64 where cells are empty; other
+    numbers and columns without any value are float64; the rest is text. Empty cells are missing.
 
     Raises
     ------
@@ -80,12 +48,9 @@ def read_table(path: str | Path) -> pd.DataFrame:
         If it is no such table; the message names the file.
     """
     try:
-        table = _parse(Path(path).read_text(encoding="utf-8"))
+        return _parse(Path(path).read_text(encoding="utf-8"))
     except ValueError as error:
         raise ValueError(f"{path} is no table: {error}") from error
-    if {"case", "forecaster"} <= set(table) and "reynolds" not in table:
-        table.insert(1, "reynolds", np.nan)
-    return table
 
 
 _WHOLE_NUMBER = r"-?\d{1,18}"

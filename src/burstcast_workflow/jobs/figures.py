@@ -39,4 +39,6 @@ def published_beside(
 ) -> pd.DataFrame | None:
     """Those of them at the Reynolds number of the case that the rows of ``table`` are of."""
     values = published_of(published, name)
-    return None if values is None else values.loc[values["reynolds"].isin(table["reynolds"])]
+    if values is None or "reynolds" not in table:  # as of a system without one
+        return None
+    return values.loc[values["reynolds"].isin(table["reynolds"])]

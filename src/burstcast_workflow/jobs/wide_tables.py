@@ -1,18 +1,51 @@
-"""From rows of a table to what stands on paper: who as rows, what is known of them as columns."""
+"""Tables for papers in LaTeX: forecasters as rows, metrics or values of a key as columns.
 
-from collections.abc import Iterator, Mapping
+A layout is that of a declaration, which a job has among its settings
+(`burstcast_workflow.tables.registry.typeset`).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
 from burstcast.tables import escape
-from burstcast.typesetting import wide_table
-from burstcast_workflow.control_plans import CONDITIONS
+from burstcast.typesetting import to_latex, wide_table
 from burstcast_workflow.identifiers import KEYS
-from burstcast_workflow.table_texts import FORMATS, Layout
+
+Layout = Mapping[str, Any]
 
 WHO = "forecaster"
 PERCENTILES, INTERVAL = ("p50", "p25", "p75"), ("value", "low", "high")
+
+
+def typeset(name: str, rows: pd.DataFrame, layout: Layout) -> str:
+    """Table environments with booktabs rules: one table, or one for each case.
+
+    Parameters
+    ----------
+    name
+        Name of the table for papers.
+    rows
+        Rows of all cases of the table that it is made of.
+    layout
+        What is shown of them, and how.
+    """
+    return "\n".join(
+        to_latex(
+            cells,
+            f"{case}: {layout['caption']}" if case else layout["caption"],
+            f"tab:{name}:{case}" if case else f"tab:{name}",
+            heads={column: _head(column, layout) for column in cells.columns},
+            keys=keys,
+        )
+        for case, cells, keys in wide_tables(rows, layout)
+    )
+
+
+def _head(column: str, layout: Layout) -> str:
+    head: str = layout["heads"].get(column, escape(column.replace("_", " ")))
+    return head
 
 
 def wide_tables(rows: pd.DataFrame, layout: Layout) -> Iterator[tuple[str, pd.DataFrame, int]]:
@@ -23,42 +56,44 @@ def wide_tables(rows: pd.DataFrame, layout: Layout) -> Iterator[tuple[str, pd.Da
     rows
         Of all cases.
     layout
-        What is shown of them.
+        What is shown of them, and how.
 
     Yields
     ------
     Case (empty where cases are rows of one table), texts in LaTeX, and how many of the columns, the
     first ones, tell rows apart.
     """
-    chosen = rows if "metric" in rows.columns else _long_form(rows, layout.metrics)
-    chosen = chosen[chosen["metric"].isin(layout.metrics)]
-    for column, value in layout.where.items():
+    chosen = rows if "metric" in rows.columns else _long_form(rows, layout["metrics"])
+    chosen = chosen[chosen["metric"].isin(layout["metrics"])]
+    for column, value in layout["where"].items():
         chosen = chosen[chosen[column] == value]
     if "forecaster" not in chosen.columns:  # a row for each case
-        yield "", wide_table(chosen, ["case"], layout.columns, specs=FORMATS), 1
+        yield "", wide_table(chosen, ["case"], layout["columns"], specs=layout["formats"]), 1
         return
-    if "seed" in chosen.columns and "seed" not in layout.more_rows:
+    if "seed" in chosen.columns and "seed" not in layout["more_rows"]:
         chosen = chosen[chosen["seed"].isna()]  # single networks stand in the raw table
-    if layout.columns == "prediction_time_lt":
-        whole = chosen[layout.columns] % 1 == 0
+    if layout["columns"] == "prediction_time_lt":
+        whole = chosen["prediction_time_lt"] % 1 == 0
         chosen = chosen[whole] if whole.any() else chosen
     interval = PERCENTILES if "p50" in chosen.columns else INTERVAL
     for case, of_case in chosen.groupby("case", sort=False):
-        keys = [WHO, *layout.more_rows]  # seeds only where the case has networks
+        keys = [WHO, *layout["more_rows"]]  # seeds only where the case has networks
         named = of_case.assign(**{WHO: [_who(row) for row in of_case.to_dict("records")]})
         if "strategy" in keys:
-            named["strategy"] = _plans(named)
+            named["strategy"] = _plans(named, layout["conditions"])
         for key in keys:
             named[key] = named[key].map(lambda value: "" if pd.isna(value) else _shown(value))
         if "seed" in keys and (named["seed"] == "").all():
             keys = [key for key in keys if key != "seed"]
-        cells = wide_table(named, keys, layout.columns, interval=interval, specs=FORMATS)
+        cells = wide_table(
+            named, keys, layout["columns"], interval=interval, specs=layout["formats"]
+        )
         cells[keys] = cells[keys].map(escape)
         cells = cells.rename(columns={name: _shown(name) for name in cells.columns})
         yield str(case), cells, len(keys)
 
 
-def _long_form(rows: pd.DataFrame, metrics: tuple[str, ...]) -> pd.DataFrame:
+def _long_form(rows: pd.DataFrame, metrics: Sequence[str]) -> pd.DataFrame:
     """A row for each metric, with the interval that columns of its name with an ending hold."""
     keys = [key for key in KEYS if key in rows.columns]
     return pd.concat(
@@ -85,13 +120,13 @@ def _shown(value: Any) -> str:
     return f"{value:g}" if isinstance(value, int | float) else str(value)
 
 
-def _plans(rows: pd.DataFrame) -> list[str]:
-    """Strategies of control with those settings and conditions that tell some of them apart."""
+def _plans(rows: pd.DataFrame, conditions: Sequence[str]) -> list[str]:
+    """Strategies of control with their settings, and with the conditions that differ."""
     names = list(rows.columns)
     settings = [
         name
         for name in names[names.index("strategy") + 1 : names.index("metric")]
-        if name not in CONDITIONS or rows[name].nunique(dropna=False) > 1
+        if name not in conditions or rows[name].nunique(dropna=False) > 1
     ]
     return [
         f"{row['strategy'].replace('_', ' ')} "

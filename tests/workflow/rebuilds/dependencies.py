@@ -2,9 +2,8 @@
 
 Nothing here comes from the workflow's own code. ``case.x`` stands for the setting x of a case,
 wherever the config says it. Jobs of one rule that depend on different things are told apart, as
-``rule/what``: those of forecasters by the kind that forecasts, percentiles, rows of all cases
-and LaTeX by the table. What other strategies of control than the paper's do is by the strategy,
-too: only the paper's has alarms at random beside it.
+``rule/what``: those of forecasters by the kind that forecasts. What other strategies of control
+than the paper's do is by the strategy, too: only the paper's has alarms at random beside it.
 """
 
 from fnmatch import fnmatchcase
@@ -181,59 +180,26 @@ COMES_FROM = {
     "lead_times": f"simulate {_FORECASTS} {_MEMBERS} calibrate",
     "threshold_sweep": f"{_FORECASTS} {_MEMBERS} calibrate",
     "data_generation_parameters": "simulate",
-    "percentiles/hyperparameters": "hyperparameters_table",
-    "percentiles/classification": "classification_table",
-    "percentiles/horizon": "horizon_table",
-    "percentiles/statistics": "statistics_table",
-    "percentiles/survival": "survival_table",
-    "percentiles/survival_curve": "survival_table",
-    "percentiles/lyapunov_spectrum": "lyapunov_spectrum_table",
-    "percentiles/kaplan_yorke": "lyapunov_spectrum_table",
-    "percentiles/control": "control_table",
-    "latex/data_generation_parameters": "data_generation_parameters",
-    "latex/network_hyperparameters": "network_hyperparameters",
 }
 
-# The rows of all cases, by table; of what is typeset, which table it is made of.
-_OF_CASES = {
-    "lyapunov_spectrum": "lyapunov_spectrum_table",
-    "kaplan_yorke": "lyapunov_spectrum_table",
-    "survival_curve": "survival_table",
-    "classification_intervals": "classification_table",
-    "horizon_intervals": "horizon_table",
-    "horizon_differences": "horizon_table",
-    "control_differences": "control_strategies_table",
-    "statistics_intervals": "statistics_table",
-    "probability_scores": "probability_scores",
-    "probability_differences": "probability_scores",
-    "reliability": "probability_diagrams",
-    "economic_value": "probability_diagrams",
-    "alarm_curves": "probability_diagrams",
-    "lead_times": "lead_times",
-    "threshold_sweep": "threshold_sweep",
-    **{
-        name: f"{name}_table"
-        for name in (
-            *("dataset", "hyperparameters", "classification", "horizon", "statistics"),
-            *("survival", "control", "control_density", "control_strategies", "warnings"),
-        )
-    },
-}
-_SUMMARISED = (
-    *("hyperparameters", "classification", "horizon", "statistics", "survival"),
-    *("survival_curve", "lyapunov_spectrum", "kaplan_yorke", "control"),
+# Each table of a case has one of all cases, with its LaTeX: whatever the first reads, that reads
+# nothing of it.
+TABLES_OF_CASES = (
+    *("dataset_table", "hyperparameters_table", "classification_table", "horizon_table"),
+    *("statistics_table", "survival_table", "lyapunov_spectrum_table"),
+    *("control_table", "control_density_table", "control_strategies_table", "warnings_table"),
+    *("probability_scores", "probability_diagrams", "lead_times", "threshold_sweep"),
 )
-_TYPESET = {
-    **dict.fromkeys(("precision", "recall", "f_score"), "classification_percentiles"),
-    "brier_skill": "probability_scores",
-    "dataset": "dataset",
-    "control_strategies": "control_strategies",
-    **{name: f"{name}_percentiles" for name in _SUMMARISED if "curve" not in name},
-}
-del _TYPESET["classification"]
-COMES_FROM |= {f"all_cases/{name}": stage for name, stage in _OF_CASES.items()}
-COMES_FROM |= {f"all_cases/{name}_percentiles": f"percentiles/{name}" for name in _SUMMARISED}
-COMES_FROM |= {f"latex/{name}": f"all_cases/{source}" for name, source in _TYPESET.items()}
+COMES_FROM |= {f"all_{table}": table for table in TABLES_OF_CASES}
+# Those that are typeset, too, by another script.
+JOINING = dict.fromkeys((f"all_{table}" for table in TABLES_OF_CASES), "all_cases_latex")
+JOINING |= dict.fromkeys(
+    (
+        *("all_control_density_table", "all_warnings_table", "all_probability_diagrams"),
+        *("all_lead_times", "all_threshold_sweep"),
+    ),
+    "all_cases",
+)
 
 ALL = {*READS, *COMES_FROM}
 

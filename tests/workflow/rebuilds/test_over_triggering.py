@@ -17,6 +17,7 @@ from edits import tiny_config
 from helpers_rebuilds import Project
 
 LIBRARY, WORKFLOW = "src/burstcast", "src/burstcast_workflow"
+DECLARATIONS = "workflow/tables.yaml"
 
 
 @dataclass(frozen=True)
@@ -229,6 +230,18 @@ WITHOUT_EFFECT = [
         "Typical evolution of the observable",
         "How the observable evolves",
     ),
+    Edit(
+        "meaning of a column",
+        DECLARATIONS,
+        "harmonic mean of precision and recall",
+        "2 TP / (2 TP + FP + FN)",
+    ),
+    Edit(
+        "caption of a table in the report",
+        DECLARATIONS,
+        "Counts and scores of the forecasts of each forecaster",
+        "Scores of each forecaster",
+    ),
     Edit("a new forecaster", f"{LIBRARY}/forecasters/persistence.py", "", PERSISTENCE),
     Edit("a new monitor", f"{LIBRARY}/control/monitors/never.py", "", NEVER),
     Edit("a new strategy of control", f"{LIBRARY}/control/strategies/always.py", "", ALWAYS),
@@ -268,27 +281,21 @@ def test_edits_that_run_nothing(project):
 # -- some run --------------------------------------------------------------------------------------
 
 # What has rows of every forecaster, and of those that control.
-GATHERED = """classification_table/* horizon_table/* warnings_table/* all_cases/warnings
+GATHERED = """classification_table/* horizon_table/* warnings_table/*
     calibrate/* probability_scores/* probability_diagrams/* lead_times/* threshold_sweep/*
-    percentiles/*/classification percentiles/*/horizon all_cases/classification* all_cases/horizon*
-    all_cases/probability_* all_cases/reliability all_cases/economic_value all_cases/alarm_curves
-    all_cases/lead_times all_cases/threshold_sweep
-    latex/precision latex/recall latex/f_score latex/brier_skill latex/horizon
+    all_classification_table all_horizon_table all_warnings_table all_probability_scores
+    all_probability_diagrams all_lead_times all_threshold_sweep
     figure/classification_scores figure/horizon_by_size
     figure/forecast_skill figure/reliability figure/economic_value figure/alarm_lead_times
     committee_event/* figure/committee_event"""
-GATHERED_CONTROL = """control_table/* control_density_table/* percentiles/*/control
-    control_strategies_table/* all_cases/control* latex/control_strategies latex/control
+GATHERED_CONTROL = """control_table/* control_density_table/* control_strategies_table/*
+    all_control_table all_control_density_table all_control_strategies_table
     figure/control_tradeoff figure/control_density figure/control_frontier"""
-GATHERED_LONG_RUNS = """statistics_table/* percentiles/*/statistics latex/statistics
-    survival_table/* percentiles/*/survival* latex/survival figure/survival
-    lyapunov_spectrum_table/* percentiles/*/lyapunov_spectrum latex/lyapunov_spectrum
-    percentiles/*/kaplan_yorke latex/kaplan_yorke figure/lyapunov_spectrum
-    all_cases/statistics* all_cases/survival* all_cases/lyapunov_spectrum* all_cases/kaplan_yorke*
-    warnings_table/* all_cases/warnings"""
+GATHERED_LONG_RUNS = """statistics_table/* survival_table/* lyapunov_spectrum_table/*
+    all_statistics_table all_survival_table all_lyapunov_spectrum_table
+    figure/survival figure/lyapunov_spectrum warnings_table/* all_warnings_table"""
 GATHERED_NETWORKS = f"""{GATHERED} {GATHERED_CONTROL}
-    hyperparameters_table/* percentiles/*/hyperparameters latex/hyperparameters
-    all_cases/hyperparameters*
+    hyperparameters_table/* all_hyperparameters_table
     {GATHERED_LONG_RUNS}
     figure/long_term_density figure/profile_errors figure/midplane_mean_square"""
 OF_NETWORKS = """scan/* search/* train/* */esn-*
@@ -305,26 +312,55 @@ WITH_EFFECT = [
             "experiment.threshold - 2.0 * self.margin",
         ),
         "control/*/receding_horizon-* control_committee/* control_strategies_table/* "
-        "all_cases/control_strategies all_cases/control_differences "
-        "latex/control_strategies figure/control_frontier",
+        "all_control_strategies_table figure/control_frontier",
     ),
     (
         Edit(
             "head of a column",
-            f"{WORKFLOW}/table_texts.py",
-            '"f_score": "F-score"',
-            '"f_score": "$F$"',
+            DECLARATIONS,
+            "head: exceedance}",
+            "head: without control}",
         ),
-        "latex/*",
+        "all_control_table",
+    ),
+    (
+        Edit(
+            "format of a column",
+            DECLARATIONS,
+            "empty without events, format: .3f",
+            "empty without events, format: .2f",
+        ),
+        "all_classification_table",
     ),
     (
         Edit(
             "caption of a LaTeX table",
-            f"{WORKFLOW}/table_texts.py",
-            "Hyperparameters that the search chose.",
-            "The hyperparameters that were found.",
+            DECLARATIONS,
+            "caption: Hyperparameters that the search chose.",
+            "caption: The hyperparameters that were found.",
         ),
-        "latex/*",
+        "all_hyperparameters_table",
+    ),
+    (
+        Edit(
+            "order of the columns of a table",
+            DECLARATIONS,
+            "[series, survived_fraction, escapes,",
+            "[series, escapes, survived_fraction,",
+        ),
+        "survival_table/* all_survival_table figure/survival",
+    ),
+    (
+        Edit(
+            "widths of letters in tables for papers",
+            f"{LIBRARY}/typesetting.py",
+            "_WIDEST = 8.8",
+            "_WIDEST = 8.9",
+        ),
+        """data_generation_parameters network_hyperparameters all_dataset_table
+        all_hyperparameters_table all_classification_table all_probability_scores
+        all_horizon_table all_statistics_table all_survival_table all_lyapunov_spectrum_table
+        all_control_table all_control_strategies_table""",
     ),
     (
         Edit(
@@ -376,8 +412,8 @@ WITH_EFFECT = [
             "np.linspace(-1.0, 1.0, points)",
             "np.linspace(-1, 1, points)",
         ),
-        """reference_statistics/* statistics_table/* percentiles/*/statistics latex/statistics
-        all_cases/statistics* warnings_table/* all_cases/warnings
+        """reference_statistics/* statistics_table/* all_statistics_table
+        warnings_table/* all_warnings_table
         figure/long_term_density figure/profile_errors figure/midplane_* figure/suppressed_event
         figure/vorticity_isosurfaces""",
     ),

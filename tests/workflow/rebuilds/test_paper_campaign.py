@@ -1,6 +1,6 @@
 """What edits set off in the paper's campaign, job by job, and what is said about it beforehand.
 
-Its 1,603 jobs are not run: each makes empty outputs, which is all that planning looks at. The
+Its 1,533 jobs are not run: each makes empty outputs, which is all that planning looks at. The
 numbers are those of docs/selective_rebuilds.md.
 """
 
@@ -49,16 +49,18 @@ OF_NETWORKS = (
 OF_CASES = 8 * CASES
 # of the example: reliability, economic value, lead times, a committee's event; by Reynolds number
 OF_ALARMS = 5
-# tables of all cases together
-OF_SCORES, OF_PROBABILITIES, OF_HORIZONS, OF_CONTROL = 3, 7, 4, 5
-ALL_CASES = 34
+
+
+def joined(*tables: str) -> dict[str, int]:
+    """Jobs that join tables of all cases, and typeset them."""
+    return {f"all_{table}": 1 for table in tables if table != "calibrate"}
+
+
 # when a score is another one
 OF_A_SCORE = {
     **dict.fromkeys((*SCORES, *PROBABILITIES, "warnings_table"), CASES),
+    **joined(*SCORES, *PROBABILITIES, "warnings_table"),
     "committee_event": 1,
-    "percentiles": CASES,
-    "all_cases": OF_SCORES + OF_PROBABILITIES + 1,
-    "latex": 4,
     "figure": 2 * CASES + OF_ALARMS,  # scores and skill of each case
 }
 JOBS = {
@@ -73,11 +75,7 @@ JOBS = {
     **dict.fromkeys((*OF_NETWORKS, "dataset_table"), CASES),
     "data_generation_parameters": 1,
     "network_hyperparameters": 1,
-    "percentiles": 9 * CASES,
-    "all_cases": ALL_CASES,
-    # dataset, hyperparameters, precision, recall, F-score, Brier skill, horizons, statistics,
-    # survival, two of exponents, two of control, two of parameters
-    "latex": 15,
+    **joined(*OF_NETWORKS, "dataset_table"),
     # those of each case and the observable's, and one of each other kind
     "figure": OF_CASES + CASES + 18,
 }
@@ -114,7 +112,7 @@ def reason(project: Project, words: str, overlay: dict | None = None) -> str:
 def test_the_campaign_has_these_jobs(tmp_path, job_server):
     project = Project.create(tmp_path / "project", job_server, PAPER)
     assert plan(project) == JOBS
-    assert sum(JOBS.values()) == 1603
+    assert sum(JOBS.values()) == 1533
 
 
 def test_the_finished_campaign_has_nothing_to_do(paper):
@@ -135,15 +133,13 @@ def test_another_event_threshold(paper):
         **dict.fromkeys((*SCORES, *PROBABILITIES, *CONTROL_TABLES), CASES),
         **dict.fromkeys(("dataset_table", "horizon_table", "warnings_table"), CASES),
         "data_generation_parameters": 1,
-        "percentiles": 3 * CASES,  # classification, horizon, control
-        "all_cases": OF_SCORES + OF_PROBABILITIES + OF_HORIZONS + OF_CONTROL + 2,
-        # four of scores, horizons, two of control, dataset, parameters of the data
-        "latex": 4 + 1 + 2 + 1 + 1,
+        **joined(*SCORES, *PROBABILITIES, *CONTROL_TABLES),
+        **joined("dataset_table", "horizon_table", "warnings_table"),
         # observable, scores, skill, density, trade-off of each case; all others but the schematics
         # of the network and of the horizon and the landscape of the search
         "figure": 5 * CASES + 15,
     }
-    assert sum(jobs.values()) == 490
+    assert sum(jobs.values()) == 459
     line = reason(paper, "event_threshold 0.1 -> 0.12 (Re400, Re600, Re800, Re1000): ", overlay)
     assert "horizon (188)" in line
 
@@ -162,12 +158,10 @@ def test_one_more_seed(paper):
         # of all
         **dict.fromkeys(OF_NETWORKS, CASES),
         "committee_event": 1,
-        "percentiles": 9 * CASES,
-        "all_cases": ALL_CASES - 1,  # the dataset's
-        "latex": 15 - 3,  # the dataset's and the parameters'
+        **joined(*OF_NETWORKS),
         "figure": OF_CASES + OF_ALARMS + 2,  # horizon by size, density under control
     }
-    assert sum(jobs.values()) == 314
+    assert sum(jobs.values()) == 247
     assert "scan (9)" in reason(paper, "one more seed, 10 -> 11 (10)", {"campaign": campaign})
 
 
@@ -182,13 +176,11 @@ def test_one_more_beta(paper):
         **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
         **dict.fromkeys(OF_NETWORKS, CASES),
         "network_hyperparameters": 1,
-        "percentiles": 9 * CASES,
-        "all_cases": ALL_CASES - 1,
-        "latex": 15 - 2,
+        **joined(*OF_NETWORKS),
         # all but the observable's, the strategies' and the schematic of the horizon
         "figure": OF_CASES + 16,
     }
-    assert sum(jobs.values()) == 1525
+    assert sum(jobs.values()) == 1457
     assert "search (180)" in reason(paper, "tikhonov", overlay)
 
 
@@ -206,7 +198,7 @@ def test_one_more_prediction_time(paper):
         "examples": 1,
         "figure": OF_A_SCORE["figure"] + 3,  # three of the example's forecasts
     }
-    assert sum(jobs.values()) == 449
+    assert sum(jobs.values()) == 436
     assert "classification_table (4)" in reason(paper, "prediction_times_lt with 6 (", overlay)
 
 
@@ -221,6 +213,6 @@ def test_a_line_of_the_classification(edited):
     path.write_text(path.read_text() + "\nEDITED = 1\n")
     jobs = plan(edited)
     assert jobs == OF_A_SCORE
-    assert sum(jobs.values()) == 61
+    assert sum(jobs.values()) == 48
     line = reason(edited, "code of burstcast.forecast.classification changed (")
     assert "classification_table (4)" in line

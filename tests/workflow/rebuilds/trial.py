@@ -19,6 +19,7 @@ from dependencies import (
     FOUND_BY_NAME,
     HARNESS,
     JOBS_OF_NETWORKS,
+    JOINING,
     STRATEGIES,
     STRATEGIES_BY_NAME,
     VERSION_OF_HARNESS,
@@ -257,7 +258,6 @@ class Laboratory:
         return trial
 
 
-OF_TABLES = ("percentiles", "all_cases", "latex")
 TABLE_SCRIPTS = {job.partition("/")[0] for job in ALL}
 _TOLD_APART = {job.partition("/")[0] for job in ALL if "/" in job}
 
@@ -272,12 +272,10 @@ def _otherwise_than(expected: set[str], rerun: set[str]) -> list[str]:
 
 
 def _job(log: str) -> str:
-    """What the oracle calls the job of a log: with its table, or the kind that forecasts."""
+    """What the oracle calls the job of a log: with the kind that forecasts."""
     rule, *parts = log.removesuffix(".log").split("/")
     if rule not in _TOLD_APART:
         return rule
-    if rule in OF_TABLES:
-        return f"{rule}/{parts[-1]}"
     job = f"{rule}/{parts[1].partition('-')[0]}"
     strategy = parts[-1].partition("-")[0]
     return f"{job}/{strategy}" if f"{job}/{strategy}" in ALL else job
@@ -288,7 +286,7 @@ def _jobs_of(script: str) -> list[str]:
     if script.startswith("figures/"):
         return []
     rule = Path(script).stem
-    return [job for job in ALL if job.partition("/")[0] == rule]
+    return [job for job in ALL if JOINING.get(job, job.partition("/")[0]) == rule]
 
 
 def source_digest() -> str:

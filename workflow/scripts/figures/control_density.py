@@ -33,10 +33,9 @@ def draw(*, densities: OfCases, settings: Settings) -> Figure:
             for time, group in rows.groupby("prediction_time_lt")
         }
         bins = next(iter(by_time.values()))
-        reynolds = bins["reynolds"].iloc[0]
         panels.append(
             ControlledDensity(
-                title=case if np.isnan(reynolds) else f"Re = {reynolds:g}",
+                title=f"Re = {bins['reynolds'].iloc[0]:g}" if "reynolds" in bins else case,
                 bin_edges=np.append(bins["low"], bins["high"].iloc[-1]),
                 threshold=panel["settings"]["case.event_threshold"],
                 # the flows that count differ a little between prediction times

@@ -12,8 +12,8 @@ from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.lead_times import SeriesRatio, lead_time_scores, lead_times
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities, read_rules
+from burstcast_workflow.jobs.tables import write_tables
 
 
 def measure_lead_times(
@@ -23,7 +23,7 @@ def measure_lead_times(
     member_forecasts: list[str],
     evaluation_set: str,
     calibration: str,
-    table: str,
+    tables: list[str],
     settings: Settings,
 ) -> None:
     """Write how early events were warned of, and false alarms, with their intervals."""
@@ -75,7 +75,7 @@ def measure_lead_times(
                     "high": high,
                 }
             )
-    write_rows(table, rows)
+    write_tables(tables, settings, lead_times=rows)
 
 
 if __name__ == "__main__":

@@ -8,9 +8,9 @@ from burstcast.probability.reliability import reliability_diagram
 from burstcast.resampled_score import ResampledScore
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import case_probabilities
+from burstcast_workflow.jobs.tables import write_tables
 
 
 def draw_up_diagrams(
@@ -19,9 +19,7 @@ def draw_up_diagrams(
     member_forecasts: list[str],
     evaluation_set: str,
     calibration: str,
-    reliability: str,
-    value: str,
-    curves: str,
+    tables: list[str],
     settings: Settings,
 ) -> None:
     """Write three tables, of committees and of all others but single networks."""
@@ -78,9 +76,7 @@ def draw_up_diagrams(
                         strict=True,
                     )
                 ]
-    write_rows(reliability, bins)
-    write_rows(value, ratios)
-    write_rows(curves, points)
+    write_tables(tables, settings, reliability=bins, economic_value=ratios, alarm_curves=points)
 
 
 if __name__ == "__main__":

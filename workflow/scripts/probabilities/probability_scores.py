@@ -7,13 +7,13 @@ from burstcast.probability.scores import resampled_scores
 from burstcast.resampled_score import ResampledScore, median_scores
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import (
     CALIBRATED,
     CaseProbabilities,
     case_probabilities,
 )
+from burstcast_workflow.jobs.tables import write_tables
 
 COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
 
@@ -26,8 +26,7 @@ def score_probabilities(
     member_forecasts: list[str],
     evaluation_set: str,
     calibration: str,
-    table: str,
-    differences: str,
+    tables: list[str],
     settings: Settings,
 ) -> None:
     """Write the scores with their intervals, and paired differences between forecasters."""
@@ -62,8 +61,7 @@ def score_probabilities(
                 }
                 for metric in COMPARED_METRICS
             ]
-    write_rows(table, rows)
-    write_rows(differences, pairs)
+    write_tables(tables, settings, probability_scores=rows, probability_differences=pairs)
 
 
 def _compared(case: CaseProbabilities, scores: dict[str, Scores]) -> list[tuple[str, Scores]]:

@@ -6,9 +6,9 @@ from typing import Any
 from burstcast.probability.scores import resampled_scores
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities
+from burstcast_workflow.jobs.tables import write_tables
 
 METRICS = ("base_rate", "brier_skill", "average_precision", "f_score")
 
@@ -19,7 +19,7 @@ def sweep_threshold(
     member_forecasts: list[str],
     evaluation_set: str,
     calibration: str,
-    table: str,
+    tables: list[str],
     settings: Settings,
 ) -> None:
     """Write scores by event threshold, of committees and of all others but single networks."""
@@ -40,7 +40,7 @@ def sweep_threshold(
                 {**keys, "metric": metric, **with_interval(scores[metric], confidence)}
                 for metric in METRICS
             ]
-    write_rows(table, rows)
+    write_tables(tables, settings, threshold_sweep=rows)
 
 
 if __name__ == "__main__":

@@ -6,14 +6,15 @@ from burstcast.forecast.windows import WindowSummaries
 from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.percentiles import write_percentiles
+from burstcast_workflow.jobs.tables import write_tables
 
 SCORES = ("precision", "recall", "f_score")
 
 
 def classification_table(
-    *, forecasts: list[str], evaluation_set: str, table: str, intervals: str, settings: Settings
+    *, forecasts: list[str], evaluation_set: str, tables: list[str], settings: Settings
 ) -> None:
     """Write counts and scores, and the bootstrap intervals of the scores."""
     truth = read_netcdf(evaluation_set, "series", "washout_maximum", "first", "largest")
@@ -50,8 +51,8 @@ def classification_table(
                 generator,
             ).items():
                 ends.append({**row, "metric": metric, "low": low, "high": high})
-    write_rows(table, rows)
-    write_rows(intervals, ends)
+    write_tables(tables, settings, classification=rows, classification_intervals=ends)
+    write_percentiles(tables, settings)
 
 
 if __name__ == "__main__":

@@ -7,14 +7,14 @@ from burstcast.netcdf import read_netcdf
 from burstcast.statistics.densities import Histogram, density_quartiles, mean_density
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.tables import write_tables
 
 SAMPLES = ("uncontrolled", "controlled", "free")
 GROUP = ("case", "reynolds", "forecaster", "neurons", "validation", "prediction_time_lt")
 
 
-def control_density_table(*, histograms: list[str], table: str, settings: Settings) -> None:
+def control_density_table(*, histograms: list[str], tables: list[str], settings: Settings) -> None:
     """Write the densities of each group of networks that differ by their seed only."""
     groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for record, path in gathered(settings["rows"], histograms):
@@ -39,7 +39,7 @@ def control_density_table(*, histograms: list[str], table: str, settings: Settin
             }
             for index, (low, high) in enumerate(pairwise(edges))
         ]
-    write_rows(table, rows)
+    write_tables(tables, settings, control_density=rows)
 
 
 if __name__ == "__main__":

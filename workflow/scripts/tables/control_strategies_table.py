@@ -3,8 +3,6 @@
 from dataclasses import fields
 from typing import Any
 
-import pandas as pd
-
 from burstcast import random_streams
 from burstcast.arrays import IntArray
 from burstcast.control.differences import ComparedRun, paired_differences
@@ -12,19 +10,12 @@ from burstcast.control.records import FlowRecords, Span, flow_intervals, score_f
 from burstcast.netcdf import read_attributes, read_netcdf
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows, write_table
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import Scores, medians_over_seeds, with_interval
-
-DIFFERENCES = (
-    *("case", "compared", "strategy", "other", "other_strategy"),
-    *("metric", "value", "low", "high"),
-)
+from burstcast_workflow.jobs.tables import write_tables
 
 
-def control_strategies_table(
-    *, flows: list[str], table: str, differences: str, settings: Settings
-) -> None:
+def control_strategies_table(*, flows: list[str], tables: list[str], settings: Settings) -> None:
     """Write a row for each run of control and score, and paired differences between runs."""
     rows = []
     resamples, confidence = settings["bootstrap.resamples"], settings["bootstrap.confidence"]
@@ -34,8 +25,7 @@ def control_strategies_table(
         arrays, attributes = read_netcdf(path), read_attributes(path)
         records = FlowRecords(**{field.name: arrays[field.name] for field in fields(FlowRecords)})
         span = Span(**{field.name: int(attributes[field.name]) for field in fields(Span)})
-        # what it is first; the rest is in the order of the alphabet
-        keys = {"strategy": record["keys"]["strategy"], **record["keys"]}
+        keys = record["keys"]
         # all runs of a case are resampled alike: their flows are the same
         generator = random_streams.stream(settings["random_seed"], "control", keys["case"])
         scores = score_flows(records, span, resamples, generator)
@@ -60,8 +50,7 @@ def control_strategies_table(
         }
         for run, other, metric, difference in paired_differences(compared)
     ]
-    write_rows(table, rows)
-    write_table(differences, pd.DataFrame(pairs, columns=list(DIFFERENCES)))
+    write_tables(tables, settings, control_strategies=rows, control_differences=pairs)
 
 
 if __name__ == "__main__":

@@ -2,15 +2,18 @@
 
 from burstcast.systems.registry import parameters_of
 from burstcast.tables import data_parameters, described_parameters, side_by_side
+from burstcast.typesetting import to_latex
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.harness.storage import read_json, write_text
 from burstcast_workflow.harness.tables import write_table
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.systems import equations_of
 
 
-def data_generation_parameters(*, summaries: list[str], table: str, settings: Settings) -> None:
+def data_generation_parameters(
+    *, summaries: list[str], table: str, latex: str, settings: Settings
+) -> None:
     """Write one column of values for each case."""
     tables = {}
     for record, path in gathered(settings["cases"], summaries):
@@ -26,7 +29,10 @@ def data_generation_parameters(*, summaries: list[str], table: str, settings: Se
             event_threshold=case["case.event_threshold"],
             series_kept=read_json(path)["series_kept"],
         )
-    write_table(table, side_by_side(tables))
+    found = side_by_side(tables).fillna("")  # where only other cases have a parameter
+    write_table(table, found)
+    label = "tab:data_generation_parameters"
+    write_text(latex, to_latex(found, settings["caption"], label, keys=2))
 
 
 if __name__ == "__main__":

@@ -3,15 +3,15 @@
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.intervals import with_ends
+from burstcast_workflow.jobs.tables import write_tables
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 ENDS = ("mean", "low", "high")
 
 
 def dataset_table(
-    *, summary: str, events_summary: str, exponents: str, table: str, settings: Settings
+    *, summary: str, events_summary: str, exponents: str, tables: list[str], settings: Settings
 ) -> None:
     """Write one row."""
     dataset, found = read_json(summary), read_json(exponents)
@@ -28,7 +28,7 @@ def dataset_table(
         "lyapunov_exponent_paper": settings["case.lyapunov.published_exponent"],
         "steps_per_lyapunov_time": lyapunov_time(settings, exponents),
     }
-    write_rows(table, [row])
+    write_tables(tables, settings, dataset=[row])
 
 
 if __name__ == "__main__":

@@ -14,17 +14,15 @@ from burstcast.resampled_score import ResampledScore
 from burstcast.resampling import bootstrap_weights
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows, write_table
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import Scores, between, medians_over_seeds, with_interval
+from burstcast_workflow.jobs.percentiles import write_percentiles
+from burstcast_workflow.jobs.tables import write_tables
 
 METRICS = ("mean_horizon_lt", "median_horizon_lt")
-DIFFERENCES = ("case", "compared", "other", "metric", "value", "low", "high")
 
 
-def horizon_table(
-    *, horizons: list[str], table: str, intervals: str, differences: str, settings: Settings
-) -> None:
+def horizon_table(*, horizons: list[str], tables: list[str], settings: Settings) -> None:
     """Write one row for each forecaster, the intervals of the averages, and paired differences.
 
     The averages are undefined where there is no event. All forecasters of a case have the same
@@ -56,9 +54,8 @@ def horizon_table(
         for (one, scores), (other, others) in combinations(medians_over_seeds(resampled).items(), 2)
         for metric in METRICS
     ]
-    write_rows(table, rows)
-    write_rows(intervals, ends)
-    write_table(differences, pd.DataFrame(pairs, columns=list(DIFFERENCES)))
+    write_tables(tables, settings, horizon=rows, horizon_intervals=ends, horizon_differences=pairs)
+    write_percentiles(tables, settings)
 
 
 def _weights(settings: Settings, events: int) -> IntArray:

@@ -4,19 +4,15 @@ from burstcast import random_streams
 from burstcast.statistics.lyapunov_spectrum import summarise
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import with_ends
+from burstcast_workflow.jobs.percentiles import write_percentiles
 from burstcast_workflow.jobs.spectrum_files import read_exponents
+from burstcast_workflow.jobs.tables import write_tables
 
 
 def lyapunov_spectrum_table(
-    *,
-    spectrum: str | list[str],
-    forecasters: list[str],
-    table: str,
-    dimensions: str,
-    settings: Settings,
+    *, spectrum: str | list[str], forecasters: list[str], tables: list[str], settings: Settings
 ) -> None:
     """Write a row for each exponent, and one with the dimension for each forecaster."""
     rows, of_dimensions = [], []
@@ -33,23 +29,15 @@ def lyapunov_spectrum_table(
             random_streams.stream(settings["random_seed"], "bootstrap", "lyapunov spectrum", case),
         )
         rows += [
-            {
-                **keys,
-                "number": number,
-                **with_ends("lyapunov_exponent", *ends),
-            }
+            {**keys, "number": number, **with_ends("lyapunov_exponent", *ends)}
             for number, ends in enumerate(zip(found.mean, found.low, found.high, strict=True), 1)
         ]
         dimension = found.dimension, found.dimension_low, found.dimension_high
         of_dimensions.append(
-            {
-                **keys,
-                "runs": len(exponents),
-                **with_ends("kaplan_yorke_dimension", *dimension),
-            }
+            {**keys, "runs": len(exponents), **with_ends("kaplan_yorke_dimension", *dimension)}
         )
-    write_rows(table, rows)
-    write_rows(dimensions, of_dimensions)
+    write_tables(tables, settings, lyapunov_spectrum=rows, kaplan_yorke=of_dimensions)
+    write_percentiles(tables, settings)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,14 @@
 """Make the paper's table of the hyperparameters of the networks."""
 
 from burstcast.tables import network_parameters, side_by_side
+from burstcast.typesetting import to_latex
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_text
 from burstcast_workflow.harness.tables import write_table
 
 
-def network_hyperparameters(*, table: str, settings: Settings) -> None:
+def network_hyperparameters(*, table: str, latex: str, settings: Settings) -> None:
     """Write one column of values, or one for each case where the noise differs."""
     noise = {
         record["identity"]["case"]: record["settings"]["case.training.noise"]
@@ -25,7 +27,10 @@ def network_hyperparameters(*, table: str, settings: Settings) -> None:
         )
         for case, value in noise.items()
     }
-    write_table(table, side_by_side(tables))
+    found = side_by_side(tables)
+    write_table(table, found)
+    label = "tab:network_hyperparameters"
+    write_text(latex, to_latex(found, settings["caption"], label, keys=2))
 
 
 if __name__ == "__main__":

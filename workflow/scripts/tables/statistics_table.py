@@ -9,12 +9,12 @@ from burstcast.statistics.measures import compare
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import OF_SOME_CASES, keyed_table, write_rows, write_table
-from burstcast_workflow.identifiers import KEYS
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import between
+from burstcast_workflow.jobs.percentiles import write_percentiles
 from burstcast_workflow.jobs.statistics_files import read_reductions, read_statistics
 from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.tables import write_tables
 
 SHARES = {
     "laminarised_fraction": Fate.LAMINAR,
@@ -23,6 +23,9 @@ SHARES = {
 }
 """Parts of the discarded share, by what became of the runs."""
 
+OF_PROFILES = ("nrmse_u", "nrmse_uu", "nrmse_uv")
+"""Measures that only a flow has."""
+
 
 def statistics_table(
     *,
@@ -30,8 +33,7 @@ def statistics_table(
     training: str,
     floor: str,
     long_term: list[str],
-    table: str,
-    intervals: str,
+    tables: list[str],
     settings: Settings,
 ) -> None:
     """Write one row for each forecaster, for the training set and for each sampling floor.
@@ -73,13 +75,10 @@ def statistics_table(
                 **between(values, settings["bootstrap.confidence"]),
             }
             for metric, values in samples.items()
-            if not (metric in OF_SOME_CASES and matrices is None)
+            if not (metric in OF_PROFILES and matrices is None)
         ]
-    found = keyed_table(rows)
-    for position, name in enumerate(("discarded_fraction", *SHARES), len(KEYS)):
-        found.insert(position, name, found.pop(name))
-    write_table(table, found)
-    write_rows(intervals, ends)
+    write_tables(tables, settings, statistics=rows, statistics_intervals=ends)
+    write_percentiles(tables, settings)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ from burstcast.netcdf import read_netcdf
 from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_rows
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import with_ends
 from burstcast_workflow.jobs.lifetimes import (
@@ -17,6 +16,8 @@ from burstcast_workflow.jobs.lifetimes import (
     lifetimes_of_runs,
     long_run_steps,
 )
+from burstcast_workflow.jobs.percentiles import write_percentiles
+from burstcast_workflow.jobs.tables import write_tables
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
 POINTS = 101
@@ -24,7 +25,7 @@ POINTS = 101
 
 
 def survival_table(
-    *, ensemble: str, long_term: list[str], table: str, curves: str, settings: Settings
+    *, ensemble: str, long_term: list[str], tables: list[str], settings: Settings
 ) -> None:
     """Write the escape rate of the data and of each forecaster, and their survival curves."""
     keys = {**settings["keys"], "forecaster": "data", "neurons": None}
@@ -43,8 +44,8 @@ def survival_table(
             {**keys, "time": time * interval, **with_ends("survival", *ends)}
             for time, *ends in zip(times, curve.share, curve.low, curve.high, strict=True)
         ]
-    write_rows(table, rows)
-    write_rows(curves, points)
+    write_tables(tables, settings, survival=rows, survival_curve=points)
+    write_percentiles(tables, settings)
 
 
 def _rate(lifetimes: Lifetimes, interval: float, confidence: float) -> Mapping[str, Any]:

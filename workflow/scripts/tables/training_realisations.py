@@ -1,5 +1,6 @@
 """What seeds hide: the scatter of scores over choices of the training series, and over seeds."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -7,23 +8,22 @@ import numpy as np
 from burstcast.training_realisations import variance_components
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import read_table, write_rows
-from burstcast_workflow.identifiers import KEYS
-from burstcast_workflow.table_metrics import SUMMARIES
+from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.tables import write_tables
 
 
-def separate_scatter(*, tables: list[str], table: str, settings: Settings) -> None:
+def separate_scatter(*, scores: list[str], tables: list[str], settings: Settings) -> None:
     """Write both standard deviations of each metric, by forecaster, size and strategy."""
     rows: list[dict[str, Any]] = []
-    for name, path in zip(settings["names"], tables, strict=True):
-        summary, found = SUMMARIES[name], read_table(path)
+    for path in scores:
+        found, scattered = read_table(path), settings["scattered"][Path(path).stem]
         for family in settings["families"]:
             of_family = found[found["case"].isin(family["cases"])]
             # what stands for no forecaster, as the sampling floor does, has other rows than seeds
             of_family = of_family[of_family["forecaster"].isin(settings["kinds"])]
-            keys = [*KEYS[2:-1], *summary.keys]
+            keys = scattered["by"][2:]  # the case is that of the family
             for values, members in of_family.groupby(keys, dropna=False, sort=False):
-                for metric in summary.metrics:
+                for metric in scattered["percentiles"]:
                     groups = [
                         one[metric].dropna().to_numpy(dtype=np.float64)
                         for _, one in members.groupby("case")
@@ -41,7 +41,7 @@ def separate_scatter(*, tables: list[str], table: str, settings: Settings) -> No
                             "networks": scatter.values,
                         }
                     )
-    write_rows(table, rows)
+    write_tables(tables, settings, training_realisations=rows)
 
 
 if __name__ == "__main__":

@@ -11,12 +11,12 @@ from burstcast.warning_signs import Finding
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import keyed_table, read_table, write_table
+from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.advice import ADVICE
 from burstcast_workflow.jobs.statistics_files import read_statistics
+from burstcast_workflow.jobs.tables import write_tables
 
 ENSEMBLE = ["forecaster", "neurons", "validation"]
-COLUMNS = ["case", "reynolds", *ENSEMBLE, "warning", "finding", "advice"]
 
 
 def warnings_table(
@@ -29,7 +29,7 @@ def warnings_table(
     hyperparameters: str | list[str],
     statistics: str | list[str],
     lyapunov_spectrum: str | list[str],
-    table: str,
+    tables: list[str],
     settings: Settings,
 ) -> None:
     """Write a row for each sign; of networks, one for those of a size and strategy."""
@@ -58,7 +58,7 @@ def warnings_table(
         }
         for keys, finding in found
     ]
-    write_table(table, keyed_table(rows) if rows else pd.DataFrame(columns=COLUMNS))
+    write_tables(tables, settings, warnings=rows)
 
 
 def _of_data(

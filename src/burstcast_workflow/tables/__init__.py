@@ -1,0 +1,1 @@
+"""The tables of a campaign: what each holds, what its columns mean, how it is typeset."""

@@ -1,0 +1,77 @@
+"""Declarations of all tables and columns, as ``workflow/tables.yaml`` has and explains them."""
+
+from dataclasses import field
+from typing import Annotated, Any
+
+import yaml
+from pydantic import BeforeValidator, ConfigDict, TypeAdapter
+from pydantic.dataclasses import dataclass
+
+from burstcast_workflow.identifiers import KEYS
+from burstcast_workflow.project import project_root
+
+OPTIONAL = "*"
+"""Mark behind the name of a column that is left out where no row has a value."""
+
+_FORECASTER = [f"{key}{OPTIONAL if key == 'reynolds' else ''}" for key in KEYS]
+ENSEMBLE = _FORECASTER[:-1]
+"""Key columns of an ensemble of networks: all keys but the seed."""
+
+PERCENTILES = ["metric", "p25", "p50", "p75", "networks"]
+"""Columns of percentiles over networks, after the keys."""
+
+
+def _flat(names: list[Any]) -> list[str]:
+    """Names, some of which are lists that stand elsewhere in the file, too."""
+    return [one for name in names for one in (name if isinstance(name, list) else [name])]
+
+
+Names = Annotated[list[str], BeforeValidator(_flat)]
+_STRICT = ConfigDict(extra="forbid")
+
+
+@dataclass(frozen=True, config=_STRICT)
+class Column:
+    """A column of tables, or a metric."""
+
+    meaning: str
+    unit: str = ""
+    format: str = ""
+    head: str = ""
+
+
+@dataclass(frozen=True, config=_STRICT)
+class Layout:
+    """A table for papers."""
+
+    caption: str
+    metrics: Names = field(default_factory=list)
+    columns: str = "metric"
+    more_rows: Names = field(default_factory=list)
+    where: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, config=_STRICT)
+class Table:
+    """A table."""
+
+    says: str
+    section: str
+    script: str
+    columns: Names
+    metrics: Names = field(default_factory=list)
+    keys: Names = field(default_factory=lambda: _FORECASTER)
+    of: str = "case_names"
+    of_cases: bool = True
+    percentiles: Names = field(default_factory=list)
+    over: Names = field(default_factory=list)
+    latex: dict[str, Layout] = field(default_factory=dict)
+    own: dict[str, Column] = field(default_factory=dict)
+
+
+with (project_root() / "workflow" / "tables.yaml").open(encoding="utf-8") as _file:
+    # libyaml's loader, where there is one, takes a tenth of the time
+    _read = yaml.load(_file, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+COLUMNS = TypeAdapter(dict[str, Column]).validate_python(_read["columns"])
+TABLES = TypeAdapter(dict[str, Table]).validate_python(_read["tables"])
+"""Columns and metrics, and tables, by name; tables in the order of the report."""

@@ -1,0 +1,136 @@
+"""Which tables a campaign has, and what jobs and the report are told of their declarations."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.control_plans import CONDITIONS
+from burstcast_workflow.tables.declarations import (
+    COLUMNS,
+    ENSEMBLE,
+    OPTIONAL,
+    PERCENTILES,
+    TABLES,
+    Column,
+    Layout,
+    Table,
+)
+
+Settings = dict[str, Any]
+
+OVER_NETWORKS = (
+    "25th, 50th and 75th percentiles over the networks of an ensemble, in long form: one row for "
+    "each metric. Networks for which a metric is undefined are left out."
+)
+_MEDIANS = "Medians over the networks of an ensemble (quartiles)."
+
+
+def plain(columns: Iterable[str]) -> list[str]:
+    """Names of columns, without the mark of those that may be left out."""
+    return [column.removesuffix(OPTIONAL) for column in columns]
+
+
+def with_percentiles(names: Iterable[str]) -> list[str]:
+    """Names of tables, those of percentiles before what they are taken of, as in the report."""
+    return [
+        file
+        for name in names
+        for file in ([f"{name}_percentiles"] if TABLES[name].percentiles else []) + [name]
+    ]
+
+
+def table_of(name: str) -> Table:
+    """Declaration of a table by its name, those of percentiles included."""
+    if name in TABLES:
+        return TABLES[name]
+    table = TABLES[name.removesuffix("_percentiles")]
+    says, columns = f"{table.says} {OVER_NETWORKS}", [*table.over, *PERCENTILES]
+    return replace(
+        table, says=says, keys=ENSEMBLE, columns=columns, metrics=table.percentiles, own={}
+    )
+
+
+def column_of(name: str, table: str = "") -> Column:
+    """Column of a table; one without any meaning if nobody declared it."""
+    own = TABLES[table].own if table in TABLES else {}
+    return own.get(name) or COLUMNS.get(name, Column(""))
+
+
+# -- of a campaign ---------------------------------------------------------------------------------
+
+
+def cases_of(campaign: Campaign, table: str) -> list[str]:
+    """Cases that a table has rows of, in the order of the campaign."""
+    found = getattr(campaign, table_of(table).of)
+    return list(dict.fromkeys(getattr(one, "case", one) for one in found))
+
+
+def cases_of_tables(campaign: Campaign) -> dict[str, list[str]]:
+    """Cases by the name of the table that each of them has, percentiles included."""
+    names = with_percentiles(name for name, table in TABLES.items() if table.of_cases)
+    found = {name: cases_of(campaign, name) for name in names}
+    return {name: cases for name, cases in found.items() if cases}
+
+
+def table_names(campaign: Campaign) -> list[str]:
+    """Names of all tables of a campaign, in the order of the report."""
+    return [name for name in with_percentiles(TABLES) if cases_of(campaign, name)]
+
+
+def latex_names(campaign: Campaign) -> list[str]:
+    """Names of a campaign's tables for papers."""
+    return [*typeset(name for name in TABLES if cases_of(campaign, name))]
+
+
+# -- settings of jobs ------------------------------------------------------------------------------
+
+
+def made_by(script: str) -> list[str]:
+    """Names of the tables that a script writes."""
+    return [name for name, table in TABLES.items() if table.script == script]
+
+
+def written(names: Iterable[str]) -> Settings:
+    """What a job that writes tables is told: their columns, and what it takes percentiles of."""
+    return {name: _written(TABLES[name]) for name in names}
+
+
+def _written(table: Table) -> Settings:
+    columns = {"columns": [*table.keys, *table.columns]}
+    if not table.percentiles:
+        return columns
+    return {**columns, "percentiles": table.percentiles, "by": plain([*ENSEMBLE, *table.over])}
+
+
+def joined(names: Iterable[str]) -> Settings:
+    """What a job that joins tables of cases is told: all columns that they may have."""
+    tables = {name: table_of(name) for name in names}
+    return {name: plain([*table.keys, *table.columns]) for name, table in tables.items()}
+
+
+def typeset(names: Iterable[str]) -> Settings:
+    """What a job that typesets tables is told: the layouts, by the name of the LaTeX file."""
+    return {
+        name: _typeset(source, layout)
+        for source in names
+        for name, layout in TABLES[source].latex.items()
+    }
+
+
+def _typeset(source: str, layout: Layout) -> Settings:
+    percentiles = TABLES[source].percentiles
+    metrics = layout.metrics or percentiles
+    shown = {name: COLUMNS[name] for name in [*metrics, *layout.more_rows]}
+    return {
+        "source": f"{source}_percentiles" if percentiles else source,
+        "caption": f"{layout.caption} {_MEDIANS}" if percentiles else layout.caption,
+        "metrics": metrics,
+        "columns": layout.columns,
+        "more_rows": layout.more_rows,
+        "where": layout.where,
+        # of control, which are shown where they differ
+        "conditions": CONDITIONS if "strategy" in layout.more_rows else [],
+        "heads": {name: column.head for name, column in shown.items() if column.head},
+        "formats": {name: shown[name].format for name in metrics if shown[name].format},
+    }

@@ -1,0 +1,183 @@
+"""Declarations of tables: the page, what jobs are told of them, and that tables keep to them."""
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from burstcast import warning_signs
+from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.jobs.advice import ADVICE
+from burstcast_workflow.jobs.joined_tables import joined
+from burstcast_workflow.jobs.percentiles import write_percentiles
+from burstcast_workflow.jobs.tables import as_declared, write_tables
+from burstcast_workflow.report_sections import SECTIONS
+from burstcast_workflow.tables import page, registry
+from burstcast_workflow.tables.declarations import COLUMNS, TABLES
+from burstcast_workflow.tables.registry import (
+    plain,
+    table_of,
+    typeset,
+    with_percentiles,
+    written,
+)
+
+ROOT = Path(__file__).parents[2]
+FILES = with_percentiles(TABLES)
+
+
+def columns_of(name, optional=True):
+    """All declared columns of a table, or those that every such table has."""
+    table = table_of(name)
+    return plain(one for one in [*table.keys, *table.columns] if optional or one[-1] != "*")
+
+
+# -- what is declared ------------------------------------------------------------------------------
+
+
+def test_the_page_is_up_to_date():
+    """Made by: make pages."""
+    assert (ROOT / "docs" / "tables.md").read_text() == page.text()
+
+
+def test_every_column_has_its_meaning_and_no_other():
+    used = {*(column for name in FILES for column in columns_of(name))}
+    used |= {metric for name in FILES for metric in table_of(name).metrics}
+    assert used == set(COLUMNS)
+    assert all(column.meaning for column in COLUMNS.values())
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_declaration_agrees_with_itself(name):
+    table, columns = TABLES[name], columns_of(name)
+    assert len(set(columns)) == len(columns)
+    assert table.says.endswith(".")
+    assert table.section in [section.name for section in SECTIONS]
+    assert set(table.own) <= set(columns)
+    assert {*table.percentiles, *table.over} <= set(columns)
+    for layout in typeset([name]).values():
+        shown = set(table_of(layout["source"]).metrics or columns)
+        assert set(layout["metrics"]) <= shown
+        assert layout["caption"].endswith(".")
+        assert {layout["columns"], *layout["more_rows"], *layout["where"]} <= {
+            *columns_of(layout["source"]),
+            "metric",
+        }
+
+
+def test_every_sign_has_its_advice():
+    tree = ast.parse(Path(warning_signs.__file__).read_text())
+    functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    assert functions == set(ADVICE)
+
+
+# -- what jobs are told ----------------------------------------------------------------------------
+
+
+def told():
+    """Settings of the jobs of each table."""
+    return {
+        name: (written([name]), registry.joined(with_percentiles([name])), typeset([name]))
+        for name in TABLES
+    }
+
+
+def test_another_format_runs_the_tables_for_papers_that_show_it(monkeypatch):
+    before = told()
+    monkeypatch.setitem(COLUMNS, "f_score", replace(COLUMNS["f_score"], format=".4f"))
+    after = told()
+    assert [name for name in TABLES if before[name] != after[name]] == ["classification"]
+    assert before["classification"][:2] == after["classification"][:2]
+
+
+def test_another_column_runs_its_table_and_no_other(monkeypatch):
+    before = told()
+    table = TABLES["control"]
+    monkeypatch.setitem(TABLES, "control", replace(table, columns=[*table.columns, "recall"]))
+    after = told()
+    assert [name for name in TABLES if before[name] != after[name]] == ["control"]
+    assert before["control"][2] == after["control"][2]
+
+
+def test_words_run_nothing(monkeypatch):
+    before = told()
+    for name, column in COLUMNS.items():
+        monkeypatch.setitem(COLUMNS, name, replace(column, meaning="another", unit="another"))
+    for name, table in TABLES.items():
+        words = {"says": "Another.", "section": "warnings", "own": {}}
+        monkeypatch.setitem(TABLES, name, replace(table, **words))
+    assert told() == before
+
+
+# -- what is written -------------------------------------------------------------------------------
+
+
+def test_what_is_written_is_what_is_declared(finished):
+    tables = sorted((finished.project.results / "tables").glob("*.csv"))
+    assert len(tables) > 25
+    for path in tables:
+        table = read_table(path)
+        there = [str(column) for column in table.columns]
+        assert [name for name in columns_of(path.stem) if name in there] == there, path.stem
+        assert set(columns_of(path.stem, optional=False)) <= set(there), path.stem
+        if "metric" in there:
+            assert set(table["metric"]) <= set(table_of(path.stem).metrics), path.stem
+
+
+ROWS = [
+    {"f_score": 0.5, "case": "a", "seed": 1, "nrmse_u": None},
+    {"case": "b", "seed": None, "f_score": None},
+]
+KEYS = ["case", "reynolds"]
+DECLARED = ["case", "reynolds*", "seed", "nrmse_u*", "f_score"]
+
+
+def test_columns_are_those_declared_in_their_order():
+    table = as_declared(ROWS, DECLARED, "scores")
+    assert list(table.columns) == ["case", "seed", "f_score"]
+    assert table["seed"].dtype == "Int64"
+    more = [*ROWS, {"case": "c", "seed": 3, "f_score": np.nan, "reynolds": 400, "nrmse_u": 0.1}]
+    for rows in (more, []):
+        assert list(as_declared(rows, DECLARED, "scores").columns) == plain(DECLARED)
+
+
+def test_other_columns_than_those_declared_are_refused():
+    with pytest.raises(ValueError, match="table scores declares no column f_score"):
+        as_declared(ROWS, DECLARED[:-1], "scores")
+    with pytest.raises(ValueError, match="table scores declares recall, which no row has"):
+        as_declared(ROWS, [*DECLARED, "recall"], "scores")
+
+
+def test_tables_and_their_percentiles_are_written_where_they_are_declared(tmp_path):
+    settings = {
+        "tables": {
+            "scores": {"columns": DECLARED, "percentiles": ["f_score"], "by": KEYS[:2]},
+            "events": {"columns": ["case"]},
+        }
+    }
+    names = ("events", "scores_percentiles", "scores")
+    paths = [str(tmp_path / f"{name}.csv") for name in names]
+    with pytest.raises(ValueError, match=r"writes \['scores'\]; its rule declares \['events'"):
+        write_tables(paths, settings, scores=ROWS)
+    write_tables(paths, settings, scores=ROWS, events=[{"case": "a"}])
+    write_percentiles(paths, settings)
+    assert [Path(path).read_text().splitlines()[:2] for path in paths] == [
+        ["case", "a"],
+        ["case,metric,p25,p50,p75,networks", "a,f_score,0.5,0.5,0.5,1"],
+        ["case,seed,f_score", "a,1,0.5"],
+    ]
+
+
+def test_rows_of_all_cases_have_the_columns_of_any(tmp_path):
+    first = pd.DataFrame({"case": ["a"], "window_lt": [1.0], "value": [0.1]})
+    second = pd.DataFrame({"case": ["b"], "level": [0.5], "value": [0.25]})
+    paths = [tmp_path / name for name in ("first.csv", "second.csv")]
+    for table, path in zip((first, second), paths, strict=True):
+        table.to_csv(path, index=False)
+    declared = ["case", "level", "margin", "window_lt", "value"]
+    assert joined(map(str, paths), declared) == (
+        "case,level,window_lt,value\na,,1.0,0.1\nb,0.5,,0.25\n"
+    )
