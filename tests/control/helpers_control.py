@@ -1,14 +1,17 @@
 """A toy flow, monitors without a forecast, and control written as one plain loop per flow."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.actuation import Actuation
+from burstcast.control.actuation import actuation_interval
 from burstcast.control.monitors.base import Monitor
-from burstcast.control.timing import Timing
+from burstcast.control.sampled.simulation import SampledSimulation, SampledStepper
+from burstcast.control.simulation import simulate
+from burstcast.control.timing import DecisionTiming, Timing
+from burstcast.control.windowed.simulation import WindowedSimulation, WindowedStepper
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.runge_kutta import step
 
@@ -55,6 +58,42 @@ class TableMonitor(Monitor):
         for position, (row, number) in enumerate(zip(rows, forecast_number, strict=True)):
             self.seen[int(row), int(number)] = washout[:, :, position].copy()
         return self.table[rows, forecast_number]
+
+
+class Actuation(NamedTuple):
+    """What an alarm sets off: other equations, from so long after its window's first step."""
+
+    system: DynamicalSystem
+    start_lt: float
+    duration_lt: float
+
+
+def run_windowed(
+    system: DynamicalSystem,
+    washouts: FloatArray,
+    monitor: Monitor,
+    actuation: Actuation,
+    timing: Timing,
+    threshold: float,
+    **options: Any,
+) -> WindowedSimulation:
+    interval = actuation_interval(timing, actuation.start_lt, actuation.duration_lt)
+    stepper = WindowedStepper(system, actuation.system, monitor, timing, threshold, interval)
+    return simulate(stepper, washouts, **options)
+
+
+def run_sampled(
+    system: DynamicalSystem,
+    washouts: FloatArray,
+    monitor: Monitor,
+    actuated: DynamicalSystem,
+    timing: DecisionTiming,
+    threshold: float,
+    horizon: int = 0,
+    **options: Any,
+) -> SampledSimulation:
+    stepper = SampledStepper(system, actuated, monitor, timing, threshold, horizon)
+    return simulate(stepper, washouts, **options)
 
 
 def table_monitor(table: BoolArray) -> TableMonitor:

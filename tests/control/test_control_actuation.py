@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from helpers_control import PAPER, Rotor
 
-from burstcast.control.actuation import Actuation, ForcedSystem, actuated_system
+from burstcast.control.actuation import ForcedSystem, actuated_system, actuation_interval
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -14,26 +14,22 @@ STATES = np.random.default_rng(0).normal(scale=0.1, size=(9, 5))
 
 
 def test_interval_of_the_paper_s_control() -> None:
-    actuation = Actuation(actuated_system(FLOW, {"reynolds": 2000.0}), -1.0, 1.5)
     # 1.5 Lyapunov times of 61 steps are 366 integration steps, although 91.5 steps of the network
-    assert actuation.interval(PAPER) == (0, 366)
-    assert actuation.interval(replace(PAPER, prediction_time_lt=2.0)) == (244, 610)
-    assert actuation.interval(replace(PAPER, prediction_time_lt=1.5)) == (122, 488)
+    for prediction_time_lt, interval in ((1.0, (0, 366)), (2.0, (244, 610)), (1.5, (122, 488))):
+        timing = replace(PAPER, prediction_time_lt=prediction_time_lt)
+        assert actuation_interval(timing, -1.0, 1.5) == interval
 
 
 def test_actuation_before_the_alarm_is_refused() -> None:
-    actuation = Actuation(FLOW, -1.0, 1.5)
+    early = replace(PAPER, prediction_time_lt=0.5)
     with pytest.raises(ValueError, match=r"not defined for a prediction time of 0\.5"):
-        actuation.interval(replace(PAPER, prediction_time_lt=0.5))
-    assert replace(actuation, start_lt=-0.5).interval(replace(PAPER, prediction_time_lt=0.5)) == (
-        0,
-        366,
-    )
+        actuation_interval(early, -1.0, 1.5)
+    assert actuation_interval(early, -0.5, 1.5) == (0, 366)
 
 
 def test_actuation_that_lasts_no_step_is_refused() -> None:
     with pytest.raises(ValueError, match="lasts no step"):
-        Actuation(FLOW, -1.0, 0.0).interval(PAPER)
+        actuation_interval(PAPER, -1.0, 0.0)
 
 
 def test_changed_parameter_is_the_system_with_that_parameter() -> None:

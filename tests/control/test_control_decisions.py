@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers_control import Rotor, TableMonitor, table_monitor, washouts_of
+from helpers_control import Rotor, TableMonitor, run_sampled, table_monitor, washouts_of
 from helpers_decisions import plain_decisions
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.arrays import FloatArray
-from burstcast.control import states as states_module
+from burstcast.control import simulation as simulation_module
 from burstcast.control.actuation import actuated_system
-from burstcast.control.decision_outcome import count_decisions
-from burstcast.control.decisions import DecidedFlows, run_decided_flows
 from burstcast.control.monitors.horizon import HorizonMonitor
+from burstcast.control.sampled.outcome import count_decisions
+from burstcast.control.sampled.simulation import SampledSimulation
 from burstcast.control.timing import DecisionTiming
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.integration import integrate
@@ -48,7 +48,7 @@ def perfect(threshold: float, horizon: int) -> HorizonMonitor:
 
 
 def never(flows: int, timing: DecisionTiming) -> TableMonitor:
-    return table_monitor(np.zeros((flows, timing.decisions), dtype=bool))
+    return table_monitor(np.zeros((flows, timing.most_forecasts), dtype=bool))
 
 
 @st.composite
@@ -73,9 +73,9 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
     generator = np.random.default_rng(seed)
     system, actuated = Rotor(0.3), Rotor(0.9)
     washouts = washouts_of(system, generator.normal(size=(2, 5)), timing)
-    table = generator.random((5, timing.decisions)) < 0.4
+    table = generator.random((5, timing.most_forecasts)) < 0.4
     monitor = table_monitor(table)
-    flows = run_decided_flows(
+    flows = run_sampled(
         system, washouts, monitor, actuated, timing, 0.9, horizon=horizon, keep_states=True
     )
     assert flows.controlled_states is not None
@@ -106,7 +106,7 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
         assert flows.switchings[flow] == sum(rises)
         into_step = plain.acting[stride - 1 :: stride][: timing.length - 1]
         assert flows.actuated[flow, 1:].tolist() == into_step
-        for number in range(timing.decisions):
+        for number in range(timing.most_forecasts):
             now = timing.first_forecast + number * timing.interval
             np.testing.assert_array_equal(
                 monitor.seen[int(row), number], plain.controlled[now + 1 - timing.washout : now + 1]
@@ -129,7 +129,7 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
 
 def test_a_decision_that_is_never_made_leaves_the_flow_alone() -> None:
     washouts = turbulent_washouts(3, TIMING)
-    flows = run_decided_flows(FLOW, washouts, never(3, TIMING), RAISED, TIMING, np.inf)
+    flows = run_sampled(FLOW, washouts, never(3, TIMING), RAISED, TIMING, np.inf)
     np.testing.assert_array_equal(flows.controlled, flows.uncontrolled)
     assert not flows.switchings.any()
     assert flows.decisions.event_ahead is None
@@ -137,8 +137,8 @@ def test_a_decision_that_is_never_made_leaves_the_flow_alone() -> None:
 
 def test_always_on_is_the_flow_under_actuation() -> None:
     washouts = turbulent_washouts(2, TIMING)
-    monitor = table_monitor(np.ones((2, TIMING.decisions), dtype=bool))
-    flows = run_decided_flows(FLOW, washouts, monitor, RAISED, TIMING, np.inf, keep_states=True)
+    monitor = table_monitor(np.ones((2, TIMING.most_forecasts), dtype=bool))
+    flows = run_sampled(FLOW, washouts, monitor, RAISED, TIMING, np.inf, keep_states=True)
     steps = TIMING.counted_until - TIMING.first_forecast
     expected = integrate(RAISED, washouts[:, -1].T.copy(), 0.25, steps * 4, stride=4)
     assert flows.controlled_states is not None
@@ -147,19 +147,21 @@ def test_always_on_is_the_flow_under_actuation() -> None:
     )
     assert flows.switchings.tolist() == [1, 1]
     # the first washout is free, the second reaches back to the first decision
-    assert flows.decisions.washout_actuated[0].tolist() == [False] + [True] * (TIMING.decisions - 1)
+    assert flows.decisions.washout_actuated[0].tolist() == [False] + [True] * (
+        TIMING.most_forecasts - 1
+    )
 
 
 def test_a_delay_puts_off_what_was_decided() -> None:
     """Decisions of the late actuator act when those of the prompt one did, a delay later."""
     washouts = turbulent_washouts(2, TIMING)
     late = replace(TIMING, delay_lt=0.5)  # two intervals
-    table = np.random.default_rng(1).random((2, TIMING.decisions)) < 0.5
+    table = np.random.default_rng(1).random((2, TIMING.most_forecasts)) < 0.5
     table[:, :2] = False
     shifted = table[:, 2:]
-    prompt = run_decided_flows(FLOW, washouts, table_monitor(table), RAISED, TIMING, np.inf)
-    delayed = run_decided_flows(FLOW, washouts, table_monitor(shifted), RAISED, late, np.inf)
-    assert late.decisions == TIMING.decisions - 2
+    prompt = run_sampled(FLOW, washouts, table_monitor(table), RAISED, TIMING, np.inf)
+    delayed = run_sampled(FLOW, washouts, table_monitor(shifted), RAISED, late, np.inf)
+    assert late.most_forecasts == TIMING.most_forecasts - 2
     np.testing.assert_array_equal(prompt.controlled, delayed.controlled)
     np.testing.assert_array_equal(prompt.actuated, delayed.actuated)
 
@@ -167,10 +169,10 @@ def test_a_delay_puts_off_what_was_decided() -> None:
 def test_noise_is_what_the_monitor_sees_and_no_more() -> None:
     washouts = turbulent_washouts(3, TIMING)
     noise = np.random.default_rng(2).normal(size=(3, TIMING.length, 9))
-    table = np.random.default_rng(3).random((3, TIMING.decisions)) < 0.5
+    table = np.random.default_rng(3).random((3, TIMING.most_forecasts)) < 0.5
     plain, noisy = table_monitor(table), table_monitor(table)
-    without = run_decided_flows(FLOW, washouts, plain, RAISED, TIMING, np.inf)
-    with_noise = run_decided_flows(FLOW, washouts, noisy, RAISED, TIMING, np.inf, noise=noise)
+    without = run_sampled(FLOW, washouts, plain, RAISED, TIMING, np.inf)
+    with_noise = run_sampled(FLOW, washouts, noisy, RAISED, TIMING, np.inf, noise=noise)
     np.testing.assert_array_equal(with_noise.controlled, without.controlled)
     for (row, number), seen in noisy.seen.items():
         now = TIMING.first_forecast + number * TIMING.interval
@@ -178,7 +180,7 @@ def test_noise_is_what_the_monitor_sees_and_no_more() -> None:
         np.testing.assert_array_equal(seen, expected)
 
 
-def assert_same(left: DecidedFlows, right: DecidedFlows) -> None:
+def assert_same(left: SampledSimulation, right: SampledSimulation) -> None:
     for name in ("rows", "uncontrolled", "controlled", "actuated", "switchings"):
         np.testing.assert_array_equal(getattr(left, name), getattr(right, name), err_msg=name)
     for name in ("on", "event_ahead", "washout_actuated"):
@@ -196,15 +198,13 @@ def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> 
     noise = np.random.default_rng(2).normal(scale=1e-3, size=(7, TIMING.length, 9))
     monitor = perfect(0.07, 20)
 
-    def followed() -> DecidedFlows:
-        return run_decided_flows(
-            FLOW, washouts, monitor, RAISED, TIMING, 0.07, noise=noise, horizon=20
-        )
+    def followed() -> SampledSimulation:
+        return run_sampled(FLOW, washouts, monitor, RAISED, TIMING, 0.07, noise=noise, horizon=20)
 
     together = followed()
     assert together.decisions.on.any()
     assert 0 < len(together) < 7
-    monkeypatch.setattr(states_module, "FLOWS_PER_BATCH", 2)
+    monkeypatch.setattr(simulation_module, "FLOWS_PER_BATCH", 2)
     assert_same(together, followed())
 
 
@@ -212,9 +212,7 @@ def test_a_perfect_forecaster_decides_rightly_and_leaves_no_event() -> None:
     timing = replace(TIMING, steps_per_lyapunov_time=61, span_lt=5.0, quiet_lt=2.0, washout=1)
     horizon = 122
     washouts = turbulent_washouts(40, timing)
-    flows = run_decided_flows(
-        FLOW, washouts, perfect(0.1, horizon), RAISED, timing, 0.1, horizon=horizon
-    )
+    flows = run_sampled(FLOW, washouts, perfect(0.1, horizon), RAISED, timing, 0.1, horizon=horizon)
     assert (flows.uncontrolled[:, timing.counted_from :] >= 0.1).any(axis=1).sum() > 5
     assert flows.controlled[:, timing.counted_from :].max() < 0.1
     outcome = count_decisions(flows, None, np.array([0.0, 0.1, 0.5]))
@@ -233,8 +231,8 @@ def test_the_eight_kinds_of_decisions_are_counted_apart() -> None:
     generator = np.random.default_rng(0)
     system = Rotor(0.3)
     washouts = washouts_of(system, 0.6 * generator.normal(size=(2, 8)), timing)
-    table = generator.random((8, timing.decisions)) < 0.4
-    flows = run_decided_flows(
+    table = generator.random((8, timing.most_forecasts)) < 0.4
+    flows = run_sampled(
         system,
         washouts,
         table_monitor(table),
@@ -271,18 +269,16 @@ def test_the_eight_kinds_of_decisions_are_counted_apart() -> None:
             found[f"{'actuated' if behind else 'free'}_{names[on, ahead]}"] += 1
     assert {name: getattr(outcome, name) for name in found} == found
     assert min(found.values()) > 0
-    assert sum(found.values()) == outcome.decisions == 8 * timing.decisions
+    assert sum(found.values()) == outcome.decisions == 8 * timing.most_forecasts
 
 
 def test_starts_that_need_not_be_quiet_leave_no_flow_out() -> None:
     washouts = turbulent_washouts(2, TIMING)
-    quiet = run_decided_flows(FLOW, washouts, never(2, TIMING), RAISED, TIMING, 0.0)
+    quiet = run_sampled(FLOW, washouts, never(2, TIMING), RAISED, TIMING, 0.0)
     assert (len(quiet), quiet.left_out) == (0, 2)
-    flows = run_decided_flows(
-        FLOW, washouts, never(2, TIMING), RAISED, TIMING, 0.0, quiet_starts=False
-    )
+    flows = run_sampled(FLOW, washouts, never(2, TIMING), RAISED, TIMING, 0.0, quiet_starts=False)
     assert (len(flows), flows.left_out) == (2, 0)
-    nothing = run_decided_flows(FLOW, washouts[:0], never(0, TIMING), RAISED, TIMING, 0.1)
+    nothing = run_sampled(FLOW, washouts[:0], never(0, TIMING), RAISED, TIMING, 0.1)
     assert (len(nothing), nothing.left_out) == (0, 0)
 
 
@@ -290,12 +286,12 @@ def test_wrong_shapes_are_refused() -> None:
     washouts = turbulent_washouts(2, TIMING)
     monitor = never(2, TIMING)
     with pytest.raises(ValueError, match="washouts must have the shape"):
-        run_decided_flows(FLOW, washouts[:, 1:], monitor, RAISED, TIMING, 0.1)
+        run_sampled(FLOW, washouts[:, 1:], monitor, RAISED, TIMING, 0.1)
     noise = np.zeros((2, TIMING.length - 1, 9))
     with pytest.raises(ValueError, match="noise must have the shape"):
-        run_decided_flows(FLOW, washouts, monitor, RAISED, TIMING, 0.1, noise=noise)
+        run_sampled(FLOW, washouts, monitor, RAISED, TIMING, 0.1, noise=noise)
     with pytest.raises(ValueError, match="another dimension"):
-        run_decided_flows(FLOW, washouts, monitor, Rotor(1.0), TIMING, 0.1)
+        run_sampled(FLOW, washouts, monitor, Rotor(1.0), TIMING, 0.1)
 
 
 @pytest.mark.parametrize(

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from test_control_strategies import EQUATIONS, experiment
 
-from burstcast.control.example import follow_event, suppressed_event_times
-from burstcast.control.outcome import largest_suppressed_event
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
+from burstcast.control.windowed.example import simulate_event, suppressed_event_times
+from burstcast.control.windowed.outcome import largest_suppressed_event
 
 THRESHOLD = 1.0
 
@@ -34,12 +34,12 @@ def test_an_event_is_followed_again_as_it_was_found():
     strategy, found = PredictionTriggered(1.0, 1.0), None
     flows = experiment(30)
     timing = strategy.timing(flows.schedule)
-    followed = strategy.follow(
+    followed = strategy.simulate(
         flows, strategy.monitor(flows, [EQUATIONS]), noise=None, keep_states=True
     )
     chosen = largest_suppressed_event(followed, None)
     assert chosen is not None
-    found = follow_event(chosen, strategy, flows, EQUATIONS, None)
+    found = simulate_event(chosen, strategy, flows, EQUATIONS, None)
     steps = np.rint(found.time_lt * timing.steps_per_lyapunov_time).astype(int)
     shown = chosen.alarm_step + steps
     np.testing.assert_array_equal(np.diff(shown), 1)
@@ -59,6 +59,6 @@ def test_an_event_is_followed_again_as_it_was_found():
 
 def test_without_an_event_nothing_is_followed():
     flows = experiment(2)
-    found = follow_event(None, PredictionTriggered(1.0, 1.0), flows, EQUATIONS, None)
+    found = simulate_event(None, PredictionTriggered(1.0, 1.0), flows, EQUATIONS, None)
     assert found.time_lt.size == found.mark.size == found.uncontrolled_state.size == 0
     np.testing.assert_allclose(found.actuation_lt, [0.0, 1.5])

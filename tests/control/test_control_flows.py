@@ -2,16 +2,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers_control import PAPER, Rotor, TableMonitor, plain_flow, table_monitor, washouts_of
+from helpers_control import (
+    PAPER,
+    Actuation,
+    Rotor,
+    TableMonitor,
+    plain_flow,
+    run_windowed,
+    table_monitor,
+    washouts_of,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.arrays import FloatArray
-from burstcast.control import states as states_module
-from burstcast.control.actuation import Actuation, actuated_system
-from burstcast.control.flows import ControlledFlows, run_controlled_flows
+from burstcast.control import simulation as simulation_module
+from burstcast.control.actuation import actuated_system
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.timing import Timing
+from burstcast.control.windowed.simulation import WindowedSimulation
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -45,7 +54,7 @@ def test_out_of_reach_the_controlled_flow_is_the_uncontrolled_one(
         timing,
         threshold=np.inf,
     )
-    flows = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
+    flows = run_windowed(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
     assert flows.controlled_states is not None
     assert flows.uncontrolled_states is not None
     assert len(flows) == 3
@@ -57,7 +66,7 @@ def test_out_of_reach_the_controlled_flow_is_the_uncontrolled_one(
     ).transpose(2, 0, 1)
     np.testing.assert_array_equal(flows.uncontrolled_states, series)
     assert not flows.actuated.any()
-    assert not flows.forecasts.alarm.any()
+    assert not flows.decisions.alarm.any()
 
 
 @st.composite
@@ -99,7 +108,7 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
     washouts = washouts_of(system, generator.normal(size=(2, 6)), timing)
     table = generator.random((6, timing.most_forecasts)) < 0.4
     monitor = table_monitor(table)
-    flows = run_controlled_flows(
+    flows = run_windowed(
         system, washouts, monitor, actuation, timing, threshold=0.9, keep_states=True
     )
     assert flows.controlled_states is not None
@@ -123,11 +132,11 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
         into_step = plain.acting[stride - 1 :: stride][: timing.length - 1]
         np.testing.assert_array_equal(flows.actuated[flow, 1:], into_step)
 
-        mine = flows.forecasts.flow == flow
-        assert flows.forecasts.step[mine].tolist() == [f.step for f in plain.forecasts]
+        mine = flows.decisions.flow == flow
+        assert flows.decisions.step[mine].tolist() == [f.step for f in plain.forecasts]
         for name in ("alarm", "would_cross", "would_be_under_way", "reached"):
             expected = [getattr(forecast, name) for forecast in plain.forecasts]
-            assert getattr(flows.forecasts, name)[mine].tolist() == expected, name
+            assert getattr(flows.decisions, name)[mine].tolist() == expected, name
         # what the monitor saw is what lay behind it
         for number, forecast in enumerate(plain.forecasts):
             seen = monitor.seen[row, number]
@@ -141,7 +150,7 @@ def test_actuation_lasts_from_the_alarm_for_366_integration_steps() -> None:
     monitor = never(1, timing)
     monitor.table[0, 0] = True
     washouts = turbulent_washouts(1, timing)
-    flows = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
+    flows = run_windowed(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
     assert flows.controlled_states is not None
     raised = MoehlisFaisstEckhardt(reynolds=2000.0)
     under_control = integrate(raised, washouts[:, -1].T, 0.25, 366, stride=1)
@@ -149,7 +158,7 @@ def test_actuation_lasts_from_the_alarm_for_366_integration_steps() -> None:
     truth = np.concatenate([under_control, after[1:]])[::4, :, 0]
     np.testing.assert_array_equal(flows.controlled_states[0, 29:], truth)
     # the next forecast is made at the end of the alarm's window
-    assert flows.forecasts.step[:3].tolist() == [29, 29 + 122, 29 + 183]
+    assert flows.decisions.step[:3].tolist() == [29, 29 + 122, 29 + 183]
     assert flows.actuated.sum() == 91
 
 
@@ -160,23 +169,23 @@ def test_noise_belongs_to_flow_and_step_and_stays_out_of_the_truth() -> None:
     noise = np.random.default_rng(2).normal(size=(flows, timing.length + 3, 9))
     table = np.random.default_rng(3).random((flows, timing.most_forecasts)) < 0.5
     plain, noisy = table_monitor(table), table_monitor(table)
-    without = run_controlled_flows(FLOW, washouts, plain, RAISED, timing, np.inf)
-    with_noise = run_controlled_flows(FLOW, washouts, noisy, RAISED, timing, np.inf, noise=noise)
+    without = run_windowed(FLOW, washouts, plain, RAISED, timing, np.inf)
+    with_noise = run_windowed(FLOW, washouts, noisy, RAISED, timing, np.inf, noise=noise)
     np.testing.assert_array_equal(with_noise.controlled, without.controlled)
     assert table[:, :3].any()
     for flow in range(flows):
-        steps = with_noise.forecasts.step[with_noise.forecasts.flow == flow]
+        steps = with_noise.decisions.step[with_noise.decisions.flow == flow]
         for number, step in enumerate(steps):
             expected = plain.seen[flow, number] + noise[flow, step + 1 - timing.washout : step + 1]
             np.testing.assert_array_equal(noisy.seen[flow, number], expected)
 
 
-def assert_same(left: ControlledFlows, right: ControlledFlows) -> None:
+def assert_same(left: WindowedSimulation, right: WindowedSimulation) -> None:
     for name in ("rows", "uncontrolled", "controlled", "actuated", "actuated_integration_steps"):
         np.testing.assert_array_equal(getattr(left, name), getattr(right, name), err_msg=name)
-    for name in vars(left.forecasts):
+    for name in vars(left.decisions):
         np.testing.assert_array_equal(
-            getattr(left.forecasts, name), getattr(right.forecasts, name), err_msg=name
+            getattr(left.decisions, name), getattr(right.decisions, name), err_msg=name
         )
     assert left.left_out == right.left_out
 
@@ -191,16 +200,16 @@ def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> 
         timing,
         threshold=0.07,
     )
-    together = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
-    assert together.forecasts.alarm.any()
+    together = run_windowed(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
+    assert together.decisions.alarm.any()
     assert 0 < len(together) < 7
-    monkeypatch.setattr(states_module, "FLOWS_PER_BATCH", 2)
-    in_pairs = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
+    monkeypatch.setattr(simulation_module, "FLOWS_PER_BATCH", 2)
+    in_pairs = run_windowed(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
     assert_same(together, in_pairs)
 
-    flow = int(together.forecasts.flow[together.forecasts.alarm][0])
+    flow = int(together.decisions.flow[together.decisions.alarm][0])
     row = [together.rows[flow]]
-    alone = run_controlled_flows(
+    alone = run_windowed(
         FLOW, washouts[row], monitor, RAISED, timing, 0.07, noise=noise[row], keep_states=True
     )
     np.testing.assert_array_equal(alone.controlled[0], together.controlled[flow])
@@ -219,19 +228,17 @@ def test_a_perfect_forecaster_raises_no_false_alarm() -> None:
         timing,
         threshold=0.1,
     )
-    flows = run_controlled_flows(FLOW, washouts, monitor, RAISED, timing, 0.1)
-    assert flows.forecasts.alarm.sum() > 5
-    np.testing.assert_array_equal(flows.forecasts.alarm, flows.forecasts.would_cross)
+    flows = run_windowed(FLOW, washouts, monitor, RAISED, timing, 0.1)
+    assert flows.decisions.alarm.sum() > 5
+    np.testing.assert_array_equal(flows.decisions.alarm, flows.decisions.would_cross)
 
 
 def test_no_flow_may_be_left() -> None:
     washouts = turbulent_washouts(2, SHORT)
-    flows = run_controlled_flows(
-        FLOW, washouts, never(2, SHORT), RAISED, SHORT, 0.0, keep_states=True
-    )
+    flows = run_windowed(FLOW, washouts, never(2, SHORT), RAISED, SHORT, 0.0, keep_states=True)
     assert (len(flows), flows.left_out) == (0, 2)
     assert flows.controlled.shape == (0, SHORT.length)
-    nothing = run_controlled_flows(FLOW, washouts[:0], never(0, SHORT), RAISED, SHORT, 0.1)
+    nothing = run_windowed(FLOW, washouts[:0], never(0, SHORT), RAISED, SHORT, 0.1)
     assert (len(nothing), nothing.left_out) == (0, 0)
 
 
@@ -239,15 +246,15 @@ def test_wrong_shapes_are_refused() -> None:
     washouts = turbulent_washouts(2, SHORT)
     monitor = never(2, SHORT)
     with pytest.raises(ValueError, match="washouts must have the shape"):
-        run_controlled_flows(FLOW, washouts[:, 1:], monitor, RAISED, SHORT, 0.1)
+        run_windowed(FLOW, washouts[:, 1:], monitor, RAISED, SHORT, 0.1)
     with pytest.raises(ValueError, match="noise must have the shape"):
-        run_controlled_flows(
+        run_windowed(
             FLOW, washouts, monitor, RAISED, SHORT, 0.1, noise=np.zeros((2, SHORT.length - 1, 9))
         )
     with pytest.raises(ValueError, match="another dimension"):
-        run_controlled_flows(FLOW, washouts, monitor, Actuation(Rotor(1.0), -1.0, 1.0), SHORT, 0.1)
+        run_windowed(FLOW, washouts, monitor, Actuation(Rotor(1.0), -1.0, 1.0), SHORT, 0.1)
     with pytest.raises(ValueError, match="before the alarm"):
-        run_controlled_flows(FLOW, washouts, monitor, Actuation(FLOW, -2.0, 1.0), SHORT, 0.1)
+        run_windowed(FLOW, washouts, monitor, Actuation(FLOW, -2.0, 1.0), SHORT, 0.1)
 
 
 def test_an_event_that_lasts_into_the_window_counts_as_reached() -> None:
@@ -267,10 +274,8 @@ def test_an_event_that_lasts_into_the_window_counts_as_reached() -> None:
     actuation = Actuation(system, -1.0, 1.0)
 
     def alarm(threshold: float) -> tuple[bool, bool, bool]:
-        flows = run_controlled_flows(
-            system, crest_at_step_22, monitor, actuation, timing, threshold
-        )
-        forecasts = flows.forecasts
+        flows = run_windowed(system, crest_at_step_22, monitor, actuation, timing, threshold)
+        forecasts = flows.decisions
         raised = forecasts.step == 25
         assert forecasts.alarm.tolist() == raised.tolist()
         return (
@@ -279,9 +284,7 @@ def test_an_event_that_lasts_into_the_window_counts_as_reached() -> None:
             bool(forecasts.reached[raised][0]),
         )
 
-    heights = run_controlled_flows(
-        system, crest_at_step_22, monitor, actuation, timing, 2.0
-    ).controlled[0]
+    heights = run_windowed(system, crest_at_step_22, monitor, actuation, timing, 2.0).controlled[0]
     assert heights.argmax() == 22
     assert alarm(heights[30]) == (False, True, True)
     assert alarm(np.nextafter(heights[30], 2.0)) == (False, False, False)
@@ -310,7 +313,7 @@ def test_an_event_between_actuation_and_window_counts_as_reached(crest: int, rea
     start = np.array([[[np.cos(0.09 * crest), -np.sin(0.09 * crest)]]])
     monitor = never(1, timing)
     monitor.table[0, 3] = True  # at step 15
-    flows = run_controlled_flows(system, start, monitor, Actuation(system, -1.5, 1.0), timing, 0.98)
+    flows = run_windowed(system, start, monitor, Actuation(system, -1.5, 1.0), timing, 0.98)
     above = np.flatnonzero(flows.controlled[0, :30] >= 0.98)
     assert (above[0], above[-1]) == (crest - 2, crest + 2)
-    assert flows.forecasts.reached[flows.forecasts.step == 15].tolist() == [reached]
+    assert flows.decisions.reached[flows.decisions.step == 15].tolist() == [reached]

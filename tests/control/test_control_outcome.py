@@ -2,17 +2,25 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from helpers_control import PlainFlow, Rotor, plain_flow, table_monitor, washouts_of
+from helpers_control import (
+    Actuation,
+    PlainFlow,
+    Rotor,
+    plain_flow,
+    run_windowed,
+    table_monitor,
+    washouts_of,
+)
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from burstcast.arrays import FloatArray
-from burstcast.control.actuation import Actuation, actuated_system
-from burstcast.control.flows import ControlledFlows, Forecasts, run_controlled_flows
+from burstcast.control.actuation import actuated_system
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.monitors.random import RandomMonitor
-from burstcast.control.outcome import Outcome, count_outcome, largest_suppressed_event
 from burstcast.control.timing import Timing
+from burstcast.control.windowed.outcome import Outcome, count_outcome, largest_suppressed_event
+from burstcast.control.windowed.simulation import Forecasts, WindowedSimulation
 from burstcast.events import upward_crossings
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.integration import integrate
@@ -50,12 +58,12 @@ def flows_of(
     forecasts: Forecasts,
     uncontrolled: list[list[float]] | None = None,
     actuated: tuple[int, int] = (0, 0),
-) -> ControlledFlows:
+) -> WindowedSimulation:
     values = np.array(controlled, dtype=np.float64)
     active = np.zeros(values.shape, dtype=bool)
     active[:, slice(*actuated)] = True
     flows = len(values)
-    return ControlledFlows(
+    return WindowedSimulation(
         timing=TIMING,
         threshold=1.0,
         rows=10 + np.arange(flows),
@@ -67,7 +75,7 @@ def flows_of(
         switchings=np.zeros(flows, dtype=np.int64),
         uncontrolled_energy=None,
         controlled_energy=None,
-        forecasts=forecasts,
+        decisions=forecasts,
         uncontrolled_states=None,
         controlled_states=None,
     )
@@ -265,7 +273,7 @@ def test_the_counts_add_up(
     actuation = Actuation(Rotor(frequency), start_lt=-1.0, duration_lt=1.5)
     washouts = washouts_of(system, generator.normal(size=(2, 12)), timing)
     table = generator.random((12, timing.most_forecasts)) < alarm_share
-    flows = run_controlled_flows(system, washouts, table_monitor(table), actuation, timing, 0.9)
+    flows = run_windowed(system, washouts, table_monitor(table), actuation, timing, 0.9)
     # bins that hold every value: values outside of them are in none
     bound = 1 + np.abs([flows.controlled, flows.uncontrolled]).max(initial=0.0)
     counts = count_outcome(flows, laminarisation_threshold, np.linspace(-bound, bound, 9))
@@ -368,7 +376,7 @@ def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
     edges = np.linspace(0.012, 0.48, 101)
     forecaster = EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride)
     perfect = count_outcome(
-        run_controlled_flows(
+        run_windowed(
             FLOW,
             washouts,
             ForecastMonitor(forecaster, FLOW.observable, timing, 0.1),
@@ -381,9 +389,7 @@ def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
     )
     draws = np.random.default_rng(4).random((200, timing.most_forecasts))
     chance = count_outcome(
-        run_controlled_flows(
-            FLOW, washouts, RandomMonitor(perfect.alarm_rate, draws), RAISED, timing, 0.1
-        ),
+        run_windowed(FLOW, washouts, RandomMonitor(perfect.alarm_rate, draws), RAISED, timing, 0.1),
         0.48,
         edges,
     )

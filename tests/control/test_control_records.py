@@ -9,8 +9,6 @@ from test_control_decisions import FLOW, RAISED, TIMING, turbulent_washouts
 
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.control.actuation import actuated_system
-from burstcast.control.decisions import DecidedFlows, Decisions
-from burstcast.control.followed import EnergyMeans, energy_means
 from burstcast.control.records import (
     SCORES,
     FlowRecords,
@@ -20,6 +18,8 @@ from burstcast.control.records import (
     record_flows,
     score_flows,
 )
+from burstcast.control.sampled.simulation import Decisions, SampledSimulation
+from burstcast.control.simulation import EnergyMeans, energy_means
 from burstcast.control.timing import DecisionTiming
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
@@ -38,10 +38,10 @@ CLOCK = DecisionTiming(
 SPAN = Span(steps=6, integration_steps=12, steps_at_risk=8, steps_per_lyapunov_time=2)
 
 
-def flows_of(uncontrolled: list[list[float]], controlled: list[list[float]]) -> DecidedFlows:
+def flows_of(uncontrolled: list[list[float]], controlled: list[list[float]]) -> SampledSimulation:
     flows = len(controlled)
-    nothing = np.zeros((flows, CLOCK.decisions), dtype=bool)
-    return DecidedFlows(
+    nothing = np.zeros((flows, CLOCK.most_forecasts), dtype=bool)
+    return SampledSimulation(
         timing=CLOCK,
         threshold=1.0,
         rows=5 + np.arange(flows),

@@ -4,14 +4,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from helpers_control import Actuation, run_windowed
 from test_control_decisions import FLOW, RAISED, turbulent_washouts
 
 from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.actuation import Actuation
-from burstcast.control.decisions import DecidedFlows
+from burstcast.control.actuation import actuation_interval
 from burstcast.control.experiment import ControlExperiment, Schedule
-from burstcast.control.flows import ControlledFlows, run_controlled_flows
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.monitors.horizon import HorizonMonitor
@@ -112,7 +111,7 @@ def test_the_papers_strategy_is_the_papers() -> None:
         sampling_stride=4,
         time_step=0.25,
     )
-    by_hand = run_controlled_flows(
+    by_hand = run_windowed(
         FLOW,
         given.washouts,
         ForecastMonitor(EQUATIONS, FLOW.observable, timing, 0.07),
@@ -121,15 +120,14 @@ def test_the_papers_strategy_is_the_papers() -> None:
         0.07,
     )
     strategy = PredictionTriggered(1.0, 1.0)
-    followed = strategy.follow(given, strategy.monitor(given, [EQUATIONS]), noise=None)
-    assert isinstance(followed, ControlledFlows)
-    assert by_hand.forecasts.alarm.any()
+    followed = strategy.simulate(given, strategy.monitor(given, [EQUATIONS]), noise=None)
+    assert by_hand.decisions.alarm.any()
     # quiet for as long as the first window at least
     assert followed.timing.counted_from == timing.counted_from
     np.testing.assert_array_equal(followed.controlled, by_hand.controlled)
-    np.testing.assert_array_equal(followed.forecasts.alarm, by_hand.forecasts.alarm)
-    late = strategy.actuation(replace(given, schedule=replace(SCHEDULE, delay_lt=0.5)))
-    assert (late.start_lt, late.duration_lt) == (-0.5, 1.5)
+    np.testing.assert_array_equal(followed.decisions.alarm, by_hand.decisions.alarm)
+    late = strategy.actuation_interval(replace(SCHEDULE, delay_lt=0.5))
+    assert late == actuation_interval(timing, -0.5, 1.5) == (40, 160)
 
 
 def test_quiet_flows_of_all_strategies_are_the_same() -> None:
@@ -138,7 +136,7 @@ def test_quiet_flows_of_all_strategies_are_the_same() -> None:
     rows, uncontrolled = [], []
     for name, settings in SETTINGS.items():
         strategy = make_strategy(name, settings)
-        flows = strategy.follow(given, strategy.monitor(given, [EQUATIONS]), noise=None)
+        flows = strategy.simulate(given, strategy.monitor(given, [EQUATIONS]), noise=None)
         assert flows.timing.counted_from == 4 + 60
         rows.append(flows.rows.tolist())
         uncontrolled.append(flows.uncontrolled)
@@ -165,14 +163,13 @@ def test_what_a_forecaster_sees_under_actuation_is_the_flow_as_it_was_observed()
     given = replace(experiment(4), threshold=0.05, quiet_starts=False)
     noise = np.random.default_rng(0).normal(scale=1e-4, size=(4, 200, 9))
     strategy = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=1.0)
-    flows = strategy.follow(
+    flows = strategy.simulate(
         given, strategy.monitor(given, [Recorder()]), noise=noise, keep_states=True
     )
-    assert isinstance(flows, DecidedFlows)
     assert flows.controlled_states is not None
     assert flows.decisions.washout_actuated.any()
     timing = flows.timing
-    assert len(seen) == timing.decisions
+    assert len(seen) == timing.most_forecasts
     for number, washout in enumerate(seen):
         now = timing.first_forecast + number * timing.interval
         span = slice(now - 4, now + 1)
@@ -271,9 +268,8 @@ def test_several_forecasters_vote() -> None:
 def test_random_decisions_have_a_stream_for_each_flow() -> None:
     given = experiment(6)
     strategy = make_strategy("random_decisions", SETTINGS["random_decisions"])
-    flows = strategy.follow(given, strategy.monitor(given, []), noise=None)
-    assert isinstance(flows, DecidedFlows)
+    flows = strategy.simulate(given, strategy.monitor(given, []), noise=None)
     for flow, row in enumerate(flows.rows):
         stream = random_streams.stream(7, "random decisions", "Re400", 10 + int(row))
-        expected = stream.random(flows.timing.decisions) < 0.3
+        expected = stream.random(flows.timing.most_forecasts) < 0.3
         assert flows.decisions.on[flow].tolist() == expected.tolist()

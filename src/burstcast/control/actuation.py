@@ -6,7 +6,6 @@ Source: section "Control of extreme events" of the paper. Its control raises the
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,33 +13,6 @@ from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.control.timing import Timing
 from burstcast.systems.base import DynamicalSystem, EnergyBudget, has_own
-
-
-@dataclass(frozen=True)
-class Actuation:
-    """Open-loop control: after an alarm the flow obeys other equations over an interval.
-
-    Attributes
-    ----------
-    system
-        The equations under actuation (see `actuated_system`).
-    start_lt
-        From the first step of the alarm's window to the start of the interval, in Lyapunov times:
-        -1 in the paper.
-    duration_lt
-        Length of the interval in Lyapunov times: 1.5 in the paper.
-    """
-
-    system: DynamicalSystem
-    start_lt: float
-    duration_lt: float
-
-    def interval(self, timing: Timing) -> tuple[int, int]:
-        """First integration step after an alarm under actuation, and the first free one after it.
-
-        See `actuation_interval`.
-        """
-        return actuation_interval(timing, self.start_lt, self.duration_lt)
 
 
 def actuation_interval(timing: Timing, start_lt: float, duration_lt: float) -> tuple[int, int]:
@@ -53,8 +25,11 @@ def actuation_interval(timing: Timing, start_lt: float, duration_lt: float) -> t
     ----------
     timing
         Where windows are.
-    start_lt, duration_lt
-        Of an `Actuation`.
+    start_lt
+        From the first step of the alarm's window to the start of the actuation, in Lyapunov times:
+        -1 in the paper.
+    duration_lt
+        Length of the actuation in Lyapunov times: 1.5 in the paper.
 
     Raises
     ------

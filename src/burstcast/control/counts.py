@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.followed import FollowedFlows
+from burstcast.control.simulation import ControlSimulation
 from burstcast.events import upward_crossings
 from burstcast.laminarisation import is_laminar
 from burstcast.statistics.densities import histogram
@@ -116,7 +116,7 @@ class Laminarisation:
         return ~(self.controlled | self.uncontrolled)
 
 
-def laminarisation(flows: FollowedFlows, threshold: float | None) -> Laminarisation:
+def laminarisation(flows: ControlSimulation[Any, Any], threshold: float | None) -> Laminarisation:
     """Tell which flows exceed the laminarisation threshold; None: no flow does."""
     return Laminarisation(
         controlled=is_laminar(flows.controlled.max(axis=1), threshold),
@@ -124,7 +124,7 @@ def laminarisation(flows: FollowedFlows, threshold: float | None) -> Laminarisat
     )
 
 
-def controlled_events(flows: FollowedFlows, counts: BoolArray) -> BoolArray:
+def controlled_events(flows: ControlSimulation[Any, Any], counts: BoolArray) -> BoolArray:
     """Events of the controlled flows that count, from the first forecast on, ``(flows, steps)``."""
     upward = upward_crossings(flows.controlled, flows.threshold) & counts[:, np.newaxis]
     upward[:, : flows.timing.first_forecast + 1] = False
@@ -132,7 +132,7 @@ def controlled_events(flows: FollowedFlows, counts: BoolArray) -> BoolArray:
 
 
 def count_flows(
-    flows: FollowedFlows, laminarisation_threshold: float | None, edges: FloatArray
+    flows: ControlSimulation[Any, Any], laminarisation_threshold: float | None, edges: FloatArray
 ) -> dict[str, Any]:
     """Fields of `FlowCounts`.
 

@@ -12,12 +12,13 @@ confidence c; the bound takes it that those flows exceed as the uncontrolled one
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.followed import EnergyMeans, FollowedFlows
+from burstcast.control.simulation import ControlSimulation, EnergyMeans
 from burstcast.events import upward_crossings
 from burstcast.laminarisation import first_laminar_step
 from burstcast.resampled_score import ResampledScore
@@ -66,7 +67,9 @@ class FlowRecords:
     dissipation_controlled: FloatArray
 
 
-def record_flows(flows: FollowedFlows, laminarisation_threshold: float | None) -> FlowRecords:
+def record_flows(
+    flows: ControlSimulation[Any, Any], laminarisation_threshold: float | None
+) -> FlowRecords:
     """Reduce flows to what happened in each of them."""
     timing = flows.timing
     counted = slice(timing.counted_from + 1, timing.counted_until + 1)

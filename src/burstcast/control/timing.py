@@ -69,6 +69,11 @@ class Clock(abc.ABC):
         """Steps after the first forecast that do not count, whatever `quiet_lt` says."""
 
     @property
+    @abc.abstractmethod
+    def most_forecasts(self) -> int:
+        """Most looks that the monitor can have at a flow."""
+
+    @property
     def span_steps(self) -> int:
         """Steps of each flow that count."""
         return self.steps(self.span_lt)
@@ -104,8 +109,8 @@ class Timing(Clock):
     stretch of one prediction time between that and the next window is covered by no forecast.
 
     Steps count from the end of the first window, for ``span_lt``, in each flow: flows are chosen to
-    be free of events up to there (see `burstcast.control.flows.run_controlled_flows`), so that
-    earlier steps say nothing.
+    be free of events up to there (see `burstcast.control.simulation.simulate`), so that earlier
+    steps say nothing.
 
     Attributes
     ----------
@@ -204,7 +209,7 @@ class DecisionTiming(Clock):
         return self.steps(self.delay_lt)
 
     @property
-    def decisions(self) -> int:
+    def most_forecasts(self) -> int:
         """Decisions in each flow: as long as one could still change a step that counts."""
         last = self.counted_until - 1 - self.delay  # the step of the last such decision
         return (last - self.first_forecast) // self.interval + 1

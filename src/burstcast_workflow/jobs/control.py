@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from burstcast.control.followed import FollowedFlows
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
@@ -16,7 +17,6 @@ from burstcast.control.experiment import (
     controlled_series,
     observation_noise,
 )
-from burstcast.control.followed import FollowedFlows
 from burstcast.control.records import Span, record_flows
 from burstcast.control.scores import SCORES
 from burstcast.control.strategies.base import ControlStrategy

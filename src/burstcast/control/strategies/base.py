@@ -12,8 +12,8 @@ from typing import Any, ClassVar
 from burstcast.arrays import FloatArray
 from burstcast.control.counts import FlowCounts
 from burstcast.control.experiment import ControlExperiment, Schedule
-from burstcast.control.followed import FollowedFlows
 from burstcast.control.monitors.base import Monitor
+from burstcast.control.simulation import ControlSimulation, Stepper, simulate
 from burstcast.control.timing import Clock
 from burstcast.forecasters.base import Forecaster
 
@@ -62,39 +62,54 @@ class ControlStrategy(abc.ABC):
         """
 
     @abc.abstractmethod
-    def follow(
-        self,
-        experiment: ControlExperiment,
-        monitor: Monitor,
-        *,
-        noise: FloatArray | None,
-        keep_states: bool = False,
-    ) -> FollowedFlows:
-        """Follow the flows with and without control.
+    def stepper(self, experiment: ControlExperiment, monitor: Monitor) -> Stepper[Any, Any]:
+        """How flows go on: when the monitor looks, and what its alarms set off.
 
         Parameters
         ----------
         experiment
             What is controlled.
         monitor
-            Who raises alarms: `monitor`, or another that stands in for it.
-        noise
-            What is observed is the true state plus this, ``(flows, steps, dimension)``; None: the
-            truth.
-        keep_states
-            Whether to return states.
+            Raises the alarms: `monitor`, or another that stands in for it.
         """
+
+    def simulate(
+        self,
+        experiment: ControlExperiment,
+        monitor: Monitor,
+        *,
+        noise: FloatArray | None,
+        keep_states: bool = False,
+    ) -> ControlSimulation[Any, Any]:
+        """Simulate the flows with and without control.
+
+        Parameters
+        ----------
+        experiment
+            What is controlled.
+        monitor
+            As of `stepper`.
+        noise, keep_states
+            As of `burstcast.control.simulation.simulate`.
+        """
+        return simulate(
+            self.stepper(experiment, monitor),
+            experiment.washouts,
+            noise=noise,
+            quiet_starts=experiment.quiet_starts,
+            keep_states=keep_states,
+        )
 
     @abc.abstractmethod
     def outcome(
         self, flows: Any, laminarisation_threshold: float | None, edges: FloatArray
     ) -> FlowCounts:
-        """Count what happened in flows that it followed.
+        """Count what happened in flows under this strategy.
 
         Parameters
         ----------
         flows
-            Of `follow`.
+            Of `simulate`.
         laminarisation_threshold, edges
             As of `burstcast.control.counts.count_flows`.
         """

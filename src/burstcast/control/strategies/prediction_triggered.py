@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from burstcast.arrays import FloatArray
-from burstcast.control.actuation import Actuation, actuation_interval
+from burstcast.control.actuation import actuation_interval
 from burstcast.control.experiment import ControlExperiment, Schedule
-from burstcast.control.flows import ControlledFlows, run_controlled_flows
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.monitors.vote import VoteMonitor
-from burstcast.control.outcome import Outcome, count_outcome
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.timing import Timing
+from burstcast.control.windowed.outcome import Outcome, count_outcome
+from burstcast.control.windowed.simulation import WindowedSimulation, WindowedStepper
 from burstcast.forecasters.base import Forecaster
 
 
@@ -50,19 +50,17 @@ class PredictionTriggered(ControlStrategy):
 
     def check(self, schedule: Schedule) -> None:
         """Check the window, and that no actuation starts before its alarm."""
-        actuation_interval(
+        self.actuation_interval(schedule)
+
+    def actuation_interval(self, schedule: Schedule) -> tuple[int, int]:
+        """Integration steps that an alarm sets off: the case's actuation, a delay later.
+
+        See `burstcast.control.actuation.actuation_interval`.
+        """
+        return actuation_interval(
             self.timing(schedule),
             schedule.actuation_start_lt + schedule.delay_lt,
             schedule.actuation_duration_lt,
-        )
-
-    def actuation(self, experiment: ControlExperiment) -> Actuation:
-        """What an alarm sets off: the case's actuation, a delay later."""
-        schedule = experiment.schedule
-        return Actuation(
-            system=experiment.actuated_system,
-            start_lt=schedule.actuation_start_lt + schedule.delay_lt,
-            duration_lt=schedule.actuation_duration_lt,
         )
 
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
@@ -74,29 +72,19 @@ class PredictionTriggered(ControlStrategy):
         ]
         return members[0] if len(members) == 1 else VoteMonitor(members, self.vote_share)
 
-    def follow(
-        self,
-        experiment: ControlExperiment,
-        monitor: Monitor,
-        *,
-        noise: FloatArray | None,
-        keep_states: bool = False,
-    ) -> ControlledFlows:
-        """Follow the flows with and without control (see `ControlStrategy.follow`)."""
-        return run_controlled_flows(
+    def stepper(self, experiment: ControlExperiment, monitor: Monitor) -> WindowedStepper:
+        """How flows go on window by window (see `ControlStrategy.stepper`)."""
+        return WindowedStepper(
             experiment.system,
-            experiment.washouts,
+            experiment.actuated_system,
             monitor,
-            self.actuation(experiment),
             self.timing(experiment.schedule),
             experiment.threshold,
-            noise=noise,
-            quiet_starts=experiment.quiet_starts,
-            keep_states=keep_states,
+            self.actuation_interval(experiment.schedule),
         )
 
     def outcome(
-        self, flows: ControlledFlows, laminarisation_threshold: float | None, edges: FloatArray
+        self, flows: WindowedSimulation, laminarisation_threshold: float | None, edges: FloatArray
     ) -> Outcome:
         """Count what happened in windows and between them (see `ControlStrategy.outcome`)."""
         return count_outcome(flows, laminarisation_threshold, edges)

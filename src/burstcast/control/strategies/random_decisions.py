@@ -7,15 +7,15 @@ from typing import ClassVar
 import numpy as np
 
 from burstcast import random_streams
-from burstcast.control.deciding import DecidingStrategy
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.random import RandomMonitor
+from burstcast.control.sampled.strategy import SampledStrategy
 from burstcast.forecasters.base import Forecaster
 
 
 @dataclass(frozen=True)
-class RandomDecisions(DecidingStrategy):
+class RandomDecisions(SampledStrategy):
     """Acts until the next decision with a given probability, each decision by itself.
 
     Attributes
@@ -30,7 +30,7 @@ class RandomDecisions(DecidingStrategy):
 
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
         """Alarms at random: each flow has a stream of its own."""
-        decisions = self.timing(experiment.schedule).decisions
+        decisions = self.timing(experiment.schedule).most_forecasts
         draws = [
             random_streams.stream(
                 experiment.root_seed, "random decisions", experiment.case, row

@@ -8,15 +8,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from burstcast.control.deciding import DecidingStrategy
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.observed import ObservedMonitor
+from burstcast.control.sampled.strategy import SampledStrategy
 from burstcast.forecasters.base import Forecaster
 
 
 @dataclass(frozen=True)
-class Reactive(DecidingStrategy):
+class Reactive(SampledStrategy):
     """Acts until the next decision while the observed observable is at or above a level.
 
     Attributes

@@ -10,17 +10,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from burstcast.control.deciding import DecidingStrategy
 from burstcast.control.experiment import ControlExperiment, Schedule
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.horizon import HorizonMonitor
 from burstcast.control.monitors.vote import VoteMonitor
+from burstcast.control.sampled.strategy import SampledStrategy
 from burstcast.control.timing import DecisionTiming
 from burstcast.forecasters.base import Forecaster
 
 
 @dataclass(frozen=True)
-class RecedingHorizon(DecidingStrategy):
+class RecedingHorizon(SampledStrategy):
     """Acts until the next decision while the forecast reaches the threshold in the horizon.
 
     Attributes

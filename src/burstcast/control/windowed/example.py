@@ -10,8 +10,8 @@ import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.control.experiment import ControlExperiment
-from burstcast.control.outcome import SuppressedEvent
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
+from burstcast.control.windowed.outcome import SuppressedEvent
 from burstcast.described import Described
 from burstcast.events import upward_crossings
 from burstcast.forecast.examples import forecast_observable
@@ -46,19 +46,19 @@ class EventUnderControl:
     ]
 
 
-def follow_event(
+def simulate_event(
     chosen: SuppressedEvent | None,
     strategy: PredictionTriggered,
     experiment: ControlExperiment,
     forecaster: Forecaster,
     noise: FloatArray | None,
 ) -> EventUnderControl:
-    """Follow a flow of an experiment once more, and keep its states around a suppressed event.
+    """Simulate a flow of an experiment once more, and keep its states around a suppressed event.
 
     Parameters
     ----------
     chosen
-        The event (`burstcast.control.outcome.largest_suppressed_event`); None: there is none.
+        The event (of `largest_suppressed_event`); None: there is none.
     strategy, experiment
         What the flows of the experiment were controlled by.
     forecaster
@@ -67,7 +67,7 @@ def follow_event(
         Of what it observes, ``(flows, steps, dimension)``; None for none.
     """
     timing, observable = strategy.timing(experiment.schedule), experiment.system.observable
-    start, stop = strategy.actuation(experiment).interval(timing)
+    start, stop = strategy.actuation_interval(experiment.schedule)
     if chosen is None:
         steps = marks = np.empty(0, dtype=np.int64)
         uncontrolled = controlled = np.empty((0, experiment.system.dimension))
@@ -75,7 +75,7 @@ def follow_event(
     else:
         only = slice(chosen.row, chosen.row + 1)
         flow_noise = None if noise is None else noise[only]
-        flow = strategy.follow(
+        flow = strategy.simulate(
             replace(experiment, washouts=experiment.washouts[only]),
             strategy.monitor(experiment, [forecaster]),
             noise=flow_noise,

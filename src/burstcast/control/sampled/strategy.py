@@ -3,16 +3,16 @@
 from dataclasses import dataclass
 
 from burstcast.arrays import FloatArray
-from burstcast.control.decision_outcome import DecisionOutcome, count_decisions
-from burstcast.control.decisions import DecidedFlows, run_decided_flows
 from burstcast.control.experiment import ControlExperiment, Schedule
 from burstcast.control.monitors.base import Monitor
+from burstcast.control.sampled.outcome import DecisionOutcome, count_decisions
+from burstcast.control.sampled.simulation import SampledSimulation, SampledStepper
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.timing import DecisionTiming
 
 
 @dataclass(frozen=True)
-class DecidingStrategy(ControlStrategy):
+class SampledStrategy(ControlStrategy):
     """Switches the actuation on or off at equal intervals.
 
     Attributes
@@ -33,31 +33,20 @@ class DecidingStrategy(ControlStrategy):
         """Steps that a decision looks ahead; 0 if it does not."""
         return 0
 
-    def follow(
-        self,
-        experiment: ControlExperiment,
-        monitor: Monitor,
-        *,
-        noise: FloatArray | None,
-        keep_states: bool = False,
-    ) -> DecidedFlows:
-        """Follow the flows with and without control (see `ControlStrategy.follow`)."""
+    def stepper(self, experiment: ControlExperiment, monitor: Monitor) -> SampledStepper:
+        """How flows go on under decisions at equal intervals (see `ControlStrategy.stepper`)."""
         timing = self.timing(experiment.schedule)
-        return run_decided_flows(
+        return SampledStepper(
             experiment.system,
-            experiment.washouts,
-            monitor,
             experiment.actuated_system,
+            monitor,
             timing,
             experiment.threshold,
-            noise=noise,
-            quiet_starts=experiment.quiet_starts,
-            horizon=self.horizon(timing),
-            keep_states=keep_states,
+            self.horizon(timing),
         )
 
     def outcome(
-        self, flows: DecidedFlows, laminarisation_threshold: float | None, edges: FloatArray
+        self, flows: SampledSimulation, laminarisation_threshold: float | None, edges: FloatArray
     ) -> DecisionOutcome:
         """Count what happened, and how good decisions were (see `ControlStrategy.outcome`)."""
         return count_decisions(flows, laminarisation_threshold, edges)

@@ -6,7 +6,7 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.control.counts import FlowCounts, count_flows, laminarisation, ratio
-from burstcast.control.decisions import DecidedFlows
+from burstcast.control.sampled.simulation import SampledSimulation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,7 +16,7 @@ class DecisionOutcome(FlowCounts):
     A decision is right if the actuation is on and the free flow from the present state would be at
     or above the event threshold within the horizon, or off and it would not. Decisions are counted
     apart by their washout: ``free`` ones saw the free flow alone, ``actuated`` ones some steps
-    under actuation, too, unlike anything in the training data. Where nobody looks ahead all but
+    under actuation, too, unlike anything in the training data. Without a horizon all but
     ``decisions`` and ``alarms`` are zero. Otherwise the eight kinds add up to ``decisions``.
 
     Attributes
@@ -51,7 +51,7 @@ class DecisionOutcome(FlowCounts):
 
 
 def count_decisions(
-    flows: DecidedFlows, laminarisation_threshold: float | None, edges: FloatArray
+    flows: SampledSimulation, laminarisation_threshold: float | None, edges: FloatArray
 ) -> DecisionOutcome:
     """Count what happened in the flows (parameters: `burstcast.control.counts.count_flows`)."""
     counts = laminarisation(flows, laminarisation_threshold).neither

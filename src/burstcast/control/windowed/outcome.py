@@ -16,7 +16,7 @@ from burstcast.control.counts import (
     laminarisation,
     ratio,
 )
-from burstcast.control.flows import ControlledFlows, Forecasts
+from burstcast.control.windowed.simulation import Forecasts, WindowedSimulation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,11 +85,11 @@ class Outcome(FlowCounts):
 
 
 def count_outcome(
-    flows: ControlledFlows, laminarisation_threshold: float | None, edges: FloatArray
+    flows: WindowedSimulation, laminarisation_threshold: float | None, edges: FloatArray
 ) -> Outcome:
     """Count what happened in the flows (parameters as of `count_flows`)."""
     counts = laminarisation(flows, laminarisation_threshold).neither
-    forecasts = flows.forecasts
+    forecasts = flows.decisions
     scored = counts[forecasts.flow]
     true_alarm = forecasts.alarm & forecasts.would_cross & scored
     false_alarm = forecasts.alarm & ~forecasts.would_cross & scored
@@ -122,14 +122,14 @@ def count_outcome(
 _NO_WINDOW, _MISSED, _UNDER_WAY, _TRUE_ALARM, _FALSE_ALARM = range(5)
 
 
-def _windows(flows: ControlledFlows) -> npt.NDArray[np.int8]:
+def _windows(flows: WindowedSimulation) -> npt.NDArray[np.int8]:
     """Kind of the window in which each step of each flow lies, ``(flows, timing.length)``.
 
     A window's first step belongs to the window before it: whoever crosses the threshold in a window
     is below it at the first step.
     """
     timing = flows.timing
-    forecasts = flows.forecasts
+    forecasts = flows.decisions
     kinds = np.full((len(flows), timing.length + timing.window_end), _NO_WINDOW, dtype=np.int8)
     # a last window may begin beyond the last step: its kind matters to nobody
     first_step = np.minimum(forecasts.step + timing.window_start, timing.counted_until)
@@ -146,10 +146,10 @@ def _windows(flows: ControlledFlows) -> npt.NDArray[np.int8]:
     return kinds[:, : timing.length]
 
 
-def _crosses_between_windows(flows: ControlledFlows, upward: BoolArray) -> BoolArray:
+def _crosses_between_windows(flows: WindowedSimulation, upward: BoolArray) -> BoolArray:
     """Whether there is an event between the window of each forecast, if an alarm, and the next."""
     timing = flows.timing
-    forecasts = flows.forecasts
+    forecasts = flows.decisions
     # one entry for each step beyond the end, where nothing counts
     padded = np.pad(upward, ((0, 0), (0, timing.window_end + timing.window_start)))
     ahead = np.arange(timing.window_end + 1, timing.window_end + timing.window_start + 1)
@@ -179,7 +179,7 @@ class SuppressedEvent:
 
 
 def largest_suppressed_event(
-    flows: ControlledFlows, laminarisation_threshold: float | None
+    flows: WindowedSimulation, laminarisation_threshold: float | None
 ) -> SuppressedEvent | None:
     """Find the event that shows best what control does.
 
@@ -202,14 +202,14 @@ def largest_suppressed_event(
     The event, or None if there is none.
     """
     timing, considered = flows.timing, laminarisation(flows, laminarisation_threshold).neither
-    candidates = _first_alarms(flows.forecasts)
+    candidates = _first_alarms(flows.decisions)
     best: SuppressedEvent | None = None
     largest = -np.inf
     for index in candidates:
-        flow, alarm = int(flows.forecasts.flow[index]), int(flows.forecasts.step[index])
+        flow, alarm = int(flows.decisions.flow[index]), int(flows.decisions.step[index])
         controlled, uncontrolled = flows.controlled[flow], flows.uncontrolled[flow]
         stop = alarm + timing.window_end + timing.window_start
-        if not (considered[flow] and flows.forecasts.would_cross[index]):
+        if not (considered[flow] and flows.decisions.would_cross[index]):
             continue
         if stop > timing.counted_until:
             continue
