@@ -55,45 +55,22 @@ class CaseForecaster:
 
 @dataclass(frozen=True)
 class ControlRun:
-    """One run of control: which case, who forecasts, how, and whether alarms are random instead.
-
-    Random alarms belong to a forecaster, too: they come as often as its own. A strategy that does
-    not forecast belongs to none. A committee's forecaster is what its voters have in common
-    (`Campaign.voters`).
-    """
+    """One run of control: a case, its controller, and the plan of control."""
 
     case: str
-    forecaster: CaseForecaster | None
+    controller: ForecasterName
     plan: ControlPlan
-    random: bool = False
-    committee: bool = False
-
-    @property
-    def name(self) -> ForecasterName:
-        """Of who forecasts; "none" if nobody does."""
-        return ForecasterName("none") if self.forecaster is None else self.forecaster.name
-
-    @property
-    def rule(self) -> str:
-        """Rule that makes it."""
-        if self.forecaster is None:
-            return "control_without_forecast"
-        if self.committee:
-            return "control_committee"
-        return "control_random" if self.random else "control"
 
     @property
     def directory(self) -> str:
         """Directory of its files below the results directory."""
-        if self.forecaster is None:
-            return f"{self.case}/control/{self.plan.identifier}"
-        return f"{self.forecaster.directory}/{self.rule}/{self.plan.identifier}"
+        return f"{self.case}/control/{self.controller.identifier}/{self.plan.identifier}"
 
     @property
     def identity(self) -> Settings:
-        """Rule and wildcards of its job, which its files say."""
-        whose = {"case": self.case} if self.forecaster is None else self.forecaster.identity
-        return {"rule": self.rule, **whose, "strategy": self.plan.identifier}
+        """Wildcards of its job, which its files say."""
+        names = {"controller": self.controller.identifier, "strategy": self.plan.identifier}
+        return {"case": self.case, **names}
 
     @property
     def prediction_time_lt(self) -> float | None:
@@ -206,13 +183,17 @@ class Campaign:
         """The paper's control: who controls which case how far ahead; random alarms beside it."""
         control = self.config["control"]
         runs = [
-            ControlRun(one.case, one, paper_plan(time, control["window_lt"]))
+            ControlRun(one.case, one.name, paper_plan(time, control["window_lt"]))
             for one in self._chosen(control["forecasters"])
             if self.cases[one.case]["actuation"] is not None
             for time in self._control_times(one)
         ]
         if control["random_alarms"]:
-            runs += [replace(run, random=True) for run in runs if run.name.kind == "esn"]
+            runs += [
+                replace(run, controller=replace(run.controller, role="random"))
+                for run in runs
+                if run.controller.kind == "esn"
+            ]
         return tuple(runs)
 
     @cached_property
@@ -226,29 +207,32 @@ class Campaign:
         controlled = [case for case in self.case_names if self.cases[case]["actuation"] is not None]
         wanted = block.get("cases") or controlled
         chosen = self._chosen(block.get("forecasters") or {})
-        who: list[tuple[str, CaseForecaster | None]] = [
-            (one.case, one)
+        controllers = [
+            (one.case, one.name)
             for one in chosen
             if block.get("seeds") is None or (one.name.seed or 0) < block["seeds"]
         ]
-        committee = bool(block.get("committee"))
-        if committee:
-            common = [CaseForecaster(one.case, replace(one.name, seed=None)) for one in chosen]
-            who = [(one.case, one) for one in dict.fromkeys(common)]
+        if block.get("committee"):
+            common = [(one.case, replace(one.name, seed=None, role="committee")) for one in chosen]
+            controllers = list(dict.fromkeys(common))
         if not strategy_class(block["strategy"]).forecasts:
-            who = [(case, None) for case in controlled]
-        for case, forecaster in who:
+            controllers = [(case, ForecasterName("none")) for case in controlled]
+        for case, controller in controllers:
             if case in wanted and case in controlled:
                 for plan in block_plans(block):
-                    yield ControlRun(case, forecaster, plan, committee=committee)
+                    yield ControlRun(case, controller, plan)
 
-    def voters(self, case: str, identifier: str) -> tuple[CaseForecaster, ...]:
-        """Forecasters of a committee, by the name of what they have in common.
+    def controlling(self, case: str, identifier: str) -> tuple[CaseForecaster, ...]:
+        """Forecasters that a controller asks.
 
-        ``esn-N2000-RV`` is all networks of that size and strategy. Where it is a single forecaster,
-        the members of its ensemble vote.
+        Those of ``esn-N2000-RV-committee`` are all networks of that size and strategy. Where a
+        committee is a single forecaster, the members of its ensemble vote.
         """
         name = parsed(identifier)
+        if not name.asks_forecasters:
+            return ()
+        if name.role is None:
+            return (CaseForecaster(case, name),)
         return self.select(
             case=case, kind=name.kind, neurons=name.neurons, validation=name.validation
         )
@@ -280,8 +264,8 @@ class Campaign:
         paths
             ``case.`` stands for the job's case, ``forecaster.options`` for its kind's settings
             without ``forecaster.divergence_bound``, which only those read who judge long forecasts
-            (None where the kind has none), ``control.run`` for its plan of control. Kinds that see
-            the truth are given no noise.
+            (None where the kind has none; left out for controllers that ask no forecaster),
+            ``control.run`` for its plan of control. Kinds that see the truth are given no noise.
         wildcards
             Of the job.
         values
@@ -292,11 +276,10 @@ class Campaign:
         KeyError
             If the config has no such setting.
         """
-        found = {
-            path: self._setting(path, wildcards)
-            for path in paths
-            if path != NOISE or not _sees_truth(wildcards.get("forecaster", "esn"))
-        }
+        left_out = {NOISE} if _sees_truth(_name_of(wildcards)) else set()
+        if "controller" in wildcards and not _name_of(wildcards).asks_forecasters:
+            left_out.add("forecaster.options")
+        found = {path: self._setting(path, wildcards) for path in paths if path not in left_out}
         result: Settings = canonical({**found, **values})
         return result
 
@@ -305,14 +288,13 @@ class Campaign:
         if path == "control.run":
             span_lt, noise = self.config["control"]["span_lt"], self.cases[wildcards["case"]]
             run = self.plan(wildcards["strategy"]).record(span_lt, noise["training"]["noise"])
-            if _sees_truth(wildcards.get("forecaster", "esn")):
+            if _sees_truth(_name_of(wildcards)):
                 del run["noise"]
             return run
         if section == "case":
             value: Any = self.cases[wildcards["case"]]
         elif section == "forecaster":
-            kind = parsed(wildcards["forecaster"]).kind
-            options = options_of_kind(kind, self.config["forecasters"])
+            options = options_of_kind(_name_of(wildcards).kind, self.config["forecasters"])
             bound = options.pop("divergence_bound", None)
             return options if rest == ["options"] else bound
         else:
@@ -336,11 +318,12 @@ class Campaign:
         """
         names = dict(wildcards.items())
         cases = [names["case"]] if "case" in names else list(self.case_names)
-        if "forecaster" in names:
-            forecasters = [parsed(names["forecaster"])]
+        if "forecaster" in names or "controller" in names:
+            forecasters = [name for name in [_name_of(names)] if name.asks_forecasters]
         else:
             forecasters = [one.name for one in self.forecasters]
         strategy = [self.plan(names["strategy"]).strategy] if "strategy" in names else []
+        controllers = [parsed(names["controller"]).role or "forecaster"] if strategy else []
         strategies = names.get("strategies")
         validations = (
             strategies.split("+") if strategies else {one.validation for one in forecasters}
@@ -348,6 +331,7 @@ class Campaign:
         return {
             "burstcast.systems": sorted({self.cases[case]["system"] for case in cases}),
             "burstcast.forecasters": sorted({one.kind for one in forecasters}),
+            "burstcast.control.controllers": controllers,
             "burstcast.control.strategies": strategy,
             "burstcast.tuning.strategies": sorted(
                 module_of(name).rpartition(".")[2] for name in validations if name
@@ -372,7 +356,11 @@ class Campaign:
         return [
             {
                 "identity": run.identity,
-                "keys": {**self._keys_of(run), "prediction_time_lt": run.prediction_time_lt},
+                "keys": {
+                    **self.case_keys(run.case),
+                    **run.controller.keys,
+                    "prediction_time_lt": run.prediction_time_lt,
+                },
             }
             for run in runs
         ]
@@ -389,19 +377,14 @@ class Campaign:
                 ["control.run"], {"case": run.case, "strategy": run.plan.identifier}, {}
             )["control.run"]
             keys = {
-                **self._keys_of(run),
+                **self.case_keys(run.case),
+                **run.controller.keys,
                 "strategy": run.plan.strategy,
                 **{name: record["settings"].get(name) for name in names},
                 **{name: record[name] for name in CONDITIONS},
             }
             records.append({"identity": run.identity, "keys": keys})
         return records
-
-    def _keys_of(self, run: ControlRun) -> Settings:
-        keys = {**self.case_keys(run.case), **run.name.keys}
-        if run.committee:
-            return {**keys, "forecaster": f"{run.name.kind}_committee"}
-        return {**keys, "forecaster": "random"} if run.random else keys
 
     def case_keys(self, case: str) -> Settings:
         """Key columns of a case in tables."""
@@ -521,11 +504,15 @@ class Campaign:
         return reservoir, "+".join(SHARED_SCAN) if shared else str(name.validation)
 
 
+def _name_of(wildcards: Mapping[str, str]) -> ForecasterName:
+    """Forecaster or controller of a job."""
+    return parsed(wildcards.get("forecaster") or wildcards.get("controller") or "none")
+
+
 @cache
-def _sees_truth(forecaster: str) -> bool:
-    kind = parsed(forecaster).kind
+def _sees_truth(name: ForecasterName) -> bool:
     # networks, which do not, take long to import
-    return kind != "esn" and forecaster_class(kind).sees_truth
+    return name.asks_forecasters and name.kind != "esn" and forecaster_class(name.kind).sees_truth
 
 
 @cache

@@ -7,7 +7,7 @@ depend on the machine. `burstcast_workflow.cost_report` compares predictions wit
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -165,11 +165,11 @@ def _test_series(campaign: Campaign, case: str) -> float:
     return float(max(0, min(record["test_series"], left)))
 
 
-def _control_committee(job: _Job) -> tuple[float, float]:
-    if job.name.kind == "esn":
-        networks = len(job.campaign.voters(job.case, job.name.identifier))
-        return job.flows, networks * job.alarms * (job.start_up + job.reach)
-    return job.flows, job.alarms * (job.start_up + job.members * job.reach)
+def _forecasts_of_control(job: _Job) -> tuple[float, float]:
+    """Forecasts that raise alarms: of one forecaster, several networks, or a filter's members."""
+    voters = job.campaign.controlling(job.case, job.name.identifier)
+    members = job.members if job.name.role == "committee" else 1
+    return job.flows, len(voters) * job.alarms * (job.start_up + members * job.reach)
 
 
 def _horizon(job: _Job) -> tuple[float, float]:
@@ -190,8 +190,8 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
     # steps of the equations: the ensemble with its transient, flows with control and without
     "integration": lambda job: (job.series, job.stride * (job.samples + job.transient)),
     "tangent": lambda job: (min(job("case.lyapunov.series"), job.series), job.stride * job.samples),
-    "control_random": lambda job: (job.flows, 3 * job.stride * (job.reach + job.span)),
-    "control_without_forecast": lambda job: (job.flows, 3 * job.stride * job.span),
+    # with their counterfactuals
+    "controlled flows": lambda job: (job.flows, 3 * job.stride * (job.reach + job.span)),
     # steps of a forecaster: a few forecasts, as for a figure, where it is not known better
     "closed_loop": lambda job: (64, job.start_up + job.steps("horizon.longest_lead_time_lt")),
     "forecast": _forecast,
@@ -200,8 +200,7 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
     "calibration_member_forecast": _calibration_member_forecast,
     "horizon": _horizon,
     "long_term": _long_term,
-    "control": lambda job: (job.flows, job.alarms * (job.start_up + job.reach)),
-    "control_committee": _control_committee,
+    "control": _forecasts_of_control,
 }
 
 # What a class takes: start-up, work, numbers held.
@@ -261,9 +260,11 @@ def _spectrum(job: _Job) -> _Account:
 
 
 def _control(job: _Job) -> _Account:
-    """Forecasts that raise alarms, and flows as with alarms at random."""
+    """Flows with and without control, and the forecasts that raise alarms."""
+    plain, of_flows, held_by_flows = _integration(job, stage="controlled flows")
+    if not job.name.asks_forecasters:
+        return plain, of_flows, held_by_flows
     start_up, work, held = _closed_loop(job, "control")
-    _, of_flows, held_by_flows = _integration(job, stage="control_random")
     return start_up, _together(work, of_flows), held + held_by_flows
 
 
@@ -352,9 +353,10 @@ class CostModel:
     def predicted(self, cost_class: str, stage: str, wildcards: Mapping[str, str]) -> Cost:
         """Predict what a job takes; a stage that is not known here is like others of its class."""
         names = dict(wildcards.items())
-        name = parsed(names.pop("forecaster", "") or names.pop("reservoir", "none"))
+        whose = [names.pop(key, "") for key in ("forecaster", "controller", "reservoir")]
+        name = parsed(next(filter(None, whose), "none"))
         # asked for every job of a large campaign, several times: networks differ only by their seed
-        forecaster = f"{name.kind}-{name.neurons}-{name.validation}"
+        forecaster = replace(name, seed=None).identifier
         key = (cost_class, stage, forecaster, *names.values())
         if key not in self._known:
             job = _Job(self._campaign, stage, names, name)

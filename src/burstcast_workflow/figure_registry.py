@@ -46,9 +46,13 @@ def long_term_candidates(campaign: Campaign, case: str) -> list[CaseForecaster]:
     return [one for one in networks if one.name.validation == shown]
 
 
+def _by_network(run: ControlRun) -> bool:
+    return run.controller.kind == "esn" and run.controller.role is None
+
+
 def _network_runs(campaign: Campaign) -> list[ControlRun]:
     """The paper's control by networks."""
-    return [run for run in campaign.control_runs if not run.random and run.name.kind == "esn"]
+    return [run for run in campaign.control_runs if _by_network(run)]
 
 
 def control_example(campaign: Campaign) -> ControlRun | None:
@@ -58,13 +62,14 @@ def control_example(campaign: Campaign) -> ControlRun | None:
     """
     time = campaign.config["figures"]["control_prediction_time_lt"]
     runs = [run for run in _network_runs(campaign) if run.prediction_time_lt == time]
-    own = [run for run in runs if run.forecaster == campaign.example]
+    example = campaign.example
+    own = [run for run in runs if (run.case, run.controller) == (example.case, example.name)]
     return next(iter([*own, *runs]), None)
 
 
 def _control_kind(campaign: Campaign, case: str) -> dict[str, Any]:
     """Size and validation strategy that the figures of control show for a case."""
-    names = [run.name for run in _network_runs(campaign) if run.case == case]
+    names = [run.controller for run in _network_runs(campaign) if run.case == case]
     kinds = [{"neurons": name.neurons, "validation": name.validation} for name in names]
     wanted = {
         "neurons": campaign.config["figures"]["fixed_neurons"],
@@ -89,9 +94,7 @@ def _panels(campaign: Campaign, case: str) -> list[dict[str, Any]]:
 def _frontier_network(campaign: Campaign, case: str) -> dict[str, Any] | None:
     """Network whose control by all strategies is shown: the example's, or else the first one."""
     names = [
-        run.name
-        for run in campaign.strategy_runs
-        if run.case == case and run.name.kind == "esn" and not run.committee
+        run.controller for run in campaign.strategy_runs if run.case == case and _by_network(run)
     ]
     name = next((name for name in names if name == campaign.example.name), next(iter(names), None))
     return None if name is None else name.keys

@@ -1,7 +1,9 @@
-"""What forecasters are called: one identifier in paths, tables, figures and messages.
+"""Identifiers of forecasters and controllers in paths, tables, figures and messages.
 
-An identifier is the kind, and then what tells forecasters of a kind apart: ``equations``,
-``esn-N2000-RV-seed3``. Kinds are modules of `burstcast.forecasters`.
+An identifier of a forecaster is the kind, and then what tells forecasters of a kind apart:
+``equations``, ``esn-N2000-RV-seed3``. Kinds are modules of `burstcast.forecasters`. A controller is
+a forecaster, ``none``, random alarms beside a forecaster (``esn-N2000-RV-seed3-random``) or a
+committee (``esn-N2000-RV-committee``).
 """
 
 import re
@@ -13,12 +15,13 @@ KEYS = ("case", "reynolds", "forecaster", "neurons", "validation", "seed")
 
 _PATTERN = re.compile(
     r"(?P<kind>[a-z][a-z0-9_]*)(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
+    r"(-(?P<role>committee|random))?"
 )
 
 
 @dataclass(frozen=True)
 class ForecasterName:
-    """Which forecaster it is, whatever its case: None for what does not apply to its kind.
+    """Name of a forecaster or controller, whatever its case: None for what does not apply to it.
 
     Attributes
     ----------
@@ -26,12 +29,20 @@ class ForecasterName:
         Module of `burstcast.forecasters`.
     neurons, validation, seed
         Of a network.
+    role
+        Of a controller that is no single forecaster: a module of `burstcast.control.controllers`.
     """
 
     kind: str
     neurons: int | None = None
     validation: str | None = None
     seed: int | None = None
+    role: str | None = None
+
+    @property
+    def asks_forecasters(self) -> bool:
+        """Whether a forecaster has to be there for it."""
+        return self.kind != "none" and self.role != "random"
 
     @property
     def identifier(self) -> str:
@@ -43,6 +54,7 @@ class ForecasterName:
                 ("N", self.neurons),
                 ("", self.validation),
                 ("seed", self.seed),
+                ("", self.role),
             )
             if value is not None
         ]
@@ -52,7 +64,9 @@ class ForecasterName:
     def keys(self) -> dict[str, Any]:
         """Its key columns in tables."""
         return {
-            "forecaster": self.kind,
+            "forecaster": {"committee": f"{self.kind}_committee", "random": "random"}.get(
+                self.role or "", self.kind
+            ),
             "neurons": self.neurons,
             "validation": self.validation,
             "seed": self.seed,
@@ -83,4 +97,4 @@ def parsed(identifier: str) -> ForecasterName:
     neurons, seed = (
         None if match[name] is None else int(match[name]) for name in ("neurons", "seed")
     )
-    return ForecasterName(match["kind"], neurons, match["validation"], seed)
+    return ForecasterName(match["kind"], neurons, match["validation"], seed, match["role"])

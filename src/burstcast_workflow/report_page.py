@@ -229,7 +229,7 @@ def _kinds(campaign: Campaign) -> dict[str, str]:
     found = {
         kind: (inspect.getdoc(module) or "").split("\n")[0] for kind, module in modules.items()
     }
-    if any(run.random for run in campaign.control_runs):
+    if any(run.controller.role == "random" for run in campaign.control_runs):
         found["random"] = "Control by alarms at random, as often as those of the network."
     return found
 

@@ -182,10 +182,16 @@ class Stages:
             return [self.in_results(f"{data['case']}/ensemble.nc")]
         return [local(path) for path in data_files(data)]
 
-    def voters_of_job(self, wildcards: Any) -> Paths:
-        """The forecasters of a committee."""
-        voters = self.campaign.voters(wildcards.case, wildcards.forecaster)
-        return self.of_forecasters("forecaster.nc", voters)
+    def controlling(self, wildcards: Any) -> Paths:
+        """Forecasters that the controller of a job asks."""
+        asked = self.campaign.controlling(wildcards.case, wildcards.controller)
+        return self.of_forecasters("forecaster.nc", asked)
+
+    def matched_counts(self, wildcards: Any) -> Paths:
+        """Counts of the forecaster's own control, as often as which random alarms are raised."""
+        forecaster, _, role = wildcards.controller.rpartition("-")
+        own = f"{wildcards.case}/control/{forecaster}/{wildcards.strategy}/counts.json"
+        return self.in_results(own if role == "random" else [])
 
     # -- event thresholds --------------------------------------------------------------------------
 

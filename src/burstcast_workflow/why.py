@@ -175,7 +175,8 @@ def new_values(
 def _dimensions(identity: Identity) -> dict[str, Any]:
     """An identity by what tells jobs apart: the parts of a forecaster's name one by one."""
     found = {name: value for name, value in identity.items() if name in _DIMENSIONS}
-    if name := identity.get("forecaster") or identity.get("reservoir"):
+    whose = (identity.get(name) for name in ("forecaster", "controller", "reservoir"))
+    if name := next(filter(None, whose), None):
         keys = parsed(name).keys
         found |= {**keys, "kind": keys["forecaster"]}
     return found

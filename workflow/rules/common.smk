@@ -81,6 +81,7 @@ if workflow.is_main_process:
 wildcard_constraints:
     case=r"[A-Za-z][A-Za-z0-9_.-]*",
     forecaster=r"[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*",
+    controller=r"[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*",
     reservoir=r"esn-N\d+-seed\d+",
     strategies=r"[A-Z]+(\+[A-Z]+)*",
     strategy=r"[a-z][A-Za-z0-9_.+-]*",

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from burstcast import durations
-from burstcast.control.committee import VOTE_SHARE, votes
+from burstcast.control.controllers.committee import VOTE_SHARE, votes
 from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.discovery import module_file

@@ -1,11 +1,10 @@
-"""What the control scripts share: the experiment of a case, and the record of what came of it."""
+"""Runs of control: what the scripts of control set up, and the files of the outcome."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from burstcast.control.followed import FollowedFlows
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
@@ -19,14 +18,17 @@ from burstcast.control.experiment import (
 )
 from burstcast.control.records import Span, record_flows
 from burstcast.control.scores import SCORES
+from burstcast.control.simulation import ControlSimulation
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
 from burstcast.control.timing import Clock
 from burstcast.dataset import component_scales
+from burstcast.forecasters.base import Forecaster
 from burstcast.netcdf import Variable, read_rows
 from burstcast.units import NUMBER, OBSERVABLE, POWER
 from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
 from burstcast_workflow.jobs.bins import edges_of
+from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.systems import equations_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -36,9 +38,41 @@ Settings = Mapping[str, Any]
 _ENERGIES = ("input", "dissipation")
 
 
-def control_strategy(settings: Settings) -> ControlStrategy:
-    """The strategy of a job."""
-    return make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
+@dataclasses.dataclass(frozen=True)
+class ControlSetup:
+    """A run of control before it begins.
+
+    Attributes
+    ----------
+    strategy, experiment
+        How what is controlled.
+    forecasters
+        Forecasters that are asked.
+    noise
+        Observation noise, ``(flows, steps, dimension)``; None for forecasters that see the truth.
+    """
+
+    strategy: ControlStrategy
+    experiment: ControlExperiment
+    forecasters: list[Forecaster]
+    noise: FloatArray | None
+
+
+def control_setup(
+    settings: Settings,
+    ensemble: str,
+    summary: str,
+    time_unit: str | Sequence[str],
+    forecasters: Sequence[str],
+) -> ControlSetup:
+    """Set up a job of control from its settings and inputs."""
+    strategy = make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
+    experiment = control_experiment(settings, ensemble, summary, time_unit)
+    asked = [read_forecaster(path, settings, time_unit) for path in forecasters]
+    noise = None
+    if not any(forecaster.sees_truth for forecaster in asked):
+        noise = control_noise(settings, ensemble, experiment, strategy.timing(experiment.schedule))
+    return ControlSetup(strategy, experiment, asked, noise)
 
 
 def control_experiment(
@@ -102,21 +136,20 @@ def control_noise(
 
 def write_control(
     files: tuple[str, str, str],
-    strategy: ControlStrategy,
-    experiment: ControlExperiment,
-    followed: FollowedFlows,
+    setup: ControlSetup,
+    simulation: ControlSimulation[Any, Any],
     settings: Settings,
     provenance: Mapping[str, str],
 ) -> None:
-    """Write what came of it: counts (JSON), histograms and records of the flows (NetCDF)."""
+    """Write the outcome: counts (JSON), histograms and records of the flows (NetCDF)."""
     counts, histograms, flows = files
     laminarisation_threshold = settings["case.laminarisation_threshold"]
     edges = edges_of(settings["case.controlled_density"])
-    outcome = strategy.outcome(followed, laminarisation_threshold, edges)
+    outcome = setup.strategy.outcome(simulation, laminarisation_threshold, edges)
     _write_counts(counts, outcome, provenance)
     _write_histograms(histograms, outcome, provenance)
-    timing = followed.timing
-    records = record_flows(followed, laminarisation_threshold)
+    timing = simulation.timing
+    records = record_flows(simulation, laminarisation_threshold)
     span = Span(
         steps=timing.span_steps,
         integration_steps=timing.span_steps * timing.sampling_stride,
@@ -134,7 +167,7 @@ def write_control(
     }
     series = Variable(
         ("flow",),
-        experiment.series.start + records.row,
+        setup.experiment.series.start + records.row,
         NUMBER,
         "row of the series in the ensemble",
     )

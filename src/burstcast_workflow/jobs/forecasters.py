@@ -64,13 +64,14 @@ def read_forecaster(
     path
         The file.
     settings
-        With system, time, ``forecaster.options`` and the job's ``forecaster``.
+        With system, time, ``forecaster.options``, and the job's ``forecaster`` or controller.
     time_unit
         The job's input of that name.
     divergence_bound
         Setting of that name, where it is asked whether forecasts have diverged.
     """
-    kind = forecaster_class(parsed(settings["forecaster"]).kind)
+    name = settings.get("forecaster") or settings["controller"]
+    kind = forecaster_class(parsed(name).kind)
     record = ForecasterRecord(read_netcdf(path), read_attributes(path))
     case = forecasting_case(settings, time_unit)
     options = {**case.options, "divergence_bound": divergence_bound}

@@ -1,14 +1,11 @@
-"""Control the flow of a case by a strategy that asks a forecaster."""
+"""Control the flow of a case: by a forecaster, several, or none, or by alarms at random."""
 
+from burstcast.control.controllers.registry import controlling_monitor
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.control import (
-    control_experiment,
-    control_noise,
-    control_strategy,
-    write_control,
-)
-from burstcast_workflow.jobs.forecasters import read_forecaster
+from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.identifiers import parsed
+from burstcast_workflow.jobs.control import control_setup, write_control
 
 
 def control(
@@ -16,22 +13,27 @@ def control(
     ensemble: str,
     summary: str,
     time_unit: str | list[str],
-    forecaster: str,
+    forecasters: list[str],
+    matched: str | list[str],
     counts: str,
     histograms: str,
     flows: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
-    """Write what control by a forecaster achieved."""
-    experiment = control_experiment(settings, ensemble, summary, time_unit)
-    strategy, who = control_strategy(settings), read_forecaster(forecaster, settings, time_unit)
-    noise = None
-    if not who.sees_truth:
-        noise = control_noise(settings, ensemble, experiment, strategy.timing(experiment.schedule))
-    followed = strategy.follow(experiment, strategy.monitor(experiment, [who]), noise=noise)
-    files = counts, histograms, flows
-    write_control(files, strategy, experiment, followed, settings, provenance)
+    """Write what control achieved; random alarms are as frequent as those counted in `matched`."""
+    setup = control_setup(settings, ensemble, summary, time_unit, forecasters)
+    controller = parsed(settings["controller"])
+    monitor = controlling_monitor(
+        controller.role or "forecaster",
+        setup.strategy,
+        setup.experiment,
+        setup.forecasters,
+        alarm_rate=read_json(matched)["alarm_rate"] or 0.0 if isinstance(matched, str) else 0.0,
+        seed=controller.seed or 0,
+    )
+    simulation = setup.strategy.simulate(setup.experiment, monitor, noise=setup.noise)
+    write_control((counts, histograms, flows), setup, simulation, settings, provenance)
 
 
 if __name__ == "__main__":

@@ -2,9 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.monitors.base import Monitor
 
@@ -44,23 +41,3 @@ class RandomMonitor(Monitor):
         """Compare the flows' own random numbers with the probability (see `Monitor.alarms`)."""
         alarms: BoolArray = self.draws[rows, forecast_number] < self.alarm_probability
         return alarms
-
-
-def random_draws(series: range, forecasts: int, root_seed: int, case: str, seed: int) -> FloatArray:
-    """Random numbers of a `RandomMonitor`, ``(flows, forecasts)``.
-
-    Parameters
-    ----------
-    series
-        Rows of the flows' series in the ensemble: each has a random stream of its own.
-    forecasts
-        Most forecasts of a flow (`Timing.most_forecasts`).
-    root_seed, case, seed
-        Names of the random stream: the case, and the seed of the network that is compared with.
-    """
-    return np.stack(
-        [
-            random_streams.stream(root_seed, "random alarms", case, seed, row).random(forecasts)
-            for row in series
-        ]
-    )

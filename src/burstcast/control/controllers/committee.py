@@ -24,24 +24,22 @@ def votes(strategy: type[ControlStrategy]) -> bool:
     return VOTE_SHARE in (field.name for field in fields(cast(Any, strategy)))
 
 
-def committee_monitor(
-    strategy: ControlStrategy, experiment: ControlExperiment, forecasters: Sequence[Forecaster]
+def monitor(
+    strategy: ControlStrategy,
+    experiment: ControlExperiment,
+    forecasters: Sequence[Forecaster],
+    alarm_rate: float,
+    seed: int,
 ) -> Monitor:
-    """Who raises alarms where a committee controls.
+    """Return the monitor of a committee.
 
-    Parameters
-    ----------
-    strategy
-        With a ``vote_share``. One network is a committee of one: it decides, whatever the share.
-    experiment
-        What is controlled.
-    forecasters
-        Several, each with a vote of its own; or a single one whose ensemble votes.
+    One network is a committee of one: it decides, whatever the share of the vote. A single
+    forecaster with an ensemble leaves the vote to the members of its ensemble.
 
     Raises
     ------
     TypeError
-        If the strategy does not let anybody vote.
+        If the strategy has no share of a vote.
     """
     if not votes(type(strategy)):
         raise TypeError(f"{type(strategy).__name__} has no {VOTE_SHARE}")
@@ -50,5 +48,5 @@ def committee_monitor(
         return strategy.monitor(experiment, forecasters)
     # of a forecaster, monitors use what this has
     members = MemberForecasts(cast(EnsembleForecaster, first))
-    monitor = strategy.monitor(experiment, [cast(Forecaster, members)])
-    return MembersMonitor(monitor, getattr(strategy, VOTE_SHARE))
+    each = strategy.monitor(experiment, [cast(Forecaster, members)])
+    return MembersMonitor(each, getattr(strategy, VOTE_SHARE))

@@ -1,0 +1,47 @@
+"""Controllers by name: who raises the alarms in a run of control.
+
+The module ``burstcast.control.controllers.<name>`` has a function ``monitor`` with the arguments of
+`controlling_monitor` after the name. A new controller is one new module.
+"""
+
+from collections.abc import Sequence
+
+import burstcast.control.controllers
+from burstcast.control.experiment import ControlExperiment
+from burstcast.control.monitors.base import Monitor
+from burstcast.control.strategies.base import ControlStrategy
+from burstcast.discovery import imported
+from burstcast.forecasters.base import Forecaster
+
+
+def controlling_monitor(
+    name: str,
+    strategy: ControlStrategy,
+    experiment: ControlExperiment,
+    forecasters: Sequence[Forecaster],
+    alarm_rate: float = 0.0,
+    seed: int = 0,
+) -> Monitor:
+    """Make the monitor of a controller.
+
+    Parameters
+    ----------
+    name
+        Module of `burstcast.control.controllers`: "forecaster", "committee", "random".
+    strategy, experiment
+        How what is controlled.
+    forecasters
+        One; several in a committee of networks; none where no forecaster is asked.
+    alarm_rate
+        Share of looks at which random alarms are raised.
+    seed
+        Name of the stream of random alarms.
+
+    Raises
+    ------
+    TypeError
+        If a committee is to control by a strategy without votes.
+    """
+    module = imported(f"{burstcast.control.controllers.__name__}.{name}")
+    monitor: Monitor = module.monitor(strategy, experiment, forecasters, alarm_rate, seed)
+    return monitor
