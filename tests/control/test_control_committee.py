@@ -1,5 +1,6 @@
 """Control by a vote, against members that are asked one by one."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,8 +11,11 @@ from test_control_decisions import FLOW
 from test_control_strategies import EQUATIONS, SETTINGS, experiment
 
 from burstcast.arrays import FloatArray
-from burstcast.control.committee import committee_monitor, votes
+from burstcast.control.controllers.committee import votes
+from burstcast.control.controllers.registry import controlling_monitor
+from burstcast.control.experiment import ControlExperiment
 from burstcast.control.monitors import members as members_module
+from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.members import MemberForecasts, MembersMonitor
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import (
@@ -19,6 +23,7 @@ from burstcast.control.strategies.registry import (
     make_strategy,
     strategy_class,
 )
+from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from helpers_forecasters import MadeUpForecaster
@@ -42,6 +47,12 @@ class Biased(MadeUpForecaster):
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         return EQUATIONS.advance(memory, steps)
+
+
+def committee(
+    chosen: ControlStrategy, given: ControlExperiment, forecasters: Sequence[Forecaster]
+) -> Monitor:
+    return controlling_monitor("committee", chosen, given, forecasters)
 
 
 def filtered() -> FilteredEquations:
@@ -72,7 +83,7 @@ def test_the_strategies_that_let_vote() -> None:
     given = experiment(2)
     reactive = make_strategy("reactive", SETTINGS["reactive"])
     with pytest.raises(TypeError, match="Reactive has no vote_share"):
-        committee_monitor(reactive, given, [EQUATIONS, EQUATIONS])
+        committee(reactive, given, [EQUATIONS, EQUATIONS])
 
 
 @pytest.mark.parametrize("name", VOTING)
@@ -82,7 +93,7 @@ def test_a_committee_of_one_is_that_one(name: str, share: float) -> None:
     chosen = strategy(name, share)
     noise = np.random.default_rng(1).normal(scale=1e-3, size=(6, 200, 9))
     alone = make_strategy(name, SETTINGS[name])
-    followed = chosen.simulate(given, committee_monitor(chosen, given, [Biased(1.02)]), noise=noise)
+    followed = chosen.simulate(given, committee(chosen, given, [Biased(1.02)]), noise=noise)
     expected = alone.simulate(given, alone.monitor(given, [Biased(1.02)]), noise=noise)
     assert expected.actuated.any()
     np.testing.assert_array_equal(followed.controlled, expected.controlled)
@@ -103,7 +114,7 @@ def test_networks_vote_by_their_share(name: str) -> None:
     assert len(set(count)) > 2
     for needed in range(1, 5):
         chosen = strategy(name, needed / 4)
-        found = asked(committee_monitor(chosen, given, forecasters), washout)
+        found = asked(committee(chosen, given, forecasters), washout)
         assert found == (count >= needed).tolist()
 
 
@@ -121,14 +132,16 @@ def test_members_of_a_filter_vote_by_their_share(name: str) -> None:
             count[flow] += holds_event(name, observable, 0.05)
     assert any(0 < votes < 18 for votes in count)
     for share, needed in ((1 / 18, 1), (0.25, 5), (0.5, 9), (1.0, 18)):
-        monitor = committee_monitor(strategy(name, share), given, [forecaster])
+        monitor = committee(strategy(name, share), given, [forecaster])
         assert isinstance(monitor, MembersMonitor)
         assert asked(monitor, washout) == (count >= needed).tolist()
 
 
 def test_members_of_many_flows_are_asked_a_few_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     given = replace(experiment(12), threshold=0.05)
-    monitor = committee_monitor(strategy("receding_horizon", 0.5), given, [filtered()])
+    monitor = controlling_monitor(
+        "committee", strategy("receding_horizon", 0.5), given, [filtered()]
+    )
     washout = washouts(12, NOISE)
     together = asked(monitor, washout)
     assert 0 < sum(together) < 12

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from burstcast import dataset, random_streams
+from burstcast import dataset
 from burstcast.control.experiment import controlled_series, observation_noise
-from burstcast.control.monitors.random import random_draws
 
 SCALES = dataset.Scales(np.array([1.0, 10.0]), np.ones(2))
 
@@ -22,10 +21,3 @@ def test_the_noise_of_a_flow_is_that_of_its_series_and_not_the_one_of_the_data()
     silence = np.zeros((4, 6, 2))
     observed = dataset.observed_series(silence, 10, 0.01, SCALES, 2022, "Re400")
     assert (noise != observed).all()
-
-
-def test_random_draws_have_a_stream_for_each_flow() -> None:
-    draws = random_draws(range(10, 14), 5, 2022, "Re400", 3)
-    assert draws.shape == (4, 5)
-    stream = random_streams.stream(2022, "random alarms", "Re400", 3, 12)
-    np.testing.assert_array_equal(draws[2], stream.random(5))

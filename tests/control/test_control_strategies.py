@@ -10,6 +10,7 @@ from test_control_decisions import FLOW, RAISED, turbulent_washouts
 from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import actuation_interval
+from burstcast.control.controllers.registry import controlling_monitor
 from burstcast.control.experiment import ControlExperiment, Schedule
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.forecast import ForecastMonitor
@@ -263,6 +264,17 @@ def test_several_forecasters_vote() -> None:
         monitor = strategy.monitor(given, [quiet, event, event])
         assert isinstance(monitor, VoteMonitor)
         assert (len(monitor.members), monitor.share) == (3, 0.5)
+
+
+def test_random_alarms_have_a_stream_for_each_flow() -> None:
+    given, strategy = experiment(4), PredictionTriggered(1.0, 1.0)
+    monitor = controlling_monitor("random", strategy, given, [], alarm_rate=0.4, seed=3)
+    looks = strategy.timing(given.schedule).most_forecasts
+    for row in range(4):
+        stream = random_streams.stream(7, "random alarms", "Re400", 3, 10 + row)
+        for number, value in enumerate(stream.random(looks)):
+            said = monitor.alarms(np.array([row]), np.array([number]), np.zeros((1, 1, 1)))
+            assert said.tolist() == [value < 0.4]
 
 
 def test_random_decisions_have_a_stream_for_each_flow() -> None:

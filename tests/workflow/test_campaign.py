@@ -2,6 +2,7 @@
 
 import copy
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -100,37 +101,39 @@ def test_choices_name_kinds_and_may_restrict_their_axes():
 def test_who_controls_in_the_paper():
     runs = PAPER.control_runs
     assert len(runs) == len(set(runs))
-    by_networks = [run for run in runs if run.forecaster.name.kind == "esn" and not run.random]
-    assert {run.forecaster.name for run in by_networks} == {
+    by_networks = [run for run in runs if run.controller.kind == "esn" and not run.controller.role]
+    assert {run.controller for run in by_networks} == {
         ForecasterName("esn", 2000, "RV", seed) for seed in range(10)
     }
     assert {run.prediction_time_lt for run in runs} == {1, 2}
     # one run of random alarms for each run of a network, and none for the equations
-    assert {(run.forecaster, run.prediction_time_lt) for run in runs if run.random} == {
-        (run.forecaster, run.prediction_time_lt) for run in by_networks
+    assert {run for run in runs if run.controller.role} == {
+        replace(run, controller=replace(run.controller, role="random")) for run in by_networks
     }
-    equations = [run for run in runs if run.forecaster.name.kind == "equations"]
+    equations = [run for run in runs if run.controller.kind == "equations"]
     assert len(equations) == 4 * 2
     directories = {run.directory for run in runs}
     paper = "prediction_triggered-prediction_time1-window1"
-    assert f"Re400/esn-N2000-RV-seed3/control/{paper}" in directories
-    assert f"Re400/esn-N2000-RV-seed3/control_random/{paper}" in directories
-    assert f"Re1000/equations/control/{paper.replace('time1', 'time2')}" in directories
+    assert f"Re400/control/esn-N2000-RV-seed3/{paper}" in directories
+    assert f"Re400/control/esn-N2000-RV-seed3-random/{paper}" in directories
+    assert f"Re1000/control/equations/{paper.replace('time1', 'time2')}" in directories
     assert PAPER.strategy_runs == runs
 
 
 def test_random_alarms_can_be_switched_off():
     found = campaign({"control": {"random_alarms": False}})
-    assert found.control_runs == tuple(run for run in PAPER.control_runs if not run.random)
+    assert found.control_runs == tuple(
+        run for run in PAPER.control_runs if run.controller.role is None
+    )
 
 
 def test_the_sweep_adds_prediction_times_for_the_first_seeds():
     found = campaign({"control": {"sweep": {"cases": ["Re400"], "seeds": 1}}})
     more = set(found.control_runs) - set(PAPER.control_runs)
     assert {run.prediction_time_lt for run in more} == {3, 4, 5}
-    assert {run.forecaster.directory for run in more} == {
-        "Re400/esn-N2000-RV-seed0",
-        "Re400/equations",
+    assert {run.case for run in more} == {"Re400"}
+    assert {run.controller.identifier for run in more} == {
+        *("esn-N2000-RV-seed0", "esn-N2000-RV-seed0-random", "equations")
     }
     assert set(PAPER.control_runs) < set(found.control_runs)
 
@@ -155,28 +158,29 @@ def test_committees_control_as_one():
     runs = set(found.strategy_runs) - set(found.control_runs)
     plan = "receding_horizon-decision_interval0.25-horizon2-vote_share"
     assert {run.directory for run in runs} == {
-        f"Re400/{who}/control_committee/{plan}{share}"
+        f"Re400/control/{who}-committee/{plan}{share}"
         for who in ("esn-N2000-RV", "quadratic_filtered")
         for share in ("0.1", "1")
     }
     records = found.strategy_keys(sorted(runs, key=lambda run: run.directory))
-    assert records[0]["identity"] == {
-        "rule": "control_committee",
+    wildcards = {
         "case": "Re400",
-        "forecaster": "esn-N2000-RV",
+        "controller": "esn-N2000-RV-committee",
         "strategy": f"{plan}0.1",
     }
+    assert records[0]["identity"] == wildcards
     keys = records[0]["keys"]
     assert (keys["forecaster"], keys["neurons"], keys["seed"]) == ("esn_committee", 2000, None)
     assert keys["vote_share"] == 0.1
     assert records[-1]["keys"]["forecaster"] == "quadratic_filtered_committee"
-    networks = [one.name.identifier for one in found.voters("Re400", "esn-N2000-RV")]
+    networks = [one.name.identifier for one in found.controlling("Re400", "esn-N2000-RV-committee")]
     assert networks == [f"esn-N2000-RV-seed{seed}" for seed in range(3)]
-    (alone,) = found.voters("Re400", "quadratic_filtered")
+    (alone,) = found.controlling("Re400", "quadratic_filtered-committee")
     assert alone.directory == "Re400/quadratic_filtered"
     # a job of a committee is about the kind of those who vote
-    wildcards = {"case": "Re400", "forecaster": "esn-N2000-RV", "strategy": f"{plan}0.1"}
-    assert found.modules(wildcards)["burstcast.forecasters"] == ["esn"]
+    modules = found.modules(wildcards)
+    assert modules["burstcast.forecasters"] == ["esn"]
+    assert modules["burstcast.control.controllers"] == ["committee"]
     assert found.settings(["control.run"], wildcards, {})["control.run"]["noise"] == 0.01
 
 
@@ -338,6 +342,7 @@ def test_modules_that_a_job_is_about(wildcards, kinds, strategies):
     assert PAPER.modules(wildcards) == {
         "burstcast.systems": ["mfe"],
         "burstcast.forecasters": kinds,
+        "burstcast.control.controllers": [],
         "burstcast.control.strategies": [],
         "burstcast.tuning.strategies": strategies,
     }
@@ -380,10 +385,10 @@ def test_keys_of_the_tables():
 
 def test_keys_of_control_tell_random_alarms_apart():
     found = {
-        (record["identity"]["rule"], record["keys"]["forecaster"])
+        (parsed(record["identity"]["controller"]).role, record["keys"]["forecaster"])
         for record in PAPER.control_keys(PAPER.control_runs)
     }
-    assert found == {("control", "esn"), ("control", "equations"), ("control_random", "random")}
+    assert found == {(None, "esn"), (None, "equations"), ("random", "random")}
     identities = [
         canonical_json(record["identity"]) for record in PAPER.control_keys(PAPER.control_runs)
     ]

@@ -58,7 +58,11 @@ WILDCARDS = {
     "closed_loop": NETWORK,
     "leave_one_out": NETWORK,
     "spectrum": NETWORK,
-    "control": {**NETWORK, "strategy": windows(2)},
+    "control": {
+        "case": "Re400",
+        "controller": "esn-N2000-RV-seed0",
+        "strategy": windows(2),
+    },
     "gather": {},
     "bootstrap": {},
     "bootstrap_runs": {},
@@ -216,12 +220,13 @@ def test_other_kinds_of_forecasters_cost_what_the_equations_cost():
 
 
 def test_random_alarms_cost_the_flows_of_control_without_forecasts():
-    flows = predicted("integration", "control_random", **WILDCARDS["control"]).seconds
+    at_random = {"controller": "esn-N2000-RV-seed0-random"}
+    flows = predicted("control", "control", **at_random).seconds
     control = predicted("control", "control").seconds
     assert flows < control
     costs = model(control__prediction_times_lt=[2, 12, 32])
     far, farther = (
-        predicted("integration", "control_random", costs, **{**NETWORK, "strategy": windows(time)})
+        predicted("control", "control", costs, **at_random, strategy=windows(time))
         for time in (12, 32)
     )
     assert farther.seconds - flows == pytest.approx(3 * (far.seconds - flows), rel=0.02)
@@ -242,9 +247,10 @@ def test_decisions_cost_what_they_look_ahead_and_how_often():
     costs = model(control__strategies=[{**reactive, "span_lt": span} for span in (20, 200)])
     short, long = (
         predicted(
-            "integration",
-            "control_without_forecast",
+            "control",
+            "control",
             costs,
+            controller="none",
             strategy=f"reactive-decision_interval1-level1-span{span}",
         ).seconds
         for span in (20, 200)
@@ -269,14 +275,14 @@ def test_committees_cost_the_forecasts_of_all_who_vote():
     )
     strategy = {"strategy": "receding_horizon-decision_interval0.25-horizon2-vote_share0.5"}
 
-    def seconds(stage, forecaster):
-        return predicted("control", stage, costs, forecaster=forecaster, **strategy).seconds
+    def seconds(controller):
+        return predicted("control", "control", costs, controller=controller, **strategy).seconds
 
-    of_five = seconds("control_committee", "esn-N2000-RV")
-    assert of_five / seconds("control", "esn-N2000-RV-seed0") == pytest.approx(5, rel=0.1)
+    of_five = seconds("esn-N2000-RV-committee")
+    assert of_five / seconds("esn-N2000-RV-seed0") == pytest.approx(5, rel=0.1)
     # the filter of 40 members runs once, over 30 steps; all of them look 122 steps ahead
-    of_members = seconds("control_committee", "quadratic_filtered")
-    of_mean = seconds("control", "quadratic_filtered")
+    of_members = seconds("quadratic_filtered-committee")
+    of_mean = seconds("quadratic_filtered")
     assert of_members / of_mean == pytest.approx(40 * (30 + 122) / (40 * 30 + 122), rel=0.1)
 
 

@@ -223,10 +223,10 @@ def test_classification_is_counted_from_the_series_themselves(finished):
 
 
 def test_a_committee_of_one_network_controls_as_that_network(finished):
-    case = finished.project.results / "Re400"
+    runs = finished.project.results / "Re400" / "control"
     plan = "receding_horizon-decision_interval0.5-horizon1"
-    alone = case / "esn-N40-RV-seed0" / "control" / plan
-    committee = case / "esn-N40-RV" / "control_committee" / f"{plan}-vote_share0.5"
+    alone = runs / "esn-N40-RV-seed0" / plan
+    committee = runs / "esn-N40-RV-committee" / f"{plan}-vote_share0.5"
     for name in ("flows.nc", "histograms.nc"):
         ours, theirs = read_netcdf(committee / name), read_netcdf(alone / name)
         assert ours.keys() == theirs.keys()

@@ -681,15 +681,27 @@ def test_every_script_carries_the_version_of_the_harness_and_nothing_else_of_it(
     assert of_harness == {"burstcast_workflow.harness.version"}
 
 
-@pytest.mark.parametrize("rule", ["control", "control_random", "suppressed_event"])
+@pytest.mark.parametrize("rule", ["control", "suppressed_event"])
 def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
     strategy = {"burstcast.control.strategies": ["prediction_triggered"]}
     entries = Sources(ROOT).fingerprint(f"control/{rule}.py", strategy)
     modules = {entry.split("@")[0] for entry in entries}
-    assert "burstcast.control.flows" in modules
-    assert "burstcast.control.decisions" not in modules
+    assert "burstcast.control.windowed.simulation" in modules
+    assert "burstcast.control.sampled.simulation" not in modules
     for name in ("statistics.measures", "statistics.profiles", "systems.mfe_modes"):
         assert f"burstcast.{name}" not in modules
+
+
+def test_control_depends_on_its_own_controller_only():
+    for name in ("forecaster", "committee", "random"):
+        by_name = {"burstcast.control.controllers": [name]}
+        entries = Sources(ROOT).fingerprint("control/control.py", by_name)
+        modules = {entry.split("@")[0] for entry in entries}
+        controllers = {module for module in modules if ".controllers." in module}
+        package = "burstcast.control.controllers"
+        assert controllers == {f"{package}.registry", f"{package}.{name}"}
+        assert ("burstcast.control.monitors.random" in modules) == (name == "random")
+        assert ("burstcast.control.monitors.members" in modules) == (name == "committee")
 
 
 @pytest.mark.parametrize(

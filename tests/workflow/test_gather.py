@@ -76,23 +76,6 @@ def test_one_forecaster_asked_for_twice(tmp_path):
         gathered(asked(forecaster(), forecaster()), [path])
 
 
-def test_who_controls_is_told_apart_by_the_rule(tmp_path):
-    identities = [
-        {"rule": rule, **forecaster(name=name), "strategy": "reactive-level0.06"}
-        for rule, name in (
-            ("control", "esn-N30-RV-seed0"),
-            ("control_random", "esn-N30-RV-seed0"),
-            ("control", "equations"),
-        )
-    ]
-    paths = []
-    for identity in identities:
-        names = {name: value for name, value in identity.items() if name != "rule"}
-        paths.append(written(tmp_path, wildcards(names), rule=identity["rule"]))
-    pairs = gathered(asked(*identities), [paths[2], paths[0], paths[1]])
-    assert [path for _, path in pairs] == [str(path) for path in paths]
-
-
 def test_a_file_that_does_not_say_what_it_is(tmp_path):
     write_json(tmp_path / "x.json", {"seed": 1})
     with pytest.raises(ValueError, match=r"x\.json does not say which job wrote it"):

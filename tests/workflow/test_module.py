@@ -55,7 +55,7 @@ def test_a_snakefile_below_workflow(tmp_path, expected):
     assert planned_jobs(tmp_path, *arguments) == expected
 
 
-COUNTS = "Re400/esn-N40-RV-seed0/control/prediction_triggered-prediction_time1-window1/counts.json"
+COUNTS = "Re400/control/esn-N40-RV-seed0/prediction_triggered-prediction_time1-window1/counts.json"
 
 
 @pytest.mark.long

@@ -224,7 +224,7 @@ def test_files_of_figures_are_those_of_the_example():
         "time_unit": "Re400/lyapunov.json",
     }
     assert found["suppressed_event"] == {
-        "event": "Re400/esn-N2000-RV-seed0/control/"
+        "event": "Re400/control/esn-N2000-RV-seed0/"
         "prediction_triggered-prediction_time2-window1/suppressed_event.nc"
     }
     assert found["horizon_schematic"] == {}

@@ -111,7 +111,7 @@ def test_forecasters_that_are_no_networks_have_tables_and_no_figures_of_their_ow
     found = campaign(ONE, statistics=choice, control=choice)
     assert stage_figures(found) == FLOW
     assert {"control_percentiles", "statistics_percentiles"} <= set(table_names(found))
-    assert {run.forecaster.name.kind for run in found.control_runs} == {
+    assert {run.controller.kind for run in found.control_runs} == {
         "equations",
         "equations_noisy",
     }
@@ -190,11 +190,11 @@ def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
 def test_the_suppressed_event_is_the_example_networks_if_it_controls():
     seeds = [block([500, 2000], validation=("SSV", "RV"), reynolds=[600, 400], seeds=3)]
     own = campaign(seeds, figures={"example_forecaster": "esn-N2000-RV-seed2"})
-    assert control_example(own).forecaster == own.example
+    assert control_example(own).controller == own.example.name
     other = campaign(seeds, figures={"example_forecaster": "esn-N500-RV-seed2"})
     run = control_example(other)
-    assert run.forecaster.directory == "Re400/esn-N2000-RV-seed0"
-    assert (run.prediction_time_lt, run.random) == (2, False)
+    assert (run.case, run.controller.identifier) == ("Re400", "esn-N2000-RV-seed0")
+    assert run.prediction_time_lt == 2
     assert control_example(campaign(seeds, control={"forecasters": {"esn": None}})) is None
 
 

@@ -51,6 +51,7 @@ def wildcards_of(rule):
     found = {
         "case": "Re400",
         "forecaster": "esn-N2000-RV-seed0",
+        "controller": "esn-N2000-RV-seed0",
         "reservoir": "esn-N2000-seed0",
         "strategies": "RV+SSV",
         "strategy": "prediction_triggered-prediction_time1-window1",

@@ -30,8 +30,7 @@ NETWORK = "burstcast.esn.reservoir"
 WITHOUT_NETWORKS = [
     "tables/*.py",
     "data/*.py",
-    "control/control_random.py",
-    "control/control_without_forecast.py",
+    "control/*.py",
 ]
 
 

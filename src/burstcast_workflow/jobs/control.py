@@ -68,7 +68,8 @@ def control_setup(
     """Set up a job of control from its settings and inputs."""
     strategy = make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
     experiment = control_experiment(settings, ensemble, summary, time_unit)
-    asked = [read_forecaster(path, settings, time_unit) for path in forecasters]
+    controller = settings["controller"]
+    asked = [read_forecaster(path, settings, time_unit, name=controller) for path in forecasters]
     noise = None
     if not any(forecaster.sees_truth for forecaster in asked):
         noise = control_noise(settings, ensemble, experiment, strategy.timing(experiment.schedule))

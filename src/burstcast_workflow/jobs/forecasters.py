@@ -56,22 +56,24 @@ def read_forecaster(
     settings: Settings,
     time_unit: str | Sequence[str],
     divergence_bound: float | None = None,
+    name: str | None = None,
 ) -> Forecaster:
-    """Read a forecaster of a job's own kind.
+    """Read a forecaster of a job.
 
     Parameters
     ----------
     path
         The file.
     settings
-        With system, time, ``forecaster.options``, and the job's ``forecaster`` or controller.
+        With system, time and ``forecaster.options``.
     time_unit
         The job's input of that name.
     divergence_bound
         Setting of that name, where it is asked whether forecasts have diverged.
+    name
+        Identifier with the forecaster's kind: of a controller; None: of the job's own forecaster.
     """
-    name = settings.get("forecaster") or settings["controller"]
-    kind = forecaster_class(parsed(name).kind)
+    kind = forecaster_class(parsed(name or settings.get("forecaster", "")).kind)
     record = ForecasterRecord(read_netcdf(path), read_attributes(path))
     case = forecasting_case(settings, time_unit)
     options = {**case.options, "divergence_bound": divergence_bound}

@@ -2,8 +2,9 @@
 
 Nothing here comes from the workflow's own code. ``case.x`` stands for the setting x of a case,
 wherever the config says it. Jobs of one rule that depend on different things are told apart, as
-``rule/what``: those of forecasters by the kind that forecasts. What other strategies of control
-than the paper's do is by the strategy, too: only the paper's has alarms at random beside it.
+``rule/what``: those of forecasters by the kind that forecasts, those of control by the controller.
+What other strategies of control than the paper's do is by the strategy, too: only the paper's has
+alarms at random beside it.
 """
 
 from fnmatch import fnmatchcase
@@ -73,11 +74,11 @@ READS = {
     "control/esn": f"{_CONTROL} case.training.noise {_NETWORK}",
     "control/esn/receding_horizon": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
     "control/equations": _CONTROL,
-    "control_random/esn": _CONTROL,
+    "control/esn-random": _CONTROL,
     # what reacts looks at noisy observations
-    "control_without_forecast": f"{_OTHER_CONTROL} case.training.noise",
-    "control_committee/esn": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
-    "control_committee/quadratic_filtered": f"{_OTHER_CONTROL} case.training.noise {_LEARNT}",
+    "control/none": f"{_OTHER_CONTROL} case.training.noise",
+    "control/esn-committee": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
+    "control/quadratic_filtered-committee": f"{_OTHER_CONTROL} case.training.noise {_LEARNT}",
     "statistics_table": f"{_SYSTEM} random_seed bootstrap.* statistics.profile_points",
     "survival_table": """case.ensemble.time_step case.ensemble.sampling_stride
         statistics.duration bootstrap.confidence""",
@@ -145,20 +146,20 @@ COMES_FROM = {
     "control/esn": "simulate train",
     "control/esn/receding_horizon": "simulate train",
     "control/equations": "simulate fit/equations",
-    "control_random/esn": "simulate control/esn",
-    "control_committee/esn": "simulate train",
-    "control_committee/quadratic_filtered": "simulate fit/quadratic_filtered",
-    "control_without_forecast": "simulate",
+    "control/esn-random": "simulate control/esn",
+    "control/esn-committee": "simulate train",
+    "control/quadratic_filtered-committee": "simulate fit/quadratic_filtered",
+    "control/none": "simulate",
     "statistics_table": "reference_statistics long_term/esn",
     "survival_table": "simulate long_term/esn",
     "lyapunov_spectrum_table": "lyapunov lyapunov_spectrum/esn",
-    "control_table": "control/esn control/equations control_random/esn",
-    "control_density_table": "control/esn control/equations control_random/esn",
+    "control_table": "control/esn control/equations control/esn-random",
+    "control_density_table": "control/esn control/equations control/esn-random",
     "warnings_table": """simulate events reference_statistics dataset_table classification_table
         hyperparameters_table statistics_table""",
     "control_strategies_table": """control/esn control/esn/receding_horizon control/equations
-        control_random/esn control_without_forecast control_committee/esn
-        control_committee/quadratic_filtered""",
+        control/esn-random control/none control/esn-committee
+        control/quadratic_filtered-committee""",
     "dataset_table": "simulate events lyapunov",
     "hyperparameters_table": "search",
     "horizon_table": """horizon/esn horizon/equations horizon/equations_noisy
@@ -235,16 +236,17 @@ FOUND_BY_NAME = {
     ),
 }
 FORECASTERS_BY_NAME = "burstcast.forecasters.registry", "burstcast.forecasters."
-# Strategies of control are those of the job.
+# Strategies and controllers of control are those of the job.
+CONTROLLERS_BY_NAME = "burstcast.control.controllers.registry", "burstcast.control.controllers."
 STRATEGIES_BY_NAME = "burstcast.control.strategies.registry", "burstcast.control.strategies."
 STRATEGIES = {
     "control/esn": ("prediction_triggered",),
     "control/esn/receding_horizon": ("receding_horizon",),
     "control/equations": ("prediction_triggered",),
-    "control_random/esn": ("prediction_triggered",),
-    "control_without_forecast": ("reactive",),
-    "control_committee/esn": ("receding_horizon",),
-    "control_committee/quadratic_filtered": ("receding_horizon",),
+    "control/esn-random": ("prediction_triggered",),
+    "control/none": ("reactive",),
+    "control/esn-committee": ("receding_horizon",),
+    "control/quadratic_filtered-committee": ("receding_horizon",),
 }
 # Their scripts run for one kind only, and the name of their job does not say it.
 JOBS_OF_NETWORKS = ("scan", "search", "train")

@@ -19,7 +19,7 @@ OF_NETWORKS = {
     "calibration_forecast/esn",
 }
 TABLES_OF_CONTROL = {"control_table", "control_density_table", "control_strategies_table"}
-OF_CONTROLLING_NETWORKS = {"control/esn", "control_random/esn", *TABLES_OF_CONTROL}
+OF_CONTROLLING_NETWORKS = {"control/esn", "control/esn-random", *TABLES_OF_CONTROL}
 TABLES_OF_FORECASTERS = {
     *("classification_table", "horizon_table", "calibrate", "probability_scores"),
     *("probability_diagrams", "lead_times", "threshold_sweep"),
@@ -208,7 +208,7 @@ _EXPECTED: dict[str, set[str]] = {
     | TABLES_OF_NETWORKS
     | TABLES_OF_LONG_RUNS
     | OF_CONTROLLING_NETWORKS
-    | {"control/esn/receding_horizon", "control_committee/esn"},
+    | {"control/esn/receding_horizon", "control/esn-committee"},
     "campaign.0.forecasters.esn.validation": TABLES_OF_NETWORKS,
     "campaign.0.forecasters.equations": TABLES_OF_FORECASTERS | TABLES_OF_CONTROL,
     "campaign.0.forecasters.equations_noisy": TABLES_OF_FORECASTERS,
@@ -232,7 +232,7 @@ _EXPECTED: dict[str, set[str]] = {
     "control.random_alarms": TABLES_OF_CONTROL,
     "control.strategies": {
         "control/equations",
-        "control_without_forecast",
+        "control/none",
         "control_strategies_table",
     },
     "control.sweep.cases": OF_CONTROLLING_NETWORKS | {"control/equations"},

@@ -15,7 +15,10 @@ from pathlib import Path
 from types import ModuleType
 
 HARNESS = "burstcast_workflow.harness"
-REGISTRIES = ("systems", "forecasters", "tuning/strategies", "control/strategies")
+REGISTRIES = (
+    *("systems", "forecasters", "tuning/strategies"),
+    *("control/controllers", "control/strategies"),
+)
 
 
 def _take_anything(*_: object, **__: object) -> None:

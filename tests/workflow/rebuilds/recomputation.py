@@ -373,12 +373,13 @@ class Recomputation:
     def control(self) -> pd.DataFrame:
         """Shares of time recomputed from the counts of each run."""
         rows = []
-        for path in sorted(self.results.glob("*/*/control*/*/counts.json")):
+        for path in sorted(self.results.glob("*/control/*/*/counts.json")):
             name = _CONTROL.fullmatch(path.parent.name)
             if not name:  # beyond the paper's control
                 continue
-            keys = self.keys(path.parents[1])
-            if path.parents[1].name == "control_random":
+            case, _, controller = path.relative_to(self.results).parts[:3]
+            keys = self.keys(self.results / case / controller.removesuffix("-random") / path.name)
+            if controller.endswith("-random"):
                 keys["forecaster"] = "random"
             counts = json.loads(path.read_text())
             edge = variables(path.with_name("histograms.nc"))["edge"]

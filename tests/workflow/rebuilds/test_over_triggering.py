@@ -123,15 +123,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from burstcast.control.deciding import DecidingStrategy
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.observed import ObservedMonitor
+from burstcast.control.sampled.strategy import SampledStrategy
 from burstcast.forecasters.base import Forecaster
 
 
 @dataclass(frozen=True)
-class Always(DecidingStrategy):
+class Always(SampledStrategy):
     """Acts all the time."""
 
     forecasts: ClassVar[bool] = False
@@ -311,7 +311,7 @@ WITH_EFFECT = [
             "experiment.threshold - self.margin",
             "experiment.threshold - 2.0 * self.margin",
         ),
-        "control/*/receding_horizon-* control_committee/* control_strategies_table/* "
+        "control/*/receding_horizon-* control_strategies_table/* "
         "all_control_strategies_table figure/control_frontier",
     ),
     (
@@ -389,7 +389,7 @@ WITH_EFFECT = [
         ),
         # neither data nor the search, though it is a search for networks
         f"""train/* forecast/*/esn-* calibration_forecast/*/esn-* horizon/*/esn-* long_term/*/esn-*
-        lyapunov_spectrum/*/esn-* control/*/esn-* control_random/*/esn-* control_committee/*/esn-*
+        lyapunov_spectrum/*/esn-* control/*/esn-*
         examples/* flow_event/* suppressed_event/*
         {GATHERED} {GATHERED_CONTROL} {GATHERED_LONG_RUNS}
         figure/long_term_density figure/profile_errors figure/midplane_* figure/prediction_*
@@ -435,7 +435,7 @@ def test_one_more_seed_in_a_block_of_its_own(project):
     block = {"reynolds": [400], "forecasters": {"esn": networks}}
     planned = project.planned(overlay={"campaign": [*tiny_config()["campaign"], block]})
     assert "Re400/esn-N40-RV-seed1/forecaster.nc" in planned
-    new = "Re400/esn-N40-RV-seed1/* Re400/scan/esn-N40-seed1-* control_committee/*/esn-N40-RV/*"
+    new = "Re400/*esn-N40-RV-seed1* Re400/scan/esn-N40-seed1-* control/*/esn-N40-RV-committee/*"
     assert beyond(planned, f"{new} {GATHERED_NETWORKS}") == set()
 
 
@@ -443,6 +443,7 @@ def test_one_more_seed_in_a_block_of_its_own(project):
 
 _EXAMPLE = "Re400/esn-N40-RV-seed0"
 _WINDOWS = "prediction_triggered-prediction_time1-window1"
+_SUPPRESSED = f"Re400/control/esn-N40-RV-seed0/{_WINDOWS}/suppressed_event.nc"
 # Figures that say so where there is nothing to show, by the variable that is empty then.
 NOTHING_TO_SHOW = {
     "prediction_schematic": (f"{_EXAMPLE}/examples.nc", "outcome"),
@@ -451,8 +452,8 @@ NOTHING_TO_SHOW = {
     "committee_event": ("Re400/committee_event.nc", "time_lt"),
     "midplane_planes": (f"{_EXAMPLE}/flow_event.nc", "mark"),
     "vorticity_isosurfaces": (f"{_EXAMPLE}/flow_event.nc", "mark"),
-    "control_schematic": (f"{_EXAMPLE}/control/{_WINDOWS}/suppressed_event.nc", "mark"),
-    "suppressed_event": (f"{_EXAMPLE}/control/{_WINDOWS}/suppressed_event.nc", "mark"),
+    "control_schematic": (_SUPPRESSED, "mark"),
+    "suppressed_event": (_SUPPRESSED, "mark"),
 }
 
 

@@ -69,8 +69,7 @@ JOBS = {
     "fit": EQUATIONS,
     **dict.fromkeys((*FORECASTS, "horizon"), FORECASTERS),
     **dict.fromkeys(LONG_RUNS, RECYCLED),
-    "control": CONTROLLED + BY_EQUATIONS,
-    "control_random": CONTROLLED,
+    "control": 2 * CONTROLLED + BY_EQUATIONS,  # random alarms beside networks
     **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
     **dict.fromkeys((*OF_NETWORKS, "dataset_table"), CASES),
     "data_generation_parameters": 1,
@@ -127,8 +126,7 @@ def test_another_event_threshold(paper):
         # no ensemble, exponent, network, forecast or long-term run
         "events": CASES,
         "horizon": FORECASTERS,
-        "control": CONTROLLED + BY_EQUATIONS,
-        "control_random": CONTROLLED,
+        "control": 2 * CONTROLLED + BY_EQUATIONS,
         **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
         **dict.fromkeys((*SCORES, *PROBABILITIES, *CONTROL_TABLES), CASES),
         **dict.fromkeys(("dataset_table", "horizon_table", "warnings_table"), CASES),
@@ -154,7 +152,7 @@ def test_one_more_seed(paper):
         "scan": SCANS // 10,
         **dict.fromkeys(("search", "train", *FORECASTS, "horizon"), NETWORKS // 10),
         **dict.fromkeys(LONG_RUNS, RECYCLED // 10),
-        **dict.fromkeys(("control", "control_random"), CONTROLLED // 10),
+        "control": 2 * CONTROLLED // 10,
         # of all
         **dict.fromkeys(OF_NETWORKS, CASES),
         "committee_event": 1,
@@ -172,7 +170,7 @@ def test_one_more_beta(paper):
         **TRAINING,
         **dict.fromkeys((*FORECASTS, "horizon"), NETWORKS),  # not the equations'
         **dict.fromkeys(LONG_RUNS, RECYCLED),
-        **dict.fromkeys(("control", "control_random"), CONTROLLED),
+        "control": 2 * CONTROLLED,
         **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
         **dict.fromkeys(OF_NETWORKS, CASES),
         "network_hyperparameters": 1,

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import re
 import shutil
 import sys
 import time
@@ -15,6 +16,7 @@ from typing import Any
 
 from dependencies import (
     ALL,
+    CONTROLLERS_BY_NAME,
     FORECASTERS_BY_NAME,
     FOUND_BY_NAME,
     HARNESS,
@@ -165,10 +167,14 @@ class Laboratory:
             if registry in loaded
             for name in names
         }
+        whose = "esn" if job in JOBS_OF_NETWORKS else job.partition("/")[2].partition("/")[0]
+        kind, _, role = whose.partition("-")
         registry, prefix = FORECASTERS_BY_NAME
-        if registry in loaded:
-            kind = "esn" if job in JOBS_OF_NETWORKS else job.partition("/")[2].partition("/")[0]
+        if registry in loaded and kind != "none" and role != "random":
             by_name.add(f"{prefix}{kind}")
+        registry, prefix = CONTROLLERS_BY_NAME
+        if registry in loaded:
+            by_name.add(f"{prefix}{role or 'forecaster'}")
         registry, prefix = STRATEGIES_BY_NAME
         if registry in loaded:
             by_name.update(f"{prefix}{name}" for name in STRATEGIES.get(job, ()))
@@ -276,7 +282,8 @@ def _job(log: str) -> str:
     rule, *parts = log.removesuffix(".log").split("/")
     if rule not in _TOLD_APART:
         return rule
-    job = f"{rule}/{parts[1].partition('-')[0]}"
+    # esn-N40-RV-seed0-random is esn-random
+    job = f"{rule}/{re.sub(r'-(N[0-9]+|[A-Z]+|seed[0-9]+)', '', parts[1])}"
     strategy = parts[-1].partition("-")[0]
     return f"{job}/{strategy}" if f"{job}/{strategy}" in ALL else job
 
