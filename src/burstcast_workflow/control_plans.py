@@ -67,15 +67,12 @@ class ControlPlan:
 
     def record(self, span_lt: float, noise: float) -> Settings:
         """All of it, as a job is given it: with the campaign's span and the case's noise."""
+        usual = {"span_lt": span_lt, "noise": noise}
+        conditions = {name: getattr(self, name) for name in CONDITIONS}
         return {
             "strategy": self.strategy,
             "settings": dict(self.settings),
-            "starts": self.starts,
-            "quiet_lt": self.quiet_lt,
-            "span_lt": span_lt if self.span_lt is None else self.span_lt,
-            "delay_lt": self.delay_lt,
-            "strength": self.strength,
-            "noise": noise if self.noise is None else self.noise,
+            **{name: usual[name] if value is None else value for name, value in conditions.items()},
         }
 
 
@@ -88,27 +85,15 @@ def paper_plan(prediction_time_lt: float, window_lt: float) -> ControlPlan:
 def block_plans(block: Mapping[str, Any]) -> Iterator[ControlPlan]:
     """Plans of a block of ``control.strategies``: all combinations of its lists."""
     axes: dict[str, Any] = block.get("settings", {})
-    names = sorted(axes)
-    conditions = product(
-        block.get("delay_lt") or [0.0], block.get("strength") or [1.0], block.get("noise") or [None]
+    given = {name: block[name] for name in CONDITIONS if block.get(name) not in (None, [])}
+    variants = product(
+        *(values if isinstance(values, list) else [values] for values in given.values())
     )
-    for (delay_lt, strength, noise), values in product(
-        list(conditions), product(*(axes[name] for name in names))
-    ):
-        yield ControlPlan(
-            strategy=block["strategy"],
-            settings=tuple((name, float(value)) for name, value in zip(names, values, strict=True)),
-            starts=block.get("starts", "quiet"),
-            quiet_lt=float(block.get("quiet_lt", 0.0)),
-            span_lt=_float(block.get("span_lt")),
-            delay_lt=float(delay_lt),
-            strength=float(strength),
-            noise=_float(noise),
-        )
-
-
-def _float(value: float | None) -> float | None:
-    return None if value is None else float(value)
+    for conditions, values in product(variants, product(*(axes[name] for name in sorted(axes)))):
+        settings = zip(sorted(axes), map(float, values), strict=True)
+        named: dict[str, Any] = dict(zip(given, conditions, strict=True))
+        named = {name: value if name == "starts" else float(value) for name, value in named.items()}
+        yield ControlPlan(block["strategy"], tuple(settings), **named)
 
 
 def _number(value: float) -> str:

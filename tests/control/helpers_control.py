@@ -1,6 +1,6 @@
 """A toy flow, monitors without a forecast, and control written as one plain loop per flow."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -9,10 +9,12 @@ from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.actuation import actuation_interval
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.sampled.simulation import SampledSimulation, SampledStepper
-from burstcast.control.simulation import simulate
-from burstcast.control.timing import DecisionTiming, Timing
+from burstcast.control.simulation import ControlSimulation, simulate
+from burstcast.control.timing import Clock, DecisionTiming, Timing
 from burstcast.control.windowed.simulation import WindowedSimulation, WindowedStepper
 from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.integration import integrate
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.runge_kutta import step
 
 PAPER = Timing(
@@ -96,11 +98,33 @@ def run_sampled(
     return simulate(stepper, washouts, **options)
 
 
+def simulation_of(timing: Clock, controlled: FloatArray, **values: Any) -> ControlSimulation:
+    """A simulation with these values, and nothing else."""
+    usual = {
+        **dict.fromkeys(field.name for field in fields(ControlSimulation)),
+        **{"threshold": 1.0, "left_out": 0},
+        "actuated": np.zeros(controlled.shape, dtype=bool),
+        "switchings": np.zeros(len(controlled), dtype=np.int64),
+    }
+    return ControlSimulation(**{**usual, "timing": timing, "controlled": controlled, **values})
+
+
 def table_monitor(table: BoolArray) -> TableMonitor:
     return TableMonitor(table, {})
 
 
-def washouts_of(system: DynamicalSystem, first_states: FloatArray, timing: Timing) -> FloatArray:
+def turbulent_washouts(
+    flow: MoehlisFaisstEckhardt, flows: int, timing: Clock, seed: int = 5, steps: int = 1200
+) -> FloatArray:
+    """Washouts (flows, washout, 9) in the chaotic phase."""
+    state = np.zeros((9, flows))
+    state[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
+    state[3] += 0.01 * np.random.default_rng(seed).random(flows)
+    developed = integrate(flow, state, 0.25, steps, stride=steps)[-1]
+    return washouts_of(flow, developed, timing)
+
+
+def washouts_of(system: DynamicalSystem, first_states: FloatArray, timing: Clock) -> FloatArray:
     """Washouts (flows, washout, dimension) that begin with these states (dimension, flows)."""
     samples = [first_states]
     for _ in range(timing.washout - 1):

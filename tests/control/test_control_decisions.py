@@ -4,17 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers_control import Rotor, TableMonitor, run_sampled, table_monitor, washouts_of
+from helpers_control import (
+    Rotor,
+    TableMonitor,
+    run_sampled,
+    table_monitor,
+    turbulent_washouts,
+    washouts_of,
+)
 from helpers_decisions import plain_decisions
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.arrays import FloatArray
-from burstcast.control import simulation as simulation_module
 from burstcast.control.actuation import actuated_system
 from burstcast.control.monitors.horizon import HorizonMonitor
 from burstcast.control.sampled.outcome import count_decisions
-from burstcast.control.sampled.simulation import SampledSimulation
 from burstcast.control.timing import DecisionTiming
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.integration import integrate
@@ -32,15 +36,6 @@ TIMING = DecisionTiming(
     sampling_stride=4,
     time_step=0.25,
 )
-
-
-def turbulent_washouts(flows: int, timing: DecisionTiming) -> FloatArray:
-    state = np.zeros((9, flows))
-    state[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
-    state[3] += 0.01 * np.random.default_rng(5).random(flows)
-    developed = integrate(FLOW, state, 0.25, 1200, stride=1200)[-1]
-    samples = integrate(FLOW, developed, 0.25, (timing.washout - 1) * 4, stride=4)
-    return np.ascontiguousarray(samples.transpose(2, 0, 1))
 
 
 def perfect(threshold: float, horizon: int) -> HorizonMonitor:
@@ -127,16 +122,8 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
     )
 
 
-def test_a_decision_that_is_never_made_leaves_the_flow_alone() -> None:
-    washouts = turbulent_washouts(3, TIMING)
-    flows = run_sampled(FLOW, washouts, never(3, TIMING), RAISED, TIMING, np.inf)
-    np.testing.assert_array_equal(flows.controlled, flows.uncontrolled)
-    assert not flows.switchings.any()
-    assert flows.decisions.event_ahead is None
-
-
 def test_always_on_is_the_flow_under_actuation() -> None:
-    washouts = turbulent_washouts(2, TIMING)
+    washouts = turbulent_washouts(FLOW, 2, TIMING)
     monitor = table_monitor(np.ones((2, TIMING.most_forecasts), dtype=bool))
     flows = run_sampled(FLOW, washouts, monitor, RAISED, TIMING, np.inf, keep_states=True)
     steps = TIMING.counted_until - TIMING.first_forecast
@@ -154,7 +141,7 @@ def test_always_on_is_the_flow_under_actuation() -> None:
 
 def test_a_delay_puts_off_what_was_decided() -> None:
     """Decisions of the late actuator act when those of the prompt one did, a delay later."""
-    washouts = turbulent_washouts(2, TIMING)
+    washouts = turbulent_washouts(FLOW, 2, TIMING)
     late = replace(TIMING, delay_lt=0.5)  # two intervals
     table = np.random.default_rng(1).random((2, TIMING.most_forecasts)) < 0.5
     table[:, :2] = False
@@ -166,52 +153,10 @@ def test_a_delay_puts_off_what_was_decided() -> None:
     np.testing.assert_array_equal(prompt.actuated, delayed.actuated)
 
 
-def test_noise_is_what_the_monitor_sees_and_no_more() -> None:
-    washouts = turbulent_washouts(3, TIMING)
-    noise = np.random.default_rng(2).normal(size=(3, TIMING.length, 9))
-    table = np.random.default_rng(3).random((3, TIMING.most_forecasts)) < 0.5
-    plain, noisy = table_monitor(table), table_monitor(table)
-    without = run_sampled(FLOW, washouts, plain, RAISED, TIMING, np.inf)
-    with_noise = run_sampled(FLOW, washouts, noisy, RAISED, TIMING, np.inf, noise=noise)
-    np.testing.assert_array_equal(with_noise.controlled, without.controlled)
-    for (row, number), seen in noisy.seen.items():
-        now = TIMING.first_forecast + number * TIMING.interval
-        expected = plain.seen[row, number] + noise[row, now + 1 - TIMING.washout : now + 1]
-        np.testing.assert_array_equal(seen, expected)
-
-
-def assert_same(left: SampledSimulation, right: SampledSimulation) -> None:
-    for name in ("rows", "uncontrolled", "controlled", "actuated", "switchings"):
-        np.testing.assert_array_equal(getattr(left, name), getattr(right, name), err_msg=name)
-    for name in ("on", "event_ahead", "washout_actuated"):
-        np.testing.assert_array_equal(
-            getattr(left.decisions, name), getattr(right.decisions, name), err_msg=name
-        )
-    for name in ("uncontrolled_energy", "controlled_energy"):
-        energies = getattr(left, name), getattr(right, name)
-        np.testing.assert_array_equal(energies[0].input, energies[1].input)
-        np.testing.assert_array_equal(energies[0].dissipation, energies[1].dissipation)
-
-
-def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> None:
-    washouts = turbulent_washouts(7, TIMING)
-    noise = np.random.default_rng(2).normal(scale=1e-3, size=(7, TIMING.length, 9))
-    monitor = perfect(0.07, 20)
-
-    def followed() -> SampledSimulation:
-        return run_sampled(FLOW, washouts, monitor, RAISED, TIMING, 0.07, noise=noise, horizon=20)
-
-    together = followed()
-    assert together.decisions.on.any()
-    assert 0 < len(together) < 7
-    monkeypatch.setattr(simulation_module, "FLOWS_PER_BATCH", 2)
-    assert_same(together, followed())
-
-
 def test_a_perfect_forecaster_decides_rightly_and_leaves_no_event() -> None:
     timing = replace(TIMING, steps_per_lyapunov_time=61, span_lt=5.0, quiet_lt=2.0, washout=1)
     horizon = 122
-    washouts = turbulent_washouts(40, timing)
+    washouts = turbulent_washouts(FLOW, 40, timing)
     flows = run_sampled(FLOW, washouts, perfect(0.1, horizon), RAISED, timing, 0.1, horizon=horizon)
     assert (flows.uncontrolled[:, timing.counted_from :] >= 0.1).any(axis=1).sum() > 5
     assert flows.controlled[:, timing.counted_from :].max() < 0.1
@@ -270,28 +215,6 @@ def test_the_eight_kinds_of_decisions_are_counted_apart() -> None:
     assert {name: getattr(outcome, name) for name in found} == found
     assert min(found.values()) > 0
     assert sum(found.values()) == outcome.decisions == 8 * timing.most_forecasts
-
-
-def test_starts_that_need_not_be_quiet_leave_no_flow_out() -> None:
-    washouts = turbulent_washouts(2, TIMING)
-    quiet = run_sampled(FLOW, washouts, never(2, TIMING), RAISED, TIMING, 0.0)
-    assert (len(quiet), quiet.left_out) == (0, 2)
-    flows = run_sampled(FLOW, washouts, never(2, TIMING), RAISED, TIMING, 0.0, quiet_starts=False)
-    assert (len(flows), flows.left_out) == (2, 0)
-    nothing = run_sampled(FLOW, washouts[:0], never(0, TIMING), RAISED, TIMING, 0.1)
-    assert (len(nothing), nothing.left_out) == (0, 0)
-
-
-def test_wrong_shapes_are_refused() -> None:
-    washouts = turbulent_washouts(2, TIMING)
-    monitor = never(2, TIMING)
-    with pytest.raises(ValueError, match="washouts must have the shape"):
-        run_sampled(FLOW, washouts[:, 1:], monitor, RAISED, TIMING, 0.1)
-    noise = np.zeros((2, TIMING.length - 1, 9))
-    with pytest.raises(ValueError, match="noise must have the shape"):
-        run_sampled(FLOW, washouts, monitor, RAISED, TIMING, 0.1, noise=noise)
-    with pytest.raises(ValueError, match="another dimension"):
-        run_sampled(FLOW, washouts, monitor, Rotor(1.0), TIMING, 0.1)
 
 
 @pytest.mark.parametrize(

@@ -10,17 +10,15 @@ from helpers_control import (
     plain_flow,
     run_windowed,
     table_monitor,
+    turbulent_washouts,
     washouts_of,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.arrays import FloatArray
-from burstcast.control import simulation as simulation_module
 from burstcast.control.actuation import actuated_system
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.timing import Timing
-from burstcast.control.windowed.simulation import WindowedSimulation
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -30,43 +28,8 @@ RAISED = Actuation(actuated_system(FLOW, {"reynolds": 2000.0}), -1.0, 1.5)
 SHORT = replace(PAPER, span_lt=3.0, washout=5, steps_per_lyapunov_time=20)
 
 
-def turbulent_washouts(flows: int, timing: Timing) -> FloatArray:
-    state = np.zeros((9, flows))
-    state[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
-    state[3] += 0.01 * np.random.default_rng(5).random(flows)
-    developed = integrate(FLOW, state, 0.25, 1200, stride=1200)[-1]
-    return washouts_of(FLOW, developed, timing)
-
-
 def never(flows: int, timing: Timing) -> TableMonitor:
     return table_monitor(np.zeros((flows, timing.most_forecasts), dtype=bool))
-
-
-@pytest.mark.parametrize("prediction_time_lt", [1.0, 1.5, 3.0])
-def test_out_of_reach_the_controlled_flow_is_the_uncontrolled_one(
-    prediction_time_lt: float,
-) -> None:
-    timing = replace(SHORT, prediction_time_lt=prediction_time_lt)
-    washouts = turbulent_washouts(3, timing)
-    monitor = ForecastMonitor(
-        EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride),
-        FLOW.observable,
-        timing,
-        threshold=np.inf,
-    )
-    flows = run_windowed(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
-    assert flows.controlled_states is not None
-    assert flows.uncontrolled_states is not None
-    assert len(flows) == 3
-    assert flows.controlled.max() < 0.6
-    np.testing.assert_array_equal(flows.controlled, flows.uncontrolled)
-    np.testing.assert_array_equal(flows.controlled_states, flows.uncontrolled_states)
-    series = integrate(
-        FLOW, washouts[:, 0].T, timing.time_step, (timing.length - 1) * 4, stride=4
-    ).transpose(2, 0, 1)
-    np.testing.assert_array_equal(flows.uncontrolled_states, series)
-    assert not flows.actuated.any()
-    assert not flows.decisions.alarm.any()
 
 
 @st.composite
@@ -149,7 +112,7 @@ def test_actuation_lasts_from_the_alarm_for_366_integration_steps() -> None:
     timing = replace(PAPER, span_lt=2.0)
     monitor = never(1, timing)
     monitor.table[0, 0] = True
-    washouts = turbulent_washouts(1, timing)
+    washouts = turbulent_washouts(FLOW, 1, timing)
     flows = run_windowed(FLOW, washouts, monitor, RAISED, timing, np.inf, keep_states=True)
     assert flows.controlled_states is not None
     raised = MoehlisFaisstEckhardt(reynolds=2000.0)
@@ -162,66 +125,9 @@ def test_actuation_lasts_from_the_alarm_for_366_integration_steps() -> None:
     assert flows.actuated.sum() == 91
 
 
-def test_noise_belongs_to_flow_and_step_and_stays_out_of_the_truth() -> None:
-    timing = SHORT
-    flows = 4
-    washouts = turbulent_washouts(flows, timing)
-    noise = np.random.default_rng(2).normal(size=(flows, timing.length + 3, 9))
-    table = np.random.default_rng(3).random((flows, timing.most_forecasts)) < 0.5
-    plain, noisy = table_monitor(table), table_monitor(table)
-    without = run_windowed(FLOW, washouts, plain, RAISED, timing, np.inf)
-    with_noise = run_windowed(FLOW, washouts, noisy, RAISED, timing, np.inf, noise=noise)
-    np.testing.assert_array_equal(with_noise.controlled, without.controlled)
-    assert table[:, :3].any()
-    for flow in range(flows):
-        steps = with_noise.decisions.step[with_noise.decisions.flow == flow]
-        for number, step in enumerate(steps):
-            expected = plain.seen[flow, number] + noise[flow, step + 1 - timing.washout : step + 1]
-            np.testing.assert_array_equal(noisy.seen[flow, number], expected)
-
-
-def assert_same(left: WindowedSimulation, right: WindowedSimulation) -> None:
-    for name in ("rows", "uncontrolled", "controlled", "actuated", "actuated_integration_steps"):
-        np.testing.assert_array_equal(getattr(left, name), getattr(right, name), err_msg=name)
-    for name in vars(left.decisions):
-        np.testing.assert_array_equal(
-            getattr(left.decisions, name), getattr(right.decisions, name), err_msg=name
-        )
-    assert left.left_out == right.left_out
-
-
-def test_results_do_not_depend_on_the_batch(monkeypatch: pytest.MonkeyPatch) -> None:
-    timing = SHORT
-    washouts = turbulent_washouts(7, timing)
-    noise = np.random.default_rng(2).normal(scale=1e-3, size=(7, timing.length, 9))
-    monitor = ForecastMonitor(
-        EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride),
-        FLOW.observable,
-        timing,
-        threshold=0.07,
-    )
-    together = run_windowed(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
-    assert together.decisions.alarm.any()
-    assert 0 < len(together) < 7
-    monkeypatch.setattr(simulation_module, "FLOWS_PER_BATCH", 2)
-    in_pairs = run_windowed(FLOW, washouts, monitor, RAISED, timing, 0.07, noise=noise)
-    assert_same(together, in_pairs)
-
-    flow = int(together.decisions.flow[together.decisions.alarm][0])
-    row = [together.rows[flow]]
-    alone = run_windowed(
-        FLOW, washouts[row], monitor, RAISED, timing, 0.07, noise=noise[row], keep_states=True
-    )
-    np.testing.assert_array_equal(alone.controlled[0], together.controlled[flow])
-    assert alone.controlled_states is not None
-    np.testing.assert_array_equal(
-        FLOW.observable(alone.controlled_states[0].T), together.controlled[flow]
-    )
-
-
 def test_a_perfect_forecaster_raises_no_false_alarm() -> None:
     timing = replace(PAPER, span_lt=4.0, washout=1)
-    washouts = turbulent_washouts(40, timing)
+    washouts = turbulent_washouts(FLOW, 40, timing)
     monitor = ForecastMonitor(
         EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride),
         FLOW.observable,
@@ -231,30 +137,6 @@ def test_a_perfect_forecaster_raises_no_false_alarm() -> None:
     flows = run_windowed(FLOW, washouts, monitor, RAISED, timing, 0.1)
     assert flows.decisions.alarm.sum() > 5
     np.testing.assert_array_equal(flows.decisions.alarm, flows.decisions.would_cross)
-
-
-def test_no_flow_may_be_left() -> None:
-    washouts = turbulent_washouts(2, SHORT)
-    flows = run_windowed(FLOW, washouts, never(2, SHORT), RAISED, SHORT, 0.0, keep_states=True)
-    assert (len(flows), flows.left_out) == (0, 2)
-    assert flows.controlled.shape == (0, SHORT.length)
-    nothing = run_windowed(FLOW, washouts[:0], never(0, SHORT), RAISED, SHORT, 0.1)
-    assert (len(nothing), nothing.left_out) == (0, 0)
-
-
-def test_wrong_shapes_are_refused() -> None:
-    washouts = turbulent_washouts(2, SHORT)
-    monitor = never(2, SHORT)
-    with pytest.raises(ValueError, match="washouts must have the shape"):
-        run_windowed(FLOW, washouts[:, 1:], monitor, RAISED, SHORT, 0.1)
-    with pytest.raises(ValueError, match="noise must have the shape"):
-        run_windowed(
-            FLOW, washouts, monitor, RAISED, SHORT, 0.1, noise=np.zeros((2, SHORT.length - 1, 9))
-        )
-    with pytest.raises(ValueError, match="another dimension"):
-        run_windowed(FLOW, washouts, monitor, Actuation(Rotor(1.0), -1.0, 1.0), SHORT, 0.1)
-    with pytest.raises(ValueError, match="before the alarm"):
-        run_windowed(FLOW, washouts, monitor, Actuation(FLOW, -2.0, 1.0), SHORT, 0.1)
 
 
 def test_an_event_that_lasts_into_the_window_counts_as_reached() -> None:

@@ -1,14 +1,13 @@
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from helpers_control import PAPER
+from test_control_strategies import Script
 
-from burstcast.arrays import FloatArray
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.monitors.random import RandomMonitor
 from burstcast.control.timing import Timing
-from helpers_forecasters import MadeUpForecaster
 
 TIMING = Timing(
     prediction_time_lt=1.0,
@@ -19,19 +18,6 @@ TIMING = Timing(
     sampling_stride=2,
     time_step=0.1,
 )
-
-
-@dataclass(frozen=True)
-class ScriptedForecaster(MadeUpForecaster):
-    """Forecasts a script, whatever it has seen."""
-
-    script: FloatArray  # (steps, batch)
-
-    def start(self, washout: FloatArray) -> FloatArray:
-        return washout[-1]
-
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-        return self.script[:steps, np.newaxis], memory
 
 
 def test_alarm_is_a_crossing_in_the_window_of_steps_3_to_6() -> None:
@@ -47,9 +33,7 @@ def test_alarm_is_a_crossing_in_the_window_of_steps_3_to_6() -> None:
         ],
         dtype=np.float64,
     )
-    monitor = ForecastMonitor(
-        ScriptedForecaster(forecasts.T), lambda states: states[0], TIMING, threshold=1.0
-    )
+    monitor = ForecastMonitor(Script(forecasts.T), lambda states: states[0], TIMING, threshold=1.0)
     flows = np.arange(7)
     alarms = monitor.alarms(flows, np.zeros_like(flows), np.zeros((2, 1, 7)))
     assert alarms.tolist() == [True, True, False, False, True, False, False]

@@ -8,13 +8,14 @@ from helpers_control import (
     Rotor,
     plain_flow,
     run_windowed,
+    simulation_of,
     table_monitor,
+    turbulent_washouts,
     washouts_of,
 )
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from burstcast.arrays import FloatArray
 from burstcast.control.actuation import actuated_system
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.monitors.random import RandomMonitor
@@ -23,7 +24,6 @@ from burstcast.control.windowed.outcome import Outcome, count_outcome, largest_s
 from burstcast.control.windowed.simulation import Forecasts, WindowedSimulation
 from burstcast.events import upward_crossings
 from burstcast.forecasters.equations import EquationsFromTruth
-from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 # Windows from 3 to 6 steps after a forecast; the first forecast at step 0, steps 7 to 15 count
@@ -62,22 +62,15 @@ def flows_of(
     values = np.array(controlled, dtype=np.float64)
     active = np.zeros(values.shape, dtype=bool)
     active[:, slice(*actuated)] = True
-    flows = len(values)
-    return WindowedSimulation(
-        timing=TIMING,
-        threshold=1.0,
-        rows=10 + np.arange(flows),
-        left_out=2,
-        uncontrolled=np.array(uncontrolled) if uncontrolled is not None else np.zeros_like(values),
+    return simulation_of(
+        TIMING,
         controlled=values,
-        actuated=active,
-        actuated_integration_steps=np.full(flows, 2 * (actuated[1] - actuated[0])),
-        switchings=np.zeros(flows, dtype=np.int64),
-        uncontrolled_energy=None,
-        controlled_energy=None,
+        uncontrolled=np.array(uncontrolled) if uncontrolled is not None else np.zeros_like(values),
         decisions=forecasts,
-        uncontrolled_states=None,
-        controlled_states=None,
+        rows=10 + np.arange(len(values)),
+        left_out=2,
+        actuated=active,
+        actuated_integration_steps=np.full(len(values), 2 * (actuated[1] - actuated[0])),
     )
 
 
@@ -354,13 +347,6 @@ FLOW = MoehlisFaisstEckhardt(reynolds=400.0)
 RAISED = Actuation(actuated_system(FLOW, {"reynolds": 2000.0}), -1.0, 1.5)
 
 
-def turbulent_washouts(flows: int) -> FloatArray:
-    state = np.zeros((9, flows))
-    state[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
-    state[3] += 0.01 * np.random.default_rng(8).random(flows)
-    return integrate(FLOW, state, 0.25, 1600, stride=1600)[-1].T[:, np.newaxis]
-
-
 @pytest.mark.long
 def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
     timing = Timing(
@@ -372,7 +358,7 @@ def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
         sampling_stride=4,
         time_step=0.25,
     )
-    washouts = turbulent_washouts(200)
+    washouts = turbulent_washouts(FLOW, 200, timing, seed=8, steps=1600)
     edges = np.linspace(0.012, 0.48, 101)
     forecaster = EquationsFromTruth(FLOW, timing.time_step, timing.sampling_stride)
     perfect = count_outcome(

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.integrate
-from test_control_decisions import FLOW, RAISED, TIMING, turbulent_washouts
+from helpers_control import simulation_of, turbulent_washouts
+from test_control_decisions import FLOW, RAISED, TIMING
 
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.control.actuation import actuated_system
@@ -41,21 +42,16 @@ SPAN = Span(steps=6, integration_steps=12, steps_at_risk=8, steps_per_lyapunov_t
 def flows_of(uncontrolled: list[list[float]], controlled: list[list[float]]) -> SampledSimulation:
     flows = len(controlled)
     nothing = np.zeros((flows, CLOCK.most_forecasts), dtype=bool)
-    return SampledSimulation(
-        timing=CLOCK,
-        threshold=1.0,
-        rows=5 + np.arange(flows),
-        left_out=0,
-        uncontrolled=np.array(uncontrolled),
+    return simulation_of(
+        CLOCK,
         controlled=np.array(controlled),
-        actuated=np.zeros((flows, CLOCK.length), dtype=bool),
+        uncontrolled=np.array(uncontrolled),
+        decisions=Decisions(nothing, None, nothing),
+        rows=5 + np.arange(flows),
         actuated_integration_steps=3 + np.arange(flows),
         switchings=1 + np.arange(flows),
         uncontrolled_energy=EnergyMeans(np.full(flows, 2.0), np.full(flows, 4.0)),
         controlled_energy=EnergyMeans(1.0 + np.arange(flows), np.full(flows, 3.0)),
-        uncontrolled_states=None,
-        controlled_states=None,
-        decisions=Decisions(nothing, None, nothing),
     )
 
 
@@ -205,7 +201,7 @@ def test_energy_changes_by_input_less_dissipation(reynolds: float) -> None:
 
 def test_the_budget_of_a_flow_closes_over_time() -> None:
     """Energy at the end less that at the start is the integral of input less dissipation."""
-    start = turbulent_washouts(20, TIMING)[:, -1].T.copy()
+    start = turbulent_washouts(FLOW, 20, TIMING)[:, -1].T.copy()
     samples = integrate(FLOW, start, 0.25, 4000)
     budget = FLOW.energy_budget(np.ascontiguousarray(samples.transpose(1, 0, 2)))
     gained = scipy.integrate.simpson(budget.input - budget.dissipation, dx=0.25, axis=0)

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from helpers_control import Actuation, run_windowed
-from test_control_decisions import FLOW, RAISED, turbulent_washouts
+from helpers_control import Actuation, run_windowed, turbulent_washouts
+from test_control_decisions import FLOW, RAISED
 
 from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray, IntArray
@@ -44,7 +44,7 @@ def experiment(flows: int = 6, schedule: Schedule = SCHEDULE) -> ControlExperime
         actuated_system=RAISED,
         threshold=0.07,
         series=range(10, 10 + flows),
-        washouts=turbulent_washouts(flows, timing),  # type: ignore[arg-type]
+        washouts=turbulent_washouts(FLOW, flows, timing),
         quiet_starts=True,
         schedule=schedule,
         root_seed=7,

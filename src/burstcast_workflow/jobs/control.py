@@ -21,7 +21,6 @@ from burstcast.control.scores import SCORES
 from burstcast.control.simulation import ControlSimulation
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
-from burstcast.control.timing import Clock
 from burstcast.dataset import component_scales
 from burstcast.forecasters.base import Forecaster
 from burstcast.netcdf import Variable, read_rows
@@ -38,42 +37,36 @@ Settings = Mapping[str, Any]
 _ENERGIES = ("input", "dissipation")
 
 
-@dataclasses.dataclass(frozen=True)
-class ControlSetup:
-    """A run of control before it begins.
-
-    Attributes
-    ----------
-    strategy, experiment
-        How what is controlled.
-    forecasters
-        Forecasters that are asked.
-    noise
-        Observation noise, ``(flows, steps, dimension)``; None for forecasters that see the truth.
-    """
-
-    strategy: ControlStrategy
-    experiment: ControlExperiment
-    forecasters: list[Forecaster]
-    noise: FloatArray | None
-
-
 def control_setup(
     settings: Settings,
     ensemble: str,
     summary: str,
     time_unit: str | Sequence[str],
     forecasters: Sequence[str],
-) -> ControlSetup:
-    """Set up a job of control from its settings and inputs."""
+) -> tuple[ControlStrategy, ControlExperiment, list[Forecaster], FloatArray | None]:
+    """Set up a job of control from its settings and inputs.
+
+    Returns
+    -------
+    The strategy, the experiment, the forecasters that are asked, and the observation noise of each
+    flow at each step, ``(flows, steps, dimension)``; None for forecasters that see the truth.
+    """
     strategy = make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
     experiment = control_experiment(settings, ensemble, summary, time_unit)
     controller = settings["controller"]
     asked = [read_forecaster(path, settings, time_unit, name=controller) for path in forecasters]
     noise = None
     if not any(forecaster.sees_truth for forecaster in asked):
-        noise = control_noise(settings, ensemble, experiment, strategy.timing(experiment.schedule))
-    return ControlSetup(strategy, experiment, asked, noise)
+        training_states = read_rows(ensemble, "state", 0, settings["case.training.series"])
+        noise = observation_noise(
+            experiment.series,
+            strategy.timing(experiment.schedule).length,
+            settings["control.run.noise"],
+            component_scales(training_states),
+            experiment.root_seed,
+            experiment.case,
+        )
+    return strategy, experiment, asked, noise
 
 
 def control_experiment(
@@ -120,24 +113,10 @@ def control_experiment(
     )
 
 
-def control_noise(
-    settings: Settings, ensemble: str, experiment: ControlExperiment, timing: Clock
-) -> FloatArray:
-    """Observation noise of each flow at each step, ``(flows, steps, dimension)``."""
-    training_states = read_rows(ensemble, "state", 0, settings["case.training.series"])
-    return observation_noise(
-        experiment.series,
-        timing.length,
-        settings["control.run.noise"],
-        component_scales(training_states),
-        experiment.root_seed,
-        experiment.case,
-    )
-
-
 def write_control(
     files: tuple[str, str, str],
-    setup: ControlSetup,
+    strategy: ControlStrategy,
+    experiment: ControlExperiment,
     simulation: ControlSimulation[Any, Any],
     settings: Settings,
     provenance: Mapping[str, str],
@@ -146,7 +125,7 @@ def write_control(
     counts, histograms, flows = files
     laminarisation_threshold = settings["case.laminarisation_threshold"]
     edges = edges_of(settings["case.controlled_density"])
-    outcome = setup.strategy.outcome(simulation, laminarisation_threshold, edges)
+    outcome = strategy.outcome(simulation, laminarisation_threshold, edges)
     _write_counts(counts, outcome, provenance)
     _write_histograms(histograms, outcome, provenance)
     timing = simulation.timing
@@ -168,7 +147,7 @@ def write_control(
     }
     series = Variable(
         ("flow",),
-        setup.experiment.series.start + records.row,
+        experiment.series.start + records.row,
         NUMBER,
         "row of the series in the ensemble",
     )

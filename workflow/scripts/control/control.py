@@ -22,18 +22,21 @@ def control(
     provenance: Provenance,
 ) -> None:
     """Write what control achieved; random alarms are as frequent as those counted in `matched`."""
-    setup = control_setup(settings, ensemble, summary, time_unit, forecasters)
+    strategy, experiment, asked, noise = control_setup(
+        settings, ensemble, summary, time_unit, forecasters
+    )
     controller = parsed(settings["controller"])
     monitor = controlling_monitor(
         controller.role or "forecaster",
-        setup.strategy,
-        setup.experiment,
-        setup.forecasters,
+        strategy,
+        experiment,
+        asked,
         alarm_rate=read_json(matched)["alarm_rate"] or 0.0 if isinstance(matched, str) else 0.0,
         seed=controller.seed or 0,
     )
-    simulation = setup.strategy.simulate(setup.experiment, monitor, noise=setup.noise)
-    write_control((counts, histograms, flows), setup, simulation, settings, provenance)
+    simulation = strategy.simulate(experiment, monitor, noise=noise)
+    files = counts, histograms, flows
+    write_control(files, strategy, experiment, simulation, settings, provenance)
 
 
 if __name__ == "__main__":

@@ -21,13 +21,13 @@ def suppressed_event(
     provenance: Provenance,
 ) -> None:
     """Write the observable with and without control, and the states at four times."""
-    setup = control_setup(settings, ensemble, summary, time_unit, forecasters)
-    strategy, experiment, noise = setup.strategy, setup.experiment, setup.noise
+    strategy, experiment, asked, noise = control_setup(
+        settings, ensemble, summary, time_unit, forecasters
+    )
     assert isinstance(strategy, PredictionTriggered)
-    monitor = strategy.monitor(experiment, setup.forecasters)
-    simulation = strategy.simulate(experiment, monitor, noise=noise)
+    simulation = strategy.simulate(experiment, strategy.monitor(experiment, asked), noise=noise)
     chosen = largest_suppressed_event(simulation, settings["case.laminarisation_threshold"])
-    found = simulate_event(chosen, strategy, experiment, setup.forecasters[0], noise)
+    found = simulate_event(chosen, strategy, experiment, asked[0], noise)
     which = {
         "series": -1 if chosen is None else experiment.series[chosen.row],
         "alarm_step": -1 if chosen is None else chosen.alarm_step,
