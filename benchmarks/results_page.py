@@ -41,7 +41,7 @@ from burstcast_workflow.harness.records import Records
 from burstcast_workflow.harness.run import OvertakenError, Run
 from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.opened import open_campaign
-from burstcast_workflow.table_registry import table_names
+from burstcast_workflow.tables.registry import table_names
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 KEPT = DOCS / "results"

@@ -18,7 +18,7 @@ from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.harness.records import Records
 from burstcast_workflow.harness.run import VARIABLE, Run
-from burstcast_workflow.table_registry import table_names
+from burstcast_workflow.tables.registry import table_names
 
 ROOT = Path(__file__).parents[1]
 CASES = {400: "Re400", 600: "Re600", 800: "Re800", 1000: "Re1000"}

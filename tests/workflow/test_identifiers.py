@@ -15,6 +15,7 @@ NAMES = st.builds(
     st.none() | st.integers(0, 10**6),
     st.none() | st.from_regex(r"[A-Z]+", fullmatch=True),
     st.none() | st.integers(0, 10**6),
+    st.sampled_from([None, "committee", "random"]),
 )
 
 
@@ -25,6 +26,8 @@ NAMES = st.builds(
         (ForecasterName("equations_noisy"), "equations_noisy"),
         (ForecasterName("esn", 2000, "RV", 3), "esn-N2000-RV-seed3"),
         (ForecasterName("esn", 2000, None, 0), "esn-N2000-seed0"),
+        (ForecasterName("esn", 2000, "RV", 3, "random"), "esn-N2000-RV-seed3-random"),
+        (ForecasterName("esn", 2000, "RV", role="committee"), "esn-N2000-RV-committee"),
     ],
 )
 def test_identifiers(name, identifier):
