@@ -49,7 +49,8 @@ from burstcast.forecast.starting_points import (
     segments,
     starting_points,
 )
-from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.forecast.window_forecasts import window_forecasts
+from burstcast.forecast.windows import window_boundaries
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.statistics.long_term import (
@@ -507,7 +508,7 @@ class Stages:
         return self._of_forecaster(
             "forecasts",
             f"{whole} series, {whole * len(points) // series} starts",
-            lambda forecaster: forecast_summaries(
+            lambda forecaster: window_forecasts(
                 forecaster, data.system.observable, washouts, boundaries
             ),
             whole / series,

@@ -25,14 +25,15 @@ Base = TypeVar("Base")
 
 
 def module_names(package: ModuleType) -> list[str]:
-    """Names of the modules of a package, without the package's own, sorted."""
+    """Names of the modules of a package, without the package's own and private ones, sorted."""
     return list(_module_names(*package.__path__))
 
 
 @cache
 def _module_names(*directories: str) -> tuple[str, ...]:
     """Names in a package's directories, which do not change while a process goes on."""
-    return tuple(sorted(module.name for module in pkgutil.iter_modules(directories)))
+    names = (module.name for module in pkgutil.iter_modules(directories))
+    return tuple(sorted(name for name in names if not name.startswith("_")))
 
 
 def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[type[Base]]:

@@ -8,8 +8,8 @@ from typing import Any
 from burstcast import durations
 from burstcast.control.strategies.registry import strategy_class
 from burstcast.forecaster_options import options_of_kind
+from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.registry import forecaster_class, linearises
-from burstcast.probability.members import has_members
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import module_of
@@ -46,6 +46,11 @@ class CaseForecaster:
     def directory(self) -> str:
         """Its directory below the results directory."""
         return f"{self.case}/{self.name.identifier}"
+
+    @property
+    def kind(self) -> type[Forecaster]:
+        """Class of its kind."""
+        return forecaster_class(self.name.kind)
 
     @property
     def identity(self) -> Settings:
@@ -120,11 +125,6 @@ class Campaign:
     def networks(self) -> tuple[CaseForecaster, ...]:
         """Those forecasters that are echo state networks."""
         return tuple(one for one in self.forecasters if one.name.kind == "esn")
-
-    @cached_property
-    def ensemble_forecasters(self) -> tuple[CaseForecaster, ...]:
-        """Those that tell an ensemble, whose members vote: of filters, analogues."""
-        return tuple(one for one in self.forecasters if _has_members(one.name.kind))
 
     def select(self, **values: object) -> tuple[CaseForecaster, ...]:
         """Forecasters whose case, kind, neurons, validation or seed have the given values."""
@@ -511,14 +511,7 @@ def _name_of(wildcards: Mapping[str, str]) -> ForecasterName:
 
 @cache
 def _sees_truth(name: ForecasterName) -> bool:
-    # networks, which do not, take long to import
-    return name.asks_forecasters and name.kind != "esn" and forecaster_class(name.kind).sees_truth
-
-
-@cache
-def _has_members(kind: str) -> bool:
-    # networks, which have none, take long to import
-    return kind != "esn" and has_members(forecaster_class(kind))
+    return name.asks_forecasters and forecaster_class(name.kind).sees_truth
 
 
 def _names(kind: str, axes: Mapping[str, Any] | None) -> Iterator[ForecasterName]:

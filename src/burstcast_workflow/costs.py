@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from burstcast import durations
+from burstcast.forecaster_options import options_of_kind
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.identifiers import ForecasterName, parsed
@@ -91,8 +92,8 @@ class _Job:
         self.numbers = self.series * self.samples * self.dimension
         self.washout = self.steps("washout_lt")
         # what takes in the washout before a forecast: an ensemble, where it is filtered
-        filtered = name.kind.endswith("_filtered")
-        self.members = self("forecasters.filter.members") if filtered else 1
+        options = options_of_kind(name.kind, campaign.config["forecasters"])
+        self.members = options.get("members", 1)
         self.start_up = self.members * self.washout
         # of control: how far forecasts reach, how long flows go on, how often they are forecast
         self.flows = max(0, min(self("control.flows"), self.series - self.training_series))
@@ -124,27 +125,11 @@ class _Job:
         return max(0.0, room // max(1, self.steps(spacing)))
 
 
-def _forecast(job: _Job) -> tuple[float, float]:
+def _forecasts(job: _Job, series: float, spacing: str) -> tuple[float, float]:
+    """Single forecasts, and those of all members of an ensemble behind a filter."""
     reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
-    starts = job.starts("classification.start_spacing_lt", reach)
-    return _test_series(job.campaign, job.case) * starts, job.start_up + reach
-
-
-def _member_forecast(job: _Job) -> tuple[float, float]:
-    points, steps = _forecast(job)
-    return points, job.start_up + job.members * (steps - job.start_up)
-
-
-def _calibration_member_forecast(job: _Job) -> tuple[float, float]:
-    points, steps = _calibration_forecast(job)
-    return points, job.members * steps
-
-
-def _calibration_forecast(job: _Job) -> tuple[float, float]:
-    reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
-    starts = job.starts("probability.start_spacing_lt", reach)
-    series = job("probability.calibration_series") or job.training_series
-    return series * starts, job.washout + reach
+    forecasts = 1 + job.members if job.members > 1 else 1
+    return series * job.starts(spacing, reach), job.start_up + forecasts * reach
 
 
 def _size(campaign: Campaign, case: str) -> tuple[float, float]:
@@ -194,10 +179,14 @@ _TRAJECTORIES: dict[str, Callable[[_Job], tuple[float, float]]] = {
     "controlled flows": lambda job: (job.flows, 3 * job.stride * (job.reach + job.span)),
     # steps of a forecaster: a few forecasts, as for a figure, where it is not known better
     "closed_loop": lambda job: (64, job.start_up + job.steps("horizon.longest_lead_time_lt")),
-    "forecast": _forecast,
-    "calibration_forecast": _calibration_forecast,
-    "member_forecast": _member_forecast,
-    "calibration_member_forecast": _calibration_member_forecast,
+    "forecast": lambda job: _forecasts(
+        job, _test_series(job.campaign, job.case), "classification.start_spacing_lt"
+    ),
+    "calibration_forecast": lambda job: _forecasts(
+        job,
+        job("probability.calibration_series") or job.training_series,
+        "probability.start_spacing_lt",
+    ),
     "horizon": _horizon,
     "long_term": _long_term,
     "control": _forecasts_of_control,

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from burstcast_workflow.alarms import shown_committees
+from burstcast_workflow.alarm_sources import shown_committees
 from burstcast_workflow.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.config.measured_cases import OBSERVABLE
 from burstcast_workflow.setting_groups import listed

@@ -6,15 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from burstcast.forecast import windows
 from burstcast.forecast.windows import (
     WindowSummaries,
     crosses,
-    forecast_summaries,
     summarise,
     window_boundaries,
 )
-from helpers_forecasters import MadeUpForecaster
 
 THRESHOLD = 0.1
 
@@ -113,40 +110,6 @@ def test_windows_beyond_the_forecast_are_refused(first, length):
     summaries = summarise(np.zeros((5, 1)), (1, 3, 5))
     with pytest.raises(IndexError, match="beyond the forecast"):
         crosses(summaries, first, length, THRESHOLD)
-
-
-class Counting(MadeUpForecaster):
-    """Goes on from the last observed value in steps of one; lost where that value is negative."""
-
-    def __init__(self):
-        self.batches = []
-
-    def start(self, washout):
-        self.batches.append(washout.shape[2])
-        return washout[-1].copy()
-
-    def advance(self, memory, steps):
-        ahead = np.arange(1, steps + 1, dtype=np.float64)[:, np.newaxis, np.newaxis]
-        outputs = np.where(memory < 0, np.nan, memory + ahead)
-        return outputs, outputs[-1]
-
-
-def test_forecasts_begin_one_step_after_the_last_observation(monkeypatch):
-    washouts = np.zeros((7, 4, 2))
-    washouts[:, -1, 0] = np.arange(7) * 100
-    washouts[2, -1, 0] = -1
-    forecaster = Counting()
-    monkeypatch.setattr(windows, "POINTS_PER_BATCH", 3)
-    summaries, diverged = forecast_summaries(
-        forecaster, lambda states: states[0], washouts, (2, 5, 9)
-    )
-    assert forecaster.batches == [3, 3, 1]
-    expected = 100 * np.arange(7)[:, np.newaxis] + np.array([2, 5])
-    expected = expected.astype(float)
-    expected[2] = np.nan
-    np.testing.assert_array_equal(summaries.first, expected)
-    np.testing.assert_array_equal(summaries.largest, expected + np.array([3, 4]))
-    assert diverged.tolist() == [False, False, True, False, False, False, False]
 
 
 def test_forecasts_that_are_lost_cross_nothing():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from burstcast.filters.filtered import FilteredForecaster
+from burstcast.forecasters._filtered import FilteredForecaster
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.linear_inverse import LinearInverseModel
@@ -67,16 +67,6 @@ def test_results_do_not_depend_on_the_batch(kind, observed):
     for first, last in ((0, 1), (1, 9), (9, 31)):
         part = np.ascontiguousarray(washout[:, :, first:last])
         np.testing.assert_array_equal(model.start(part), together[:, first:last])
-
-
-def test_members_can_be_advanced(observed):
-    model = FilteredEquations.fit(observed[:, :, :10].transpose(2, 0, 1), CASE)
-    members = model.ensemble(observed[100:115, :, 10:14])
-    assert members.shape == (3, 40, 4)
-    np.testing.assert_allclose(members.mean(axis=1), model.start(observed[100:115, :, 10:14]))
-    outputs, _ = model.advance(members.reshape(3, -1), 5)
-    alone, _ = model.advance(np.ascontiguousarray(members[:, 7]), 5)
-    np.testing.assert_array_equal(outputs.reshape(5, 3, 40, 4)[:, :, 7], alone)
 
 
 def test_a_washout_of_one_step_is_its_observation(observed):

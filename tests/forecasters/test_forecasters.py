@@ -7,6 +7,7 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.training import TrainingSeries, train
+from burstcast.forecast.window_forecasts import member_forecasts
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
@@ -107,6 +108,29 @@ def test_forecasts_can_be_picked_out_at_any_step(name, flow):
     np.testing.assert_array_equal(some, whole[4:, :, [3, 1]])
 
 
+@pytest.mark.parametrize("name", FORECASTERS)
+def test_an_ensemble_stands_for_the_single_forecast(name, flow):
+    forecaster = FORECASTERS[name]
+    ensemble, memory = forecaster.ensemble(flow[:20]), forecaster.start(flow[:20])
+    assert ensemble.shape[-1] == 5
+    np.testing.assert_array_equal(forecaster.combined(ensemble), memory)
+    # several members where the kind says so; elsewhere the only one is the single forecast
+    assert forecaster.provides_ensemble == (ensemble.shape[-2] > 1)
+    if not forecaster.provides_ensemble:
+        np.testing.assert_array_equal(ensemble[..., 0, :], memory)
+
+
+@pytest.mark.parametrize("name", FORECASTERS)
+def test_members_forecast_side_by_side_as_if_each_were_alone(name, flow):
+    forecaster = FORECASTERS[name]
+    ensemble = forecaster.ensemble(flow[:20])
+    states = member_forecasts(forecaster, flow[:20], 6)
+    assert states.shape == (6, 9, *ensemble.shape[-2:])
+    for member in range(ensemble.shape[-2]):
+        alone, _ = forecaster.advance(np.ascontiguousarray(ensemble[..., member, :]), 6)
+        np.testing.assert_array_equal(states[:, :, member], alone)
+
+
 def test_the_network_is_driven_by_the_washout_and_then_by_itself(flow):
     network = FORECASTERS["esn"].network
     reservoir, scale = network.dynamics.reservoir, network.input_range
@@ -174,6 +198,16 @@ def test_only_the_bound_sees_the_truth():
     seeing = [kind for kind in available_kinds() if forecaster_class(kind).sees_truth]
     assert seeing == ["equations"]
     assert not Forecaster.sees_truth
+
+
+def test_kinds_with_an_ensemble_and_with_a_filter():
+    kinds = {kind: forecaster_class(kind) for kind in available_kinds()}
+    filtered = {kind for kind, found in kinds.items() if found.has_filter}
+    assert filtered == {"equations_filtered", "quadratic_filtered"}
+    assert {kind for kind, found in kinds.items() if found.provides_ensemble} == {
+        "analogues",
+        *filtered,
+    }
 
 
 @pytest.mark.parametrize("name", FORECASTERS)

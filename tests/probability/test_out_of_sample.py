@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from burstcast.forecast.windows import forecast_summaries
+from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.linear_inverse import LinearInverseModel
-from burstcast.probability.out_of_sample import leave_one_out_summaries
+from burstcast.probability.out_of_sample import out_of_sample_forecasts
 from burstcast.systems.lorenz63 import Lorenz63
 from helpers_forecasters import MadeUpForecaster
 
@@ -18,7 +18,7 @@ BOUNDARIES = (2, 5, 9)
 
 @dataclass
 class MeanForecaster(MadeUpForecaster):
-    """Forecasts the mean of what it has learnt from, and remembers the washout of training."""
+    """Forecasts the mean of the training series; three members add their number to it."""
 
     mean: float
 
@@ -27,10 +27,13 @@ class MeanForecaster(MadeUpForecaster):
         return cls(float(training.mean()))
 
     def start(self, washout):
-        return washout[-1]
+        return np.zeros((1, washout.shape[2]))
+
+    def ensemble(self, washout):
+        return np.arange(3.0)[np.newaxis, :, np.newaxis] * np.ones((1, 3, washout.shape[2]))
 
     def advance(self, memory, steps):
-        return np.full((steps, *memory.shape), self.mean), memory
+        return np.repeat((self.mean + memory)[np.newaxis], steps, axis=0), memory
 
 
 def first_component(states):
@@ -39,8 +42,8 @@ def first_component(states):
 
 def test_each_point_is_forecast_by_those_who_have_not_seen_its_series():
     training = np.arange(4.0)[:, np.newaxis, np.newaxis] * np.ones((4, 30, 3))
-    series = np.array([2, 0, 3, 2])  # none in series 1
-    summaries, diverged = leave_one_out_summaries(
+    series = np.array([2, 0, 3, 2])  # none in series 1, and not in order
+    found = out_of_sample_forecasts(
         MeanForecaster.fit(training, CASE),
         training,
         CASE,
@@ -52,9 +55,11 @@ def test_each_point_is_forecast_by_those_who_have_not_seen_its_series():
     )
     without = {row: np.delete(np.arange(4.0), row).mean() for row in range(4)}
     expected = np.array([without[row] for row in series])[:, np.newaxis] * np.ones((4, 2))
-    np.testing.assert_allclose(summaries.first, expected)
-    np.testing.assert_allclose(summaries.largest, expected)
-    assert not diverged.any()
+    for number, forecasts in ((0, found), *enumerate(found.members)):
+        np.testing.assert_allclose(forecasts.first, expected + number)
+        np.testing.assert_allclose(forecasts.largest, expected + number)
+    assert len(found.members) == 3
+    assert found.diverged.tolist() == [False] * 4
 
 
 def test_a_fitted_kind_is_fitted_anew():
@@ -64,16 +69,16 @@ def test_a_fitted_kind_is_fitted_anew():
     series = np.array([0, 0, 1, 1, 2, 2])
     arguments = CASE, 4, first_component, washouts, series, BOUNDARIES
     whole = LinearInverseModel.fit(training, CASE)
-    found, _ = leave_one_out_summaries(whole, training, *arguments)
+    found = out_of_sample_forecasts(whole, training, *arguments)
     for row in range(3):
         anew = LinearInverseModel.fit(np.delete(training, row, axis=0), CASE)
         here = series == row
-        expected, _ = forecast_summaries(anew, first_component, washouts[here], BOUNDARIES)
+        expected = window_forecasts(anew, first_component, washouts[here], BOUNDARIES)
         np.testing.assert_array_equal(found.largest[here], expected.largest)
     # whatever the series was
     other = training.copy()
     other[1] = generator.standard_normal((40, 3))
-    again, _ = leave_one_out_summaries(whole, other, *arguments)
+    again = out_of_sample_forecasts(whole, other, *arguments)
     np.testing.assert_array_equal(again.first[2:4], found.first[2:4])
     assert (again.first[[0, 1, 4, 5]] != found.first[[0, 1, 4, 5]]).all()
 

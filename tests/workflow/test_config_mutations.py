@@ -15,7 +15,7 @@ import yaml
 from helpers_rebuilds import ROOT, Project
 from snakemake.utils import update_config
 
-from burstcast_workflow.alarms import alarm_records
+from burstcast_workflow.alarm_sources import alarm_records
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.canonical import canonical_json
 from burstcast_workflow.config.loading import ConfigError, load

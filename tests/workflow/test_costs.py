@@ -170,7 +170,7 @@ def test_backend_that_is_not_compiled_is_slower(cost_class, stage):
     assert 3 < scipy / compiled < 5
 
 
-def test_a_filter_costs_its_members_over_the_washout():
+def test_a_filter_costs_its_members_over_the_washout_and_the_forecast():
     plain, filtered = (
         predicted("closed_loop", "forecast", forecaster=kind)
         for kind in ("quadratic", "quadratic_filtered")
@@ -182,20 +182,10 @@ def test_a_filter_costs_its_members_over_the_washout():
         forecaster="quadratic_filtered",
     )
     # washouts of 30 steps and forecasts of 366, from 9000 starting points with four steps each
-    steps = SECONDS_PER["integration step"] * 9000 * 4 * 30
+    steps = SECONDS_PER["integration step"] * 9000 * 4 * (30 + 366)
     assert filtered.seconds - half.seconds == pytest.approx(20 * steps, rel=0.02)
     assert plain.seconds < half.seconds
     assert plain.memory_mib < half.memory_mib < filtered.memory_mib
-
-
-def test_forecasts_of_all_members_cost_each_of_them():
-    alone, members = (
-        predicted("closed_loop", stage, forecaster="quadratic_filtered")
-        for stage in ("forecast", "member_forecast")
-    )
-    # forecasts of 366 steps, from 9000 starting points with four steps each
-    steps = SECONDS_PER["integration step"] * 9000 * 4 * 366
-    assert members.seconds - alone.seconds == pytest.approx(39 * steps, rel=0.02)
 
 
 def test_other_kinds_of_forecasters_cost_what_the_equations_cost():

@@ -10,16 +10,6 @@ stage(
     cached=True,
 )
 stage(
-    # of forecasters that tell an ensemble: a filter's members, single analogues
-    "evaluation/member_forecast",
-    "forecast the evaluation set with all members",
-    inputs=files("forecaster evaluation_set time_unit"),
-    outputs={"member_forecast": f"{FORECASTER}/member_forecast.nc"},
-    settings="FORECASTER WINDOWS",
-    cost="closed_loop",
-    cached=True,
-)
-stage(
     "evaluation/horizon",
     "prediction horizons",
     inputs=files("forecaster events summary time_unit"),

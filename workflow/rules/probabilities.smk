@@ -1,20 +1,11 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
-from functools import partial
-
-from burstcast_workflow.alarms import (
+from burstcast_workflow.alarm_sources import (
     alarm_records,
     committee_records,
     shown_voters,
     voter_records,
 )
-
-# Who raises alarms, and whose forecasts they are made of.
-ALARMS = {
-    "rows": in_case(campaign.forecasters, campaign.keys),
-    "ensemble_rows": in_case(campaign.ensemble_forecasters, campaign.keys),
-    "alarms": of_case(alarm_records),
-}
 
 stage(
     "data/calibration_set",
@@ -36,31 +27,17 @@ stage(
     cached=True,
 )
 stage(
-    "evaluation/calibration_member_forecast",
-    "forecast the calibration set out of sample with all members",
-    inputs=files("ensemble forecaster calibration_set time_unit"),
-    outputs={
-        "calibration_member_forecast": f"{FORECASTER}/calibration_member_forecast.nc"
-    },
-    settings="FORECASTER OBSERVED WINDOWS washout_lt probability.calibration_series",
-    cost="leave_one_out",
-    cached=True,
-)
-stage(
     "probabilities/calibrate",
     "calibrate the probabilities, choose the thresholds of alarms",
     inputs={
         "calibration_forecasts": files_in_case("calibration_forecast.nc"),
-        "calibration_member_forecasts": files_in_case(
-            "calibration_member_forecast.nc", campaign.ensemble_forecasters
-        ),
         **files("calibration_set time_unit"),
     },
     outputs={"calibration": f"{CASE}/calibration.json"},
     settings="TIME case.event_threshold classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt "
     "probability.prior_forecasts probability.threshold_factors",
-    **ALARMS,
+    alarms=of_case(alarm_records),
 )
 stage(
     # of those who are shown: members of the example's ensemble, and of other ensembles
@@ -69,28 +46,19 @@ stage(
     inputs={
         **files("ensemble evaluation_set calibration time_unit"),
         "forecasters": files_in_case("forecaster.nc", shown_voters),
-        "forecasts": files_in_case(
-            "forecast.nc", partial(shown_voters, by_members=False)
-        ),
-        "member_forecasts": files_in_case(
-            "member_forecast.nc", partial(shown_voters, by_members=True)
-        ),
+        "forecasts": files_in_case("forecast.nc", shown_voters),
     },
     outputs={"committee_event": f"{CASE}/committee_event.nc"},
     settings="SYSTEM TIME WINDOWS case.event_threshold case.training.series "
     "classification.prediction_times_lt",
     cost="gather",
     committees=of_case(committee_records),
-    rows=of_case(partial(voter_records, by_members=False)),
-    ensemble_rows=of_case(partial(voter_records, by_members=True)),
+    voters=of_case(voter_records),
 )
 
 # What tables of probabilities are made from.
 PROBABILITIES = {
     "forecasts": files_in_case("forecast.nc"),
-    "member_forecasts": files_in_case(
-        "member_forecast.nc", campaign.ensemble_forecasters
-    ),
     **files("evaluation_set calibration"),
 }
 
@@ -100,7 +68,7 @@ table_stage(
     inputs=PROBABILITIES,
     settings="SCORED case.event_threshold probability.bins",
     cost="bootstrap",
-    **ALARMS,
+    alarms=of_case(alarm_records),
 )
 table_stage(
     "probabilities/probability_diagrams",
@@ -108,7 +76,7 @@ table_stage(
     inputs=PROBABILITIES,
     settings="SCORED case.event_threshold probability.bins probability.cost_loss_ratios",
     cost="bootstrap",
-    **ALARMS,
+    alarms=of_case(alarm_records),
 )
 table_stage(
     "probabilities/lead_times",
@@ -117,7 +85,7 @@ table_stage(
     settings="SCORED case.event_threshold case.training.series "
     "classification.start_spacing_lt",
     cost="bootstrap",
-    **ALARMS,
+    alarms=of_case(alarm_records),
 )
 table_stage(
     "probabilities/threshold_sweep",
@@ -125,5 +93,5 @@ table_stage(
     inputs=PROBABILITIES,
     settings="SCORED case.event_threshold probability.bins probability.threshold_factors",
     cost="bootstrap",
-    **ALARMS,
+    alarms=of_case(alarm_records),
 )

@@ -192,8 +192,6 @@ rule forecasters:
         of_forecasters("forecaster.nc"),
         of_forecasters("forecast.nc"),
         of_forecasters("calibration_forecast.nc"),
-        of_forecasters("member_forecast.nc", campaign.ensemble_forecasters),
-        of_forecasters("calibration_member_forecast.nc", campaign.ensemble_forecasters),
         of_forecasters("horizon.nc"),
         of_forecasters("long_term.nc", campaign.long_term_forecasters),
         of_forecasters("lyapunov_spectrum.nc", campaign.spectrum_forecasters),

@@ -5,7 +5,6 @@ prediction window, which is several of them, is scored from their summaries, wha
 threshold is. Neighbouring windows share their common step.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -13,10 +12,6 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import BoolArray, FloatArray
-from burstcast.forecasters.base import Forecaster
-
-POINTS_PER_BATCH = 1024
-"""Forecasts that run side by side: bounds the memory, changes no result."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +29,30 @@ class WindowSummaries:
 
     first: FloatArray
     largest: FloatArray
+
+
+@dataclass(frozen=True)
+class WindowForecasts(WindowSummaries):
+    """Window summaries of the single forecast from each starting point, and of an ensemble.
+
+    Attributes
+    ----------
+    diverged
+        Whether the single forecast has diverged, ``(points,)``.
+    member_first, member_largest
+        ``first`` and ``largest`` of the forecast of each member, ``(points, members, windows)``. A
+        forecaster that provides no ensemble has no members here.
+    """
+
+    diverged: BoolArray
+    member_first: FloatArray
+    member_largest: FloatArray
+
+    @property
+    def members(self) -> list[WindowSummaries]:
+        """Window summaries of each member; without an ensemble, those of the single forecast."""
+        by_member = (self.member_first.swapaxes(0, 1), self.member_largest.swapaxes(0, 1))
+        return [WindowSummaries(*pair) for pair in zip(*by_member, strict=True)] or [self]
 
 
 def window_boundaries(
@@ -122,41 +141,3 @@ def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: f
     ``(batch,)``.
     """
     return crosses(summarise(observable, (start, end)), 0, 1, threshold)
-
-
-def forecast_summaries(
-    forecaster: Forecaster,
-    observable: Callable[[FloatArray], FloatArray],
-    washouts: FloatArray,
-    boundaries: tuple[int, ...],
-) -> tuple[WindowSummaries, BoolArray]:
-    """Forecast from many starting points and keep the window summaries.
-
-    Parameters
-    ----------
-    forecaster
-        Who forecasts.
-    observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
-    washouts
-        Observed states up to each starting point, ``(points, steps, dimension)``.
-    boundaries
-        Of the windows (`window_boundaries`).
-
-    Returns
-    -------
-    Summaries, and which forecasts have diverged, ``(points,)``.
-    """
-    batches = []
-    diverged = []
-    for start in range(0, len(washouts), POINTS_PER_BATCH):
-        batch = washouts[start : start + POINTS_PER_BATCH].transpose(1, 2, 0)
-        memory = forecaster.start(np.ascontiguousarray(batch))
-        outputs, _ = forecaster.advance(memory, boundaries[-1])
-        batches.append(summarise(observable(outputs.transpose(1, 0, 2)), boundaries))
-        diverged.append(forecaster.diverged(outputs))
-    summaries = WindowSummaries(
-        first=np.concatenate([batch.first for batch in batches]),
-        largest=np.concatenate([batch.largest for batch in batches]),
-    )
-    return summaries, np.concatenate(diverged)

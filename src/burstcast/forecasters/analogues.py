@@ -6,7 +6,7 @@ naturally occurring analogues", Journal of the Atmospheric Sciences 26 (1969).
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -30,6 +30,8 @@ class Analogues(Forecaster):
     neighbours
         How many analogues.
     """
+
+    provides_ensemble: ClassVar[bool] = True
 
     training: FloatArray
     neighbours: int
@@ -65,18 +67,13 @@ class Analogues(Forecaster):
         return KDTree(candidates.reshape(-1, candidates.shape[2]))
 
     def ensemble(self, washout: FloatArray) -> FloatArray:
-        """Memories that each follow one analogue: what may happen, equally likely.
-
-        Parameters
-        ----------
-        washout
-            As for `start`.
-
-        Returns
-        -------
-        ``(1, neighbours, batch)``; flatten the last two axes to forecast with all of them.
-        """
+        """Memories of one analogue each, ``(1, neighbours, batch)`` (see `Forecaster.ensemble`)."""
         return self.start(washout)[np.newaxis]
+
+    def combined(self, ensemble: FloatArray) -> FloatArray:
+        """Memory of all analogues (see `Forecaster.combined`)."""
+        memory: FloatArray = ensemble[0]
+        return memory
 
     def start(self, washout: FloatArray) -> FloatArray:
         """Analogues of the last observed state, ``(neighbours, batch)``.

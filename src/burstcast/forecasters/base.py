@@ -65,6 +65,10 @@ class Forecaster(abc.ABC):
     """Whether it is given true states instead of observed ones: only as a bound for others."""
     needs_equations: ClassVar[bool] = False
     """Whether it forecasts with the equations of the system."""
+    provides_ensemble: ClassVar[bool] = False
+    """Whether `ensemble` has several members, whose forecasts are equally likely."""
+    has_filter: ClassVar[bool] = False
+    """Whether an ensemble filter estimates the present state from the whole washout."""
 
     @classmethod
     @abc.abstractmethod
@@ -130,6 +134,28 @@ class Forecaster(abc.ABC):
         -------
         Memory, ``(..., batch)``.
         """
+
+    def ensemble(self, washout: FloatArray) -> FloatArray:
+        """Memories of all members of an ensemble after an observed washout, equally likely.
+
+        By default, the memory of `start` is the only member. A kind with several overrides this
+        method and `combined`, and sets `provides_ensemble`. The share of members whose forecast
+        has an event is the event's probability.
+
+        Parameters
+        ----------
+        washout
+            As for `start`.
+
+        Returns
+        -------
+        ``(..., members, batch)``. With its last two axes flattened it is a memory of `advance`.
+        """
+        return self.start(washout)[..., np.newaxis, :]
+
+    def combined(self, ensemble: FloatArray) -> FloatArray:
+        """Memory of the single forecast that an ensemble stands for: `start` of its washout."""
+        return ensemble[..., 0, :]
 
     @abc.abstractmethod
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:

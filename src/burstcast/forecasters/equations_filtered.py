@@ -6,7 +6,7 @@ The limit for all who see noisy observations: a perfect model and a nearly perfe
 from dataclasses import dataclass
 from typing import ClassVar
 
-from burstcast.filters.filtered import FilteredForecaster
+from burstcast.forecasters._filtered import FilteredForecaster
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 

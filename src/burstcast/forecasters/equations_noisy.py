@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from burstcast.arrays import FloatArray
+from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
-from burstcast.integrated_forecaster import IntegratedForecaster
 from burstcast.systems.base import DynamicalSystem
 
 

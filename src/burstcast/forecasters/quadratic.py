@@ -9,8 +9,8 @@ from typing import ClassVar, Self
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
+from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
-from burstcast.integrated_forecaster import IntegratedForecaster
 from burstcast.observation_noise import observation_noise
 from burstcast.polynomials.regression import polynomial_coefficients
 from burstcast.polynomials.system import PolynomialSystem

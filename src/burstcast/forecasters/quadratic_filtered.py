@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from burstcast.filters.filtered import FilteredForecaster
+from burstcast.forecasters._filtered import FilteredForecaster
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.quadratic import QuadraticModel
 

@@ -1,7 +1,7 @@
 """Forecasters by name: the module ``burstcast.forecasters.<kind>`` holds the kind ``<kind>``.
 
 A new kind is one new module with one concrete subclass of `Forecaster` in it; nothing has to be
-registered.
+registered. Modules with a leading underscore hold what several kinds share.
 """
 
 import burstcast.forecasters

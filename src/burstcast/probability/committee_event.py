@@ -8,7 +8,8 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.described import Described
-from burstcast.probability.members import EnsembleForecaster, member_forecasts
+from burstcast.forecast.window_forecasts import member_forecasts
+from burstcast.forecasters.base import Forecaster
 from burstcast.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 
@@ -90,7 +91,7 @@ def see_event(
 
 
 def member_observables(
-    forecaster: EnsembleForecaster,
+    forecaster: Forecaster,
     observable: Callable[[FloatArray], FloatArray],
     washout: FloatArray,
     steps: int,

@@ -13,7 +13,6 @@ from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.discovery import module_file
 from burstcast.forecasters.registry import forecaster_class
-from burstcast.probability.members import has_members
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, module_of, system_class
@@ -224,7 +223,7 @@ def _votes(block: Settings, place: str, kinds: Sequence[str]) -> Iterator[str]:
     if block.get("seeds") is not None:
         yield f"{place}.seeds: all networks of a size and strategy are a committee; leave it out"
     for kind in kinds:
-        if kind != "esn" and not has_members(forecaster_class(kind)):
+        if kind != "esn" and not forecaster_class(kind).provides_ensemble:
             yield f"{place}.forecasters names {kind}, which has no members that could vote"
 
 
@@ -303,7 +302,7 @@ def _case(config: Settings, name: str) -> Iterator[str]:
         return
     yield from _related(record, Case)
     yield from _system(name, record)
-    if any(kind.endswith("_filtered") for kind in _kinds(config, name)):
+    if any(forecaster_class(kind).has_filter for kind in _kinds(config, name)):
         yield from _filter(
             config["forecasters"]["filter"], record, f"the system {record['system']}"
         )
@@ -429,7 +428,7 @@ def _measured(config: Settings, name: str, own: Settings) -> Iterator[str]:
     kinds = sorted(_kinds(config, name))
     if needing := kinds_with_equations(kinds):
         yield f"there are no equations of measured series to forecast with ({', '.join(needing)})"
-    if any(kind.endswith("_filtered") for kind in kinds):
+    if any(forecaster_class(kind).has_filter for kind in kinds):
         yield from _filter(config["forecasters"]["filter"], record, name)
     for index, block in enumerate(config["control"]["strategies"]):
         if name in block.get("cases", []):

@@ -214,4 +214,4 @@ def problems_of_data(record: Settings) -> Iterator[str]:
 
 def kinds_with_equations(kinds: Sequence[str]) -> list[str]:
     """Kinds of forecasters that need equations, of those that are given."""
-    return [kind for kind in kinds if kind != "esn" and forecaster_class(kind).needs_equations]
+    return [kind for kind in kinds if forecaster_class(kind).needs_equations]

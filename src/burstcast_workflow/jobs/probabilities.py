@@ -1,6 +1,6 @@
 """What the stages of probabilities share: forecasts of all who raise alarms, and calibrations."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,14 +8,15 @@ import numpy as np
 
 from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.forecast.windows import WindowSummaries, crosses
+from burstcast.forecast.windows import WindowForecasts, WindowSummaries, crosses
 from burstcast.netcdf import read_netcdf
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
 from burstcast.resampling import bootstrap_weights
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.gather import identity
+from burstcast_workflow.jobs.windows import read_forecasts
 
 Settings = Mapping[str, Any]
 Record = Mapping[str, Any]
@@ -33,16 +34,13 @@ class ForecastPoints:
     data
         Variables of the points (`burstcast_workflow.jobs.point_sets`).
     forecasts
-        Window summaries by the identifier of the forecaster.
-    ensembles
-        Those of each member, where a forecaster tells an ensemble, likewise.
+        Forecasts from the points, by the identifier of the forecaster.
     windows, resolution_lt
         How many windows make up a prediction window, and how long each is in Lyapunov times.
     """
 
     data: Mapping[str, Any]
-    forecasts: Mapping[str, WindowSummaries]
-    ensembles: Mapping[str, Sequence[WindowSummaries]]
+    forecasts: Mapping[str, WindowForecasts]
     windows: int
     resolution_lt: float
 
@@ -59,11 +57,12 @@ class ForecastPoints:
         self, alarm: Record, prediction_time_lt: float, event_threshold: float
     ) -> FloatArray:
         """What an alarm is raised by: a share of votes, or a baseline's score; ``(points,)``."""
-        members = [self.forecasts[name] for name in alarm["members"]]
-        members += [one for name in alarm["ensembles"] for one in self.ensembles[name]]
-        if members:
+        forecasts = [self.forecasts[name] for name in alarm["forecasters"]]
+        if forecasts:
+            members = [member for one in forecasts for member in one.members]
+            voters = members if alarm["committee"] else forecasts
             first = self._first(prediction_time_lt)
-            return share_of_votes(members, first, self.windows, event_threshold)
+            return share_of_votes(voters, first, self.windows, event_threshold)
         now: FloatArray = self.data["observable_now"]
         return now if alarm["alarm"] == "observable_now" else np.zeros(len(now))
 
@@ -88,42 +87,13 @@ class ForecastPoints:
         return round(prediction_time_lt / self.resolution_lt) - 1
 
 
-def forecast_points(
-    settings: Settings,
-    point_set: str,
-    forecasts: Sequence[str],
-    member_forecasts: Sequence[str],
-) -> ForecastPoints:
-    """Read the points of a case, and the forecasts from them.
-
-    Parameters
-    ----------
-    settings
-        Of the job, with ``rows`` of the forecasters, and ``ensemble_rows`` of those that tell an
-        ensemble.
-    point_set, forecasts, member_forecasts
-        Inputs of the job.
-    """
+def forecast_points(settings: Settings, point_set: str, forecasts: Sequence[str]) -> ForecastPoints:
+    """Read the starting points of a case, and the forecasts from them: inputs of the job."""
     resolution = settings["classification.resolution_lt"]
-    singles = {
-        name: WindowSummaries(**read_netcdf(path, "first", "largest"))
-        for name, path in _by_forecaster(settings["rows"], forecasts)
-    }
-    ensembles = {
-        name: [
-            WindowSummaries(*pair)
-            for pair in zip(*read_netcdf(path, "first", "largest").values(), strict=True)
-        ]
-        for name, path in _by_forecaster(settings["ensemble_rows"], member_forecasts)
-    }
+    found = {identity(path)["forecaster"]: read_forecasts(path) for path in forecasts}
     names = ("series", "step", "observable_now", "washout_maximum", "first", "largest")
     windows = round(settings["classification.window_lt"] / resolution)
-    return ForecastPoints(read_netcdf(point_set, *names), singles, ensembles, windows, resolution)
-
-
-def _by_forecaster(rows: Sequence[Record], paths: Sequence[str]) -> Iterator[tuple[str, str]]:
-    for record, path in gathered(rows, paths):
-        yield record["identity"]["forecaster"], path
+    return ForecastPoints(read_netcdf(point_set, *names), found, windows, resolution)
 
 
 def read_rules(
@@ -200,12 +170,8 @@ class CaseProbabilities:
 
 
 def case_probabilities(
-    settings: Settings,
-    forecasts: Sequence[str],
-    member_forecasts: Sequence[str],
-    evaluation_set: str,
-    calibration: str,
+    settings: Settings, forecasts: Sequence[str], evaluation_set: str, calibration: str
 ) -> CaseProbabilities:
     """Read what a case's tables of probabilities are made from, the inputs of these jobs."""
-    points = forecast_points(settings, evaluation_set, forecasts, member_forecasts)
+    points = forecast_points(settings, evaluation_set, forecasts)
     return CaseProbabilities(settings, points, read_json(calibration))

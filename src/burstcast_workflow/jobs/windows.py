@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-from burstcast.arrays import BoolArray
-from burstcast.forecast.windows import WindowSummaries
-from burstcast.netcdf import Variable
+import numpy as np
+
+from burstcast.forecast.windows import WindowForecasts
+from burstcast.netcdf import Variable, read_netcdf
 from burstcast.units import NUMBER, OBSERVABLE
 from burstcast_workflow.harness.storage import write_netcdf
 
@@ -19,29 +20,27 @@ def windows_of(settings: Mapping[str, Any]) -> tuple[float, int]:
 
 
 def write_forecasts(
-    path: str,
-    summaries: WindowSummaries,
-    diverged: BoolArray,
-    name: str,
-    provenance: Mapping[str, str],
+    path: str, forecasts: WindowForecasts, name: str, provenance: Mapping[str, str]
 ) -> None:
-    """Write forecasts of the observable of that name, reduced to windows."""
-    write_netcdf(
-        path,
-        {
-            "first": Variable(
-                ("point", "window"),
-                summaries.first,
-                OBSERVABLE,
-                f"forecast {name} at the first step of each window",
-            ),
-            "largest": Variable(
-                ("point", "window"),
-                summaries.largest,
-                OBSERVABLE,
-                f"largest forecast {name} in a window",
-            ),
-            "diverged": Variable(("point",), diverged, NUMBER, "whether the forecast has diverged"),
-        },
-        provenance,
-    )
+    """Write forecasts of the observable called ``name``, and those of an ensemble's members."""
+    points, members = ("point", "window"), ("point", "member", "window")
+    first = f"forecast {name} at the first step of each window"
+    largest = f"largest forecast {name} in each window"
+    lost = "whether the forecast has diverged"
+    variables = {
+        "first": Variable(points, forecasts.first, OBSERVABLE, first),
+        "largest": Variable(points, forecasts.largest, OBSERVABLE, largest),
+        "diverged": Variable(("point",), forecasts.diverged, NUMBER, lost),
+    }
+    if forecasts.member_first.size:
+        for name, meaning in (("member_first", first), ("member_largest", largest)):
+            values = getattr(forecasts, name)
+            variables[name] = Variable(members, values, OBSERVABLE, f"{meaning}, by each member")
+    write_netcdf(path, variables, provenance)
+
+
+def read_forecasts(path: str) -> WindowForecasts:
+    """Read the forecasts that `write_forecasts` wrote."""
+    found = read_netcdf(path)
+    none = np.empty((len(found["first"]), 0, found["first"].shape[1]))
+    return WindowForecasts(**{"member_first": none, "member_largest": none, **found})

@@ -64,7 +64,6 @@ READS = {
     "forecast/equations": f"{_SYSTEM} {_TIME} {_WINDOWS}",
     "forecast/equations_noisy": f"{_SYSTEM} {_TIME} {_WINDOWS}",
     "forecast/quadratic_filtered": f"{_SYSTEM} {_TIME} {_WINDOWS} {_LEARNT}",
-    "member_forecast/quadratic_filtered": f"{_SYSTEM} {_TIME} {_WINDOWS} {_LEARNT}",
     "horizon/esn": f"{_HORIZON} {_NETWORK}",
     "horizon/equations": _HORIZON,
     "horizon/equations_noisy": _HORIZON,
@@ -101,8 +100,6 @@ READS = {
     "calibration_forecast/equations": f"{_CALIBRATION_FORECAST} {_TRUE}",
     "calibration_forecast/equations_noisy": f"{_CALIBRATION_FORECAST} {_OBSERVED}",
     "calibration_forecast/quadratic_filtered": f"{_CALIBRATION_FORECAST} {_OBSERVED} {_LEARNT}",
-    "calibration_member_forecast/quadratic_filtered": f"""{_CALIBRATION_FORECAST} {_OBSERVED}
-        {_LEARNT}""",
     "calibrate": f"""{_TIME} case.event_threshold classification.prediction_times_lt
         classification.window_lt classification.resolution_lt
         probability.prior_forecasts probability.threshold_factors""",
@@ -119,7 +116,6 @@ READS = {
 
 _FORECASTS = """forecast/esn forecast/equations forecast/equations_noisy
     forecast/quadratic_filtered evaluation_set"""
-_MEMBERS = "member_forecast/quadratic_filtered"
 
 COMES_FROM = {
     "lyapunov": "simulate",
@@ -136,7 +132,6 @@ COMES_FROM = {
     "forecast/equations": "fit/equations evaluation_set",
     "forecast/equations_noisy": "fit/equations_noisy evaluation_set",
     "forecast/quadratic_filtered": "fit/quadratic_filtered evaluation_set",
-    "member_forecast/quadratic_filtered": "fit/quadratic_filtered evaluation_set",
     "horizon/esn": "simulate train events",
     "horizon/equations": "simulate fit/equations events",
     "horizon/equations_noisy": "simulate fit/equations_noisy events",
@@ -171,15 +166,12 @@ COMES_FROM = {
     "calibration_forecast/equations_noisy": "simulate fit/equations_noisy calibration_set",
     "calibration_forecast/quadratic_filtered": """simulate fit/quadratic_filtered
         calibration_set""",
-    "calibration_member_forecast/quadratic_filtered": """simulate fit/quadratic_filtered
-        calibration_set""",
     "calibrate": """calibration_set calibration_forecast/esn calibration_forecast/equations
-        calibration_forecast/equations_noisy calibration_forecast/quadratic_filtered
-        calibration_member_forecast/quadratic_filtered""",
-    "probability_scores": f"{_FORECASTS} {_MEMBERS} calibrate",
-    "probability_diagrams": f"{_FORECASTS} {_MEMBERS} calibrate",
-    "lead_times": f"simulate {_FORECASTS} {_MEMBERS} calibrate",
-    "threshold_sweep": f"{_FORECASTS} {_MEMBERS} calibrate",
+        calibration_forecast/equations_noisy calibration_forecast/quadratic_filtered""",
+    "probability_scores": f"{_FORECASTS} calibrate",
+    "probability_diagrams": f"{_FORECASTS} calibrate",
+    "lead_times": f"simulate {_FORECASTS} calibrate",
+    "threshold_sweep": f"{_FORECASTS} calibrate",
     "data_generation_parameters": "simulate",
 }
 

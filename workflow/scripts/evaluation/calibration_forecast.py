@@ -3,9 +3,10 @@
 import numpy as np
 
 from burstcast import durations
-from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.forecast.window_forecasts import window_forecasts
+from burstcast.forecast.windows import window_boundaries
 from burstcast.netcdf import read_netcdf
-from burstcast.probability.out_of_sample import leave_one_out_summaries
+from burstcast.probability.out_of_sample import out_of_sample_forecasts
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import training_states
@@ -38,9 +39,9 @@ def forecast_calibration_set(
     points = read_netcdf(calibration_set, "series", "washout", "true_state")
     given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
     if settings["probability.calibration_series"]:
-        summaries, diverged = forecast_summaries(who, system.observable, given, boundaries)
+        forecasts = window_forecasts(who, system.observable, given, boundaries)
     else:
-        summaries, diverged = leave_one_out_summaries(
+        forecasts = out_of_sample_forecasts(
             who,
             seen_rows(who, settings, ensemble, 0, training_states(settings, ensemble)),
             forecasting_case(settings, time_unit),
@@ -50,7 +51,7 @@ def forecast_calibration_set(
             points["series"],
             boundaries,
         )
-    write_forecasts(calibration_forecast, summaries, diverged, system.observable_name, provenance)
+    write_forecasts(calibration_forecast, forecasts, system.observable_name, provenance)
 
 
 if __name__ == "__main__":

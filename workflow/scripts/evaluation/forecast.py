@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from burstcast.forecast.windows import forecast_summaries, window_boundaries
+from burstcast.forecast.window_forecasts import window_forecasts
+from burstcast.forecast.windows import window_boundaries
 from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.job import Provenance, run_job
 from burstcast_workflow.harness.settings import Settings
@@ -27,13 +28,9 @@ def forecast_evaluation_set(
     bound = settings["forecaster.divergence_bound"]
     who = read_forecaster(forecaster, settings, time_unit, bound)
     points = read_netcdf(evaluation_set, "washout", "true_state")
-    summaries, diverged = forecast_summaries(
-        who,
-        system.observable,
-        seen(who, points["washout"], points["true_state"][:, np.newaxis]),
-        boundaries,
-    )
-    write_forecasts(forecast, summaries, diverged, system.observable_name, provenance)
+    given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
+    forecasts = window_forecasts(who, system.observable, given, boundaries)
+    write_forecasts(forecast, forecasts, system.observable_name, provenance)
 
 
 if __name__ == "__main__":

@@ -15,15 +15,13 @@ def calibrate(
     *,
     calibration_set: str,
     calibration_forecasts: list[str],
-    calibration_member_forecasts: list[str],
     time_unit: str | list[str],
     calibration: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
     """Write calibrations and thresholds by alarm, event threshold and prediction time."""
-    files = calibration_forecasts, calibration_member_forecasts
-    points = forecast_points(settings, calibration_set, *files)
+    points = forecast_points(settings, calibration_set, calibration_forecasts)
     alarms: dict[str, Any] = {}
     for alarm in settings["alarms"]:
         # the sweep of the event threshold is for those who are compared
@@ -33,7 +31,7 @@ def calibrate(
             by_factor = alarms.setdefault(alarm["alarm"], {}).setdefault(f"{factor:g}", {})
             for time in settings["classification.prediction_times_lt"]:
                 outcomes = points.outcomes(alarm, time, event_threshold).total()
-                if alarm["members"] or alarm["ensembles"]:
+                if alarm["forecasters"]:
                     prior = settings["probability.prior_forecasts"]
                     maps = {CALIBRATED: isotonic(outcomes, prior), VOTES: UNCALIBRATED}
                 else:  # what a baseline is raised by is no probability

@@ -8,7 +8,6 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.forecast.examples import forecast_observable
 from burstcast.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.probability.committee_event import member_observables, see_event
 from burstcast.probability.typical_event import typical_event
@@ -17,7 +16,6 @@ from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.members import with_members
 from burstcast_workflow.jobs.probabilities import CALIBRATED, forecast_points, read_rules
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
@@ -30,7 +28,6 @@ def event_of_committees(
     calibration: str,
     forecasters: list[str],
     forecasts: list[str],
-    member_forecasts: list[str],
     time_unit: str | list[str],
     committee_event: str,
     settings: Settings,
@@ -38,7 +35,7 @@ def event_of_committees(
 ) -> None:
     """Write what happened, what all members forecast, votes, probabilities, alarm thresholds."""
     steps, threshold = lyapunov_time(settings, time_unit), settings["case.event_threshold"]
-    points = forecast_points(settings, evaluation_set, forecasts, member_forecasts)
+    points = forecast_points(settings, evaluation_set, forecasts)
     times, committees = settings["classification.prediction_times_lt"], settings["committees"]
     longest = max(times)
     point = typical_event(
@@ -60,10 +57,7 @@ def event_of_committees(
         series = read_rows(ensemble, "observable", row, row + 1)[0]
         true = series[now + 1 - len(washout) : now + 1 + reach]
         found = _forecasts(forecasters, time_unit, washout, reach, settings)
-        fans = [
-            np.concatenate([found[name] for name in (*one["members"], *one["ensembles"])])
-            for one in committees
-        ]
+        fans = [np.concatenate([found[name] for name in one["forecasters"]]) for one in committees]
         happened = [bool(points.happened(time, threshold)[point]) for time in times]
         chosen = read_json(calibration)
         for number, committee in enumerate(committees):
@@ -86,19 +80,15 @@ def _forecasts(
     reach: int,
     settings: Settings,
 ) -> dict[str, FloatArray]:
-    """Forecast observables by forecaster: its own or, where these vote, its ensemble's members'."""
+    """Observables that the members of each forecaster's ensemble forecast, by forecaster."""
     observable = system_of(settings).observable
     found: dict[str, FloatArray] = {}
     shared: Any = settings  # of all forecasters; the records have what is their own
-    ensembles = settings["ensemble_rows"]
-    for record, path in gathered([*settings["rows"], *ensembles], paths):
+    for record, path in gathered(settings["voters"], paths):
         own = ChainMap({**record["identity"], **record["settings"]}, shared)
         who = read_forecaster(path, own, time_unit)
-        found[record["identity"]["forecaster"]] = (
-            member_observables(with_members(who), observable, washout, reach)
-            if record in ensembles
-            else forecast_observable(who, observable, washout[np.newaxis], reach)
-        )
+        name = record["identity"]["forecaster"]
+        found[name] = member_observables(who, observable, washout, reach)
     return found
 
 

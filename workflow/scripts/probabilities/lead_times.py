@@ -20,7 +20,6 @@ def measure_lead_times(
     *,
     ensemble: str,
     forecasts: list[str],
-    member_forecasts: list[str],
     evaluation_set: str,
     calibration: str,
     tables: list[str],
@@ -30,7 +29,7 @@ def measure_lead_times(
     times = settings["classification.prediction_times_lt"]
     window_lt = settings["classification.window_lt"]
     rows: list[dict[str, Any]] = []
-    case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
+    case = case_probabilities(settings, forecasts, evaluation_set, calibration)
     points, series, threshold = case.points, case.points.series, settings["case.event_threshold"]
     steps = case.chosen["steps_per_lyapunov_time"]
     first = settings["case.training.series"]

@@ -16,7 +16,6 @@ from burstcast_workflow.jobs.tables import write_tables
 def draw_up_diagrams(
     *,
     forecasts: list[str],
-    member_forecasts: list[str],
     evaluation_set: str,
     calibration: str,
     tables: list[str],
@@ -27,7 +26,7 @@ def draw_up_diagrams(
     bins: list[dict[str, Any]] = []
     ratios: list[dict[str, Any]] = []
     points: list[dict[str, Any]] = []
-    case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
+    case = case_probabilities(settings, forecasts, evaluation_set, calibration)
     for time in settings["classification.prediction_times_lt"]:
         weights = case.weights(time)
         for alarm in case.compared:

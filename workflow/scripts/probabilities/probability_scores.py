@@ -23,7 +23,6 @@ Scores = dict[str, ResampledScore]
 def score_probabilities(
     *,
     forecasts: list[str],
-    member_forecasts: list[str],
     evaluation_set: str,
     calibration: str,
     tables: list[str],
@@ -33,7 +32,7 @@ def score_probabilities(
     bins, confidence = settings["probability.bins"], settings["bootstrap.confidence"]
     rows: list[dict[str, Any]] = []
     pairs: list[dict[str, Any]] = []
-    case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
+    case = case_probabilities(settings, forecasts, evaluation_set, calibration)
     for time in settings["classification.prediction_times_lt"]:
         weights = case.weights(time)
         calibrated: dict[str, Scores] = {}
@@ -66,13 +65,16 @@ def score_probabilities(
 
 def _compared(case: CaseProbabilities, scores: dict[str, Scores]) -> list[tuple[str, Scores]]:
     """Committees before the medians over their members, then all others but single networks."""
-    committees = [alarm for alarm in case.alarms if len(alarm["members"]) > 1]
+    committees = [alarm for alarm in case.alarms if len(alarm["forecasters"]) > 1]
     others = [alarm["alarm"] for alarm in case.compared]
     others = [name for name in others if name not in {one["alarm"] for one in committees}]
     return [
         *((one["alarm"], scores[one["alarm"]]) for one in committees),
         *(
-            (f"median of {one['alarm']}", median_scores([scores[name] for name in one["members"]]))
+            (
+                f"median of {one['alarm']}",
+                median_scores([scores[name] for name in one["forecasters"]]),
+            )
             for one in committees
         ),
         *((name, scores[name]) for name in others),

@@ -16,7 +16,6 @@ METRICS = ("base_rate", "brier_skill", "average_precision", "f_score")
 def sweep_threshold(
     *,
     forecasts: list[str],
-    member_forecasts: list[str],
     evaluation_set: str,
     calibration: str,
     tables: list[str],
@@ -25,7 +24,7 @@ def sweep_threshold(
     """Write scores by event threshold, of committees and of all others but single networks."""
     bins, confidence = settings["probability.bins"], settings["bootstrap.confidence"]
     rows: list[dict[str, Any]] = []
-    case = case_probabilities(settings, forecasts, member_forecasts, evaluation_set, calibration)
+    case = case_probabilities(settings, forecasts, evaluation_set, calibration)
     for time in settings["classification.prediction_times_lt"]:
         weights = case.weights(time)
         for alarm, factor in product(case.compared, settings["probability.threshold_factors"]):

@@ -13,7 +13,6 @@ from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.members import MemberForecasts, MembersMonitor
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.forecasters.base import Forecaster
-from burstcast.probability.members import EnsembleForecaster, has_members
 
 VOTE_SHARE = "vote_share"
 """Setting of strategies that may ask several: the share of them that must forecast an event."""
@@ -44,9 +43,9 @@ def monitor(
     if not votes(type(strategy)):
         raise TypeError(f"{type(strategy).__name__} has no {VOTE_SHARE}")
     first, *others = forecasters
-    if others or not has_members(type(first)):
+    if others or not first.provides_ensemble:
         return strategy.monitor(experiment, forecasters)
     # of a forecaster, monitors use what this has
-    members = MemberForecasts(cast(EnsembleForecaster, first))
+    members = MemberForecasts(first)
     each = strategy.monitor(experiment, [cast(Forecaster, members)])
     return MembersMonitor(each, getattr(strategy, VOTE_SHARE))

@@ -7,7 +7,8 @@ import numpy as np
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.vote import check_share, enough
-from burstcast.probability.members import EnsembleForecaster
+from burstcast.forecast.window_forecasts import side_by_side
+from burstcast.forecasters.base import Forecaster
 
 FLOWS_PER_CALL = 64
 """Flows whose members forecast side by side: bounds the memory, changes no result."""
@@ -23,13 +24,11 @@ class MemberForecasts:
         Whose ensemble it is.
     """
 
-    forecaster: EnsembleForecaster
+    forecaster: Forecaster
 
     def start(self, washout: FloatArray) -> FloatArray:
         """Memories of all members after an observed washout, ``(..., members * batch)``."""
-        memory = self.forecaster.ensemble(washout)
-        *rest, members, batch = memory.shape
-        return np.ascontiguousarray(memory.reshape(*rest, members * batch))
+        return side_by_side(self.forecaster.ensemble(washout))
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Forecast with each (`burstcast.forecasters.base.Forecaster.advance`)."""

@@ -35,6 +35,8 @@ class FilteredForecaster(Forecaster):
         See `burstcast.filters.square_root.assimilate`.
     """
 
+    provides_ensemble: ClassVar[bool] = True
+    has_filter: ClassVar[bool] = True
     model_class: ClassVar[type[Forecaster]]
 
     model: Forecaster
@@ -63,20 +65,7 @@ class FilteredForecaster(Forecaster):
         return cls(model, noise, case.options["members"], case.options["inflation"])
 
     def ensemble(self, washout: FloatArray) -> FloatArray:
-        """Memories of all members after an observed washout: what may be true, equally likely.
-
-        To forecast with all of them, flatten the last two axes, which then are the batch of
-        `advance`. The share of members whose forecast has an event is its probability.
-
-        Parameters
-        ----------
-        washout
-            As for `start`.
-
-        Returns
-        -------
-        ``(..., members, batch)``.
-        """
+        """Memories of the filter's members after a washout (see `Forecaster.ensemble`)."""
         batch = washout.shape[2]
         states = symmetric_members(washout[0], self.noise, self.members)
         memory = self.model.start(states.reshape(1, -1, self.members * batch))
@@ -92,9 +81,12 @@ class FilteredForecaster(Forecaster):
 
     def start(self, washout: FloatArray) -> FloatArray:
         """Mean of the members' memories (see `Forecaster.start`)."""
-        members = self.ensemble(washout)
-        shape = (*members.shape[:-2], members.shape[-1])
-        return mean(members.reshape(-1, *members.shape[-2:])).reshape(shape)
+        return self.combined(self.ensemble(washout))
+
+    def combined(self, ensemble: FloatArray) -> FloatArray:
+        """Mean of the members' memories (see `Forecaster.combined`)."""
+        shape = (*ensemble.shape[:-2], ensemble.shape[-1])
+        return mean(ensemble.reshape(-1, *ensemble.shape[-2:])).reshape(shape)
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Let the model forecast (see `Forecaster.advance`)."""
