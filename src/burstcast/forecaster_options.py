@@ -23,6 +23,11 @@ _SECTIONS: Mapping[str, tuple[str, ...]] = {
 """Of the kinds whose options are not, or not only, the section of their own name."""
 
 
+def sections_of_kind(kind: str) -> tuple[str, ...]:
+    """Sections that the options of a kind of forecaster come from."""
+    return _SECTIONS.get(kind, (kind,))
+
+
 def options_of_kind(
     kind: str, sections: Mapping[str, Mapping[str, Any]] = DEFAULTS
 ) -> dict[str, Any]:
@@ -37,6 +42,6 @@ def options_of_kind(
     """
     return {
         name: value
-        for section in _SECTIONS.get(kind, (kind,))
+        for section in sections_of_kind(kind)
         for name, value in sections.get(section, {}).items()
     }

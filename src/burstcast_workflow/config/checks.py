@@ -12,6 +12,7 @@ from burstcast.control.controllers.committee import VOTE_SHARE, votes
 from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.discovery import module_file
+from burstcast.forecaster_options import sections_of_kind
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.statistics.profiles import flow_modes
 from burstcast.systems.base import has_own
@@ -379,7 +380,7 @@ def _durations(config: Settings, name: str, record: Settings) -> Iterator[str]:
     # both ends of a series are sampled
     samples = math.floor(ensemble["duration"] / interval + 1e-9) + 1
     yield from misfits(config, record, samples, steps)
-    if _kinds(config, name) & {"quadratic", "quadratic_filtered"}:
+    if any("quadratic" in sections_of_kind(kind) for kind in _kinds(config, name)):
         try:
             window_lt = config["forecasters"]["quadratic"]["window_lt"]
             check_learnt_equations(samples, steps, window_lt)
