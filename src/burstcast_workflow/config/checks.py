@@ -225,7 +225,7 @@ def _votes(block: Settings, place: str, kinds: Sequence[str]) -> Iterator[str]:
         yield f"{place}.seeds: all networks of a size and strategy are a committee; leave it out"
     for kind in kinds:
         if kind != "esn" and not forecaster_class(kind).provides_ensemble:
-            yield f"{place}.forecasters names {kind}, which has no members that could vote"
+            yield f"{place}.forecasters names {kind}, which provides no ensemble that could vote"
 
 
 def _figures(config: Settings) -> Iterator[str]:
