@@ -13,6 +13,7 @@ from burstcast.statistics.densities import (
 )
 from burstcast.statistics.measures import Measures, compare, nearest, sampling_floor
 from burstcast.statistics.profiles import (
+    equally_spaced_profiles,
     flow_modes,
     midplane_mean_square,
     normalised_root_mean_square_error,
@@ -124,7 +125,7 @@ def test_profiles_and_midplane_are_the_averages_of_the_fields():
     y = np.linspace(-1, 1, 9)
     grid = np.meshgrid(x, y, z, indexing="ij", sparse=True)
     u, v, _ = modes.velocity(series.reshape(-1, 9).T, *grid)
-    found = velocity_profiles(modes.profile_matrices(y), moments)
+    found = velocity_profiles(equally_spaced_profiles(system, 9), moments)
     average = (0, 1, 3)
     np.testing.assert_allclose(found.u, u.mean(axis=average), atol=1e-12)
     np.testing.assert_allclose(found.uu, (u * u).mean(axis=average), atol=1e-12)
@@ -135,6 +136,7 @@ def test_profiles_and_midplane_are_the_averages_of_the_fields():
 
 def test_a_system_without_velocities_has_no_modes():
     assert flow_modes(Lorenz63()) is None
+    assert equally_spaced_profiles(Lorenz63(), 9) is None
 
 
 def test_normalised_error_by_hand():

@@ -190,6 +190,7 @@ NOT_COMPILED = {
     "power": lambda x: x**3,
     "decision": lambda x: np.where(x > 0.0, -x, x),
     "branch": lambda x: -x if (x == x).all() else x,
+    "rare branch": lambda x: x if (x == 0.0).any() else -x,
     "conversion": lambda x: -np.asarray(x, dtype=np.float64),
     "float array": lambda x: np.stack([np.full(x.shape[1:], 1.0) * x[1], x[0]]).astype(float),
     "wrong shape": lambda x: -x + np.zeros((2, 11)) if x.shape[1] == 11 else np.zeros((2, 5)),
