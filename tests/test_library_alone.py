@@ -19,6 +19,20 @@ SOURCE = Path(burstcast.__file__).parents[1]
 ROOT = SOURCE.parent
 OTHERS = ["snakemake", "pydantic", "matplotlib", "skimage", "burstcast_workflow"]
 
+
+def test_dataclasses_are_frozen():
+    """What has been checked when it was made stays so, and can be a key."""
+    thawed = [
+        f"{path.stem}.{node.name}"
+        for path in (SOURCE / "burstcast").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef)
+        for decorator in map(ast.unparse, node.decorator_list)
+        if decorator.startswith("dataclass") and "frozen=True" not in decorator
+    ]
+    assert thawed == []
+
+
 IMPORT_ALL = """
 import importlib, importlib.util, json, sys
 names, others = json.loads(sys.argv[1])

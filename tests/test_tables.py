@@ -86,7 +86,7 @@ def test_percentiles_of_an_empty_table_have_its_columns() -> None:
 def test_infinite_values_and_missing_columns_are_refused() -> None:
     with pytest.raises(ValueError, match="infinite values in column score"):
         percentiles(networks([1.0, math.inf]), KEYS, ["score"])
-    with pytest.raises(KeyError, match="recall"):
+    with pytest.raises(KeyError, match="the table has no column recall"):
         percentiles(networks([1.0]), KEYS, ["recall"])
 
 

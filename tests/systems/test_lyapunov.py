@@ -20,6 +20,7 @@ from burstcast.systems.lyapunov import (
     mean_with_interval,
     perturbation_growth,
     tangent_flow,
+    tangent_growth,
 )
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.runge_kutta import step
@@ -139,6 +140,23 @@ def test_both_methods_agree_along_each_trajectory() -> None:
     # what is left is the angle between perturbations at the two ends of the time
     np.testing.assert_allclose(growth.exponents, spectrum.exponents[:, 0], rtol=0, atol=0.1)
     assert abs(growth.exponents.mean() - spectrum.exponents[:, 0].mean()) < 0.01
+
+
+@pytest.mark.parametrize("lost", ["state", "tangent", "neither"])
+def test_growth_beyond_the_finite_numbers_is_an_error(lost) -> None:
+    def advance(state: FloatArray, tangent: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return (
+            state * (np.inf if lost == "state" else 2.0),
+            tangent * (np.inf if lost == "tangent" else 2.0),
+        )
+
+    state, tangent = np.ones((3, 2)), np.broadcast_to(np.eye(3), (2, 3, 3))
+    if lost == "neither":
+        growth = tangent_growth(advance, state, tangent, 5)
+        np.testing.assert_allclose(growth, 5 * np.log(2.0))
+        return
+    with pytest.raises(FloatingPointError, match="left the range of floating-point numbers"):
+        tangent_growth(advance, state, tangent, 5)
 
 
 def test_shear_flow_spectrum_sums_to_the_constant_divergence() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.systems.registry import available_systems, make_system
+from burstcast.systems.registry import available_systems, make_system, module_of
 
 
 def test_available_systems_are_the_modules_that_define_one() -> None:
@@ -101,6 +101,8 @@ def test_a_system_in_a_package_of_ones_own(module) -> None:
     module("from own_flows.circles import *", "own_flows/other")
     module(OWN, "own_flows/circles")
     assert make_system("own_flows.circles:Circle", {}).dimension == 2
+    assert module_of("own_flows.circles:Circle") == "own_flows.circles"
+    assert module_of("lorenz63") == "burstcast.systems.lorenz63"
 
 
 @pytest.mark.parametrize(
@@ -153,5 +155,9 @@ def test_one_broken_module_spoils_no_other(monkeypatch, tmp_path) -> None:
         make_system("lorenz36", {})
     with pytest.raises(ValueError, match=r"broken\.py, line 1: SyntaxError"):
         make_system("broken", {})
+    second = OWN[OWN.index("@dataclass") :].replace("Circle", "Square")
+    (tmp_path / "several.py").write_text(OWN + second)
+    with pytest.raises(TypeError, match=r"must define one system, not several: Circle, Square"):
+        make_system("several", {})
     with pytest.raises(ValueError, match=r"class Circle of .*unfinished lacks observable"):
         make_system("unfinished", {})

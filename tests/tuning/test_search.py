@@ -7,7 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
+from burstcast.tuning.network_search import NetworkSearch
 from burstcast.tuning.search import bayesian_search
+from burstcast.tuning.strategies.registry import make_strategy
+from burstcast.tuning.validation import Validation
 
 PAPER = SearchSpace(spectral_radius=(0.1, 1.0), input_scaling=(0.1, 10.0))
 BEST = (-0.3, 0.4)  # decimal logarithms
@@ -108,6 +111,28 @@ def test_bounds_of_any_size_are_respected():
     for point in search(space, points=2, objective=lambda point: point.input_scaling):
         assert 0.37 <= point.spectral_radius <= 0.3701
         assert 123.4 <= point.input_scaling <= 56789.1
+
+
+def test_the_best_network_is_that_of_its_own_strategy():
+    """Others, validated in the same go on the grid, may have lower objectives."""
+    single, recycled = make_strategy("SSV"), make_strategy("RV")
+    seen = []
+
+    def validator(point, strategies):
+        seen.append([one.name for one in strategies])
+        offset = {"RV": 0.0, "SSV": -50.0}
+        return [
+            Validation(one.name, beta, np.array([bowl(point) + beta + offset[one.name]]), "", 1.0)
+            for one in strategies
+            for beta in (1.0, 2.0)
+        ]
+
+    found = NetworkSearch(PAPER, 2, 3).best(validator, recycled, [single, recycled], 1)
+    assert seen == [["SSV", "RV"]] * 4 + [["RV"]] * 3
+    assert found.tikhonov == 1.0
+    at = HyperparameterPoint(found.spectral_radius, found.input_scaling)
+    assert found.objective == pytest.approx(bowl(at) + 1)
+    assert bowl(at) <= min(map(bowl, PAPER.grid(2)))
 
 
 def test_no_points_are_no_search():

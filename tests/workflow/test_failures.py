@@ -28,7 +28,8 @@ def test_ends_of_the_logs_of_failed_and_killed_jobs_in_the_order_of_time(tmp_pat
     assert "(empty)" in text
     assert "exceeded memory limit" in text
     assert "line 49" in text
-    assert "line 5\n" not in text
+    assert "line 39\n" in text  # twelve lines in all
+    assert "line 38\n" not in text
     assert "fine.log" not in text
 
 

@@ -1,18 +1,52 @@
-"""What the workflow changes in Snakemake's scheduler."""
+"""What Snakemake plans by, and what the workflow changes in its scheduler."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from snakemake.cli import get_argument_parser
+from snakemake.persistence import PersistenceBase
 from snakemake.rules import Rule
 from snakemake.scheduling.job_scheduler import JobRateLimiter, JobScheduler
 from snakemake.settings.types import MaxJobsPerTimespan
 
 from burstcast_workflow import snakemake_patches
+from burstcast_workflow.harness.records import Records, digest
+from burstcast_workflow.harness.run import VARIABLE
+from burstcast_workflow.planning import FORMER, plan_by_records
 from burstcast_workflow.snakemake_patches import (
     plan_without_idle_groups,
     start_jobs_without_delay,
 )
+
+
+def test_snakemake_is_told_what_records_say(tmp_path, monkeypatch):
+    for name in ("metadata", "incomplete"):
+        monkeypatch.setattr(PersistenceBase, name, getattr(PersistenceBase, name))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(VARIABLE, "")
+    source, made, records = Path("series.csv"), Path("results/a.nc"), Records("results")
+    made.parent.mkdir()
+    source.write_text("series")
+    made.write_text("a")
+    inputs = {str(source): digest(source)}
+    records.write([str(made)], {"rule": "train"}, {"seed": 1}, inputs, "results/a.log", 5.0)
+    changed = made.stat().st_mtime
+
+    def known(path=made):
+        plan_by_records("results")
+        return PersistenceBase.metadata(None, str(path))
+
+    assert known("results/b.nc") is None
+    found = known()
+    assert (found.rule, found.params, found.log) == ("train", ["1"], ["results/a.log"])
+    assert (found.starttime, found.endtime) == pytest.approx((changed - 5, changed), abs=1e-3)
+    assert found.input == ["series.csv"]
+    assert found.input_checksums == {"series.csv": f"sha256:{inputs['series.csv']}"}
+    source.write_text("another")
+    assert known().input == ["series.csv" + FORMER]
+    made.write_text("damaged")
+    assert known().params == ["results/a.nc is not what its job wrote"]
 
 
 def limit_left(monkeypatch, limit, local=True):

@@ -60,6 +60,11 @@ def test_a_job_that_starts_late_belongs_to_the_run_that_asked_for_it():
         Run(first.token, first.results).plan()
 
 
+def test_a_job_must_be_told_which_run_it_belongs_to():
+    with pytest.raises(OvertakenError, match=f"variable {VARIABLE} does not reach jobs"):
+        Run.of_job()
+
+
 def test_what_was_planned_is_there_for_all_jobs():
     run = claimed(noise=0.1, cases=["Re400"])
     assert Run.current() == run
