@@ -692,7 +692,7 @@ def test_all_mistakes_are_told_at_once(config):
         (
             "control.strategies",
             [voting(committee=True, forecasters={"equations": {}})],
-            ["control.strategies[0].forecasters names equations", "no members"],
+            ["control.strategies[0].forecasters names equations", "provides no ensemble"],
         ),
         ("control.strategies", [reactive(strength=[0])], ["strength[0] is 0", "above 0"]),
         ("control.strategies", [reactive(starts="loud")], ["starts", "quiet or unselected"]),
