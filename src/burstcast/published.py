@@ -88,6 +88,24 @@ def published_percentiles(published: pd.DataFrame, table: str) -> pd.DataFrame:
     return converted[~metric.isin(_NOT_COMPARABLE)].reset_index(drop=True)
 
 
+def published_beside(
+    ours: pd.DataFrame, published: pd.DataFrame | None, table: str
+) -> pd.DataFrame | None:
+    """Published percentiles at the Reynolds numbers of one of our tables; None if none are wanted.
+
+    Parameters
+    ----------
+    ours
+        Our table; without the column ``reynolds``, nothing can stand beside it.
+    published, table
+        As `published_percentiles` takes them.
+    """
+    if published is None or "reynolds" not in ours:  # as of a system without one
+        return None
+    values = published_percentiles(published, table)
+    return values[values["reynolds"].isin(ours["reynolds"])]
+
+
 def published_reductions(exceedances: pd.DataFrame, ours: pd.DataFrame) -> pd.DataFrame:
     """Published exceedances with control as reductions, of ours without control.
 

@@ -1,15 +1,20 @@
 """What the one rule of figures asks for each job (`burstcast_workflow.figure_registry`)."""
 
-from pathlib import Path
 from typing import Any
 
 from snakemake.io import local
 
+from burstcast.figures.registry import caption
 from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.figure_registry import FIGURES, caption, figure_case
+from burstcast_workflow.figure_registry import (
+    figure_case,
+    files_of,
+    is_of_several_cases,
+    settings_of,
+)
 from burstcast_workflow.fingerprint import Sources
 from burstcast_workflow.harness.thresholds import INPUT as THRESHOLDS
-from burstcast_workflow.report_sections import category
+from burstcast_workflow.report_sections import FIGURES, category
 from burstcast_workflow.stages import Stages
 from burstcast_workflow.tables.registry import table_names, table_of
 
@@ -38,7 +43,7 @@ class FigureJobs:
     def files(self, wildcards: Any) -> dict[str, Any]:
         """What a figure is drawn from."""
         figure = FIGURES[wildcards.figure]
-        paths = figure.files(self._campaign, self.case(wildcards))
+        paths = files_of(self._campaign, figure, self.case(wildcards))
         found: dict[str, Any] = {
             name: self._stages.in_results(path) for name, path in paths.items()
         }
@@ -49,15 +54,14 @@ class FigureJobs:
         return found
 
     def settings(self, wildcards: Any) -> Any:
-        """What a figure's script reads."""
-        figure, case = FIGURES[wildcards.figure], self.case(wildcards)
-        values = figure.values(self._campaign, case)
-        return self._campaign.settings(figure.reads, {"case": case}, values)
+        """Settings of a figure."""
+        return settings_of(self._campaign, FIGURES[wildcards.figure], self.case(wildcards))
 
     def code(self, wildcards: Any) -> list[str]:
-        """What a figure's script runs."""
+        """Code that draws a figure: the script of all figures, and the figure's own module."""
         modules = self._campaign.modules({"case": self.case(wildcards)})
-        return self._sources.fingerprint(f"figures/{wildcards.figure}.py", modules)
+        found = {**modules, "burstcast.figures": [wildcards.figure]}
+        return self._sources.fingerprint("figures/figure.py", found)
 
     def category(self, wildcards: Any) -> str:
         """Section of the report that a figure stands in."""
@@ -65,20 +69,14 @@ class FigureJobs:
 
     def labels(self, wildcards: Any) -> dict[str, str]:
         """What the report calls a figure: its name, and the case, which is a switch there."""
-        several = FIGURES[wildcards.figure].of_several_cases
+        several = is_of_several_cases(FIGURES[wildcards.figure])
         case = "several" if several else self.case(wildcards)
         return {"figure": wildcards.figure, "case": case}
 
 
-def captions(campaign: Campaign, scripts: Path) -> dict[str, dict[str, str]]:
-    """What figures and tables show, by their names, as the report asks for it.
-
-    Parameters
-    ----------
-    scripts
-        Directory of the figures' scripts, whose docstrings are the captions.
-    """
+def captions(campaign: Campaign) -> dict[str, dict[str, str]]:
+    """What figures and tables show, by their names, as the report asks for it."""
     return {
-        "figures": {name: caption(scripts / f"{name}.py") for name in FIGURES},
+        "figures": {name: caption(name) for name in FIGURES},
         "tables": {name: table_of(name).says for name in table_names(campaign)},
     }

@@ -1,23 +1,22 @@
-"""The figures: which files and settings each is made of, and for which cases.
+"""What figures declare by name: the places of files, the choices of cases, what is to be shown.
 
-A figure is an entry here, a script of the same name in ``workflow/scripts/figures``, whose
-docstring is the caption, and a module of `burstcast.figures` that draws it. One rule makes them all
+A figure is a module of `burstcast.figures`, which declares what it is made of
+(`burstcast.figures.registry.Declaration`). One rule makes all of them
 (``workflow/rules/figures.smk``).
 """
 
-import ast
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
+from burstcast.discovery import suggestion
+from burstcast.figures.registry import Declaration
+from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.alarm_sources import shown_committees
 from burstcast_workflow.campaign import Campaign, CaseForecaster, ControlRun
-from burstcast_workflow.config.measured_cases import OBSERVABLE
-from burstcast_workflow.setting_groups import listed
+from burstcast_workflow.config.measured_cases import OBSERVABLE, space_of
+from burstcast_workflow.report_sections import FIGURES
 
-Cases = Callable[[Campaign], Sequence[str]]
-
+Value = TypeVar("Value")
 
 # -- what figures choose of the campaign -----------------------------------------------------------
 
@@ -78,16 +77,22 @@ def _control_kind(campaign: Campaign, case: str) -> dict[str, Any]:
     return wanted if wanted in kinds else kinds[0]
 
 
-def _panels(campaign: Campaign, case: str) -> list[dict[str, Any]]:
+def _controlled_cases(campaign: Campaign, case: str) -> list[str]:
     """All controlled cases of a case's system."""
+    system = campaign.cases[case]["system"]
+    return [one for one in _controlled(campaign) if campaign.cases[one]["system"] == system]
+
+
+def _panels(campaign: Campaign, case: str) -> list[dict[str, Any]]:
+    """Event threshold of each controlled case, and the kind of networks that are shown."""
+    path = "case.event_threshold"
     return [
         {
-            "identity": {"case": other},
-            "settings": campaign.settings(["case.event_threshold"], {"case": other}, {}),
-            "kind": _control_kind(campaign, other),
+            "case": other,
+            "event_threshold": campaign.settings([path], {"case": other}, {})[path],
+            **_control_kind(campaign, other),
         }
-        for other in _controlled(campaign)
-        if campaign.cases[other]["system"] == campaign.cases[case]["system"]
+        for other in _controlled_cases(campaign, case)
     ]
 
 
@@ -124,45 +129,57 @@ def _with_other_strategies(campaign: Campaign, case: str) -> list[str]:
     return [one.directory for one in networks]
 
 
+def _space(campaign: Campaign, case: str) -> StateSpace:
+    space = space_of(campaign.cases[case])
+    assert space is not None
+    return space
+
+
 def _suppressed_event(campaign: Campaign, case: str) -> str:
     run = control_example(campaign)
     assert run is not None
     return f"{run.directory}/suppressed_event.nc"
 
 
-# What entries name: places below the results directory (several, where files are gathered), ...
+# Places of inputs: directories or files below the results directory, lists where there are several.
 _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "case": lambda campaign, case: case,
-    "shown_cases": lambda campaign, case: _reynolds_cases(campaign),
-    "panels": lambda campaign, case: [
-        panel["identity"]["case"] for panel in _panels(campaign, case)
-    ],
+    # the file of the computed exponents, if they are the unit of time
     "time_unit": Campaign.time_unit,
     "example": lambda campaign, case: campaign.example.directory,
     "example_hyperparameters": lambda campaign, case: (
         f"{campaign.example.directory}/{campaign.hyperparameters_file}"
     ),
+    # networks that differ from the example in the validation strategy only
     "example_strategies": _with_other_strategies,
-    "candidates": lambda campaign, case: [
+    # networks the best of which is shown
+    "long_term_networks": lambda campaign, case: [
         one.directory for one in long_term_candidates(campaign, case)
     ],
     "suppressed_event": _suppressed_event,
+    "reynolds_cases": lambda campaign, case: _reynolds_cases(campaign),
+    "controlled_cases": _controlled_cases,
     # a case and those that are parts of it
     "parts": lambda campaign, case: list(_observed(campaign, case)),
 }
-# Those that gather files of several cases.
-_OF_SEVERAL_CASES = ("shown_cases", "panels", "parts")
-# ... and settings that are not in the config.
+_OF_SEVERAL_CASES = ("reynolds_cases", "controlled_cases", "parts")
+
+# Settings that are not in the config, by what follows ``shown.``
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
-    "shown_neurons": lambda campaign, case: campaign.example.name.neurons,
-    "shown_validation": lambda campaign, case: campaign.example.name.validation,
+    "symbol": lambda campaign, case: _space(campaign, case).observable_symbol,
+    "observable_name": lambda campaign, case: _space(campaign, case).observable_name,
+    "dimension": lambda campaign, case: _space(campaign, case).dimension,
+    "neurons": lambda campaign, case: campaign.example.name.neurons,
+    "validation": lambda campaign, case: campaign.example.name.validation,
     "observed": _observed,
     "strategies": _strategies,
-    "rows": lambda campaign, case: campaign.keys(long_term_candidates(campaign, case)),
-    "prediction_time_lt": lambda campaign, case: getattr(
+    "long_term_networks": lambda campaign, case: campaign.keys(
+        long_term_candidates(campaign, case)
+    ),
+    "control_prediction_time_lt": lambda campaign, case: getattr(
         control_example(campaign), "prediction_time_lt", None
     ),
-    "controlling": _control_kind,
+    "control_networks": _control_kind,
     "frontier_network": _frontier_network,
     "panels": _panels,
 }
@@ -237,250 +254,58 @@ def _with_frontier(campaign: Campaign) -> list[str]:
     return [case for case in _every(campaign) if case in cases]
 
 
-def _flows(cases: Cases) -> Cases:
-    """Those cases that are flows."""
-    return lambda campaign: [case for case in cases(campaign) if campaign.has_flow(case)]
-
-
-# -- the registry ----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure of the report.
-
-    Attributes
-    ----------
-    places
-        Inputs of its script by name: a name of `_PLACES`, or one and a file there.
-    settings
-        Settings that its script reads, as one text (`burstcast_workflow.setting_groups.listed`).
-    shows
-        Further settings, names of `_SHOWN`.
-    cases
-        Cases that it is made for: the first has the plain name, those of others end in ``_<case>``.
-    published
-        Whether the paper's published values can be drawn on it.
-    """
-
-    places: Mapping[str, str] = field(default_factory=dict)
-    settings: str = ""
-    shows: str = ""
-    cases: Cases = _example
-    published: bool = False
-
-    @property
-    def reads(self) -> list[str]:
-        """Paths of the settings."""
-        return listed(self.settings)
-
-    @property
-    def of_several_cases(self) -> bool:
-        """Whether it shows more than one case."""
-        return any(place.partition("/")[0] in _OF_SEVERAL_CASES for place in self.places.values())
-
-    def files(self, campaign: Campaign, case: str) -> dict[str, str | list[str]]:
-        """Inputs of the script by name, below the results directory."""
-        return {name: _paths(place, campaign, case) for name, place in self.places.items()}
-
-    def values(self, campaign: Campaign, case: str) -> dict[str, Any]:
-        """Further settings by name."""
-        return {name: _SHOWN[name](campaign, case) for name in self.shows.split()}
-
-
-def _paths(place: str, campaign: Campaign, case: str) -> str | list[str]:
-    name, slash, file = place.partition("/")
-    found = _PLACES[name](campaign, case)
-    if isinstance(found, str):
-        return f"{found}{slash}{file}"
-    return [f"{directory}{slash}{file}" for directory in found]
-
-
-_SERIES = {"ensemble": "case/ensemble.nc", "time_unit": "time_unit"}
-_STATISTICS = {
-    "data": "case/statistics_data.nc",
-    "training": "case/statistics_training.nc",
-    "long_term": "candidates/long_term.nc",
+CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
+    "example": _example,
+    "every": _every,
+    "several_sizes": _with_sizes,
+    "several_reynolds": _with_reynolds,
+    "committees": _with_committees,
+    "parts": _with_parts,
+    "long_term": _with_long_term,
+    "spectrum": _with_spectrum,
+    "control_example": _control_example,
+    "controlled": _controlled,
+    "controlled_systems": _controlled_systems,
+    "other_control": _with_frontier,
 }
-_OF_STATISTICS = {
-    **_STATISTICS,
-    "percentiles": "case/tables/statistics_percentiles.csv",
-    "intervals": "case/tables/statistics_intervals.csv",
-}
+"""Choices of cases by name."""
 
-FIGURES: Mapping[str, Figure] = {
-    "observable_and_density": Figure(
-        _SERIES, "SYSTEM TIME case.event_threshold case.density", cases=_every
-    ),
-    "validation_strategies": Figure(
-        _SERIES,
-        "SYSTEM TIME case.event_threshold case.recycle_validation washout_lt search.interval_lt",
-        "strategies",
-    ),
-    "network_schematic": Figure(
-        {"hyperparameters": "example_hyperparameters"},
-        "SYSTEM forecasters.esn.connectivity forecasters.esn.input_bias",
-        "shown_neurons",
-    ),
-    "search_landscape": Figure({"traces": "example_strategies/search.csv"}),
-    "prediction_schematic": Figure(
-        {"examples": "example/examples.nc"},
-        "SYSTEM case.event_threshold figures.example_prediction_time_lt classification.window_lt "
-        "washout_lt",
-    ),
-    "prediction_examples": Figure(
-        {"examples": "example/examples.nc"},
-        "SYSTEM case.event_threshold figures.example_prediction_time_lt classification.window_lt",
-    ),
-    "classification_scores": Figure(
-        {"percentiles": "case/tables/classification_percentiles.csv"},
-        "figures.fixed_neurons figures.fixed_prediction_time_lt",
-        "shown_validation",
-        _every,
-        published=True,
-    ),
-    "horizon_schematic": Figure(
-        settings="SYSTEM horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance"
-    ),
-    "horizon_evaluations": Figure(
-        {"examples": "example/examples.nc"}, "SYSTEM case.event_threshold washout_lt"
-    ),
-    "horizon_by_size": Figure(
-        {
-            "percentiles": "case/tables/horizon_percentiles.csv",
-            "intervals": "case/tables/horizon_intervals.csv",
-        },
-        cases=_with_sizes,
-        published=True,
-    ),
-    "forecast_skill": Figure(
-        {"scores": "case/tables/probability_scores.csv"},
-        "figures.fixed_neurons",
-        "shown_validation",
-        _every,
-    ),
-    "reliability": Figure(
-        {"bins": "case/tables/reliability.csv"},
-        "figures.fixed_neurons figures.reynolds_prediction_times_lt",
-        "shown_validation",
-    ),
-    "economic_value": Figure(
-        {"values": "case/tables/economic_value.csv"},
-        "figures.fixed_neurons figures.reynolds_prediction_times_lt",
-        "shown_validation",
-    ),
-    "alarm_lead_times": Figure(
-        {"lead_times": "case/tables/lead_times.csv"},
-        "figures.fixed_neurons",
-        "shown_validation",
-    ),
-    "committee_event": Figure(
-        {"event": "case/committee_event.nc"},
-        "SYSTEM case.event_threshold classification.window_lt",
-        cases=_with_committees,
-    ),
-    "by_reynolds": Figure(
-        {
-            "horizons": "shown_cases/tables/horizon_percentiles.csv",
-            "scores": "shown_cases/tables/classification_percentiles.csv",
-        },
-        "figures.fixed_neurons figures.reynolds_prediction_times_lt",
-        cases=_with_reynolds,
-        published=True,
-    ),
-    "observed_components": Figure(
-        {"percentiles": "parts/tables/classification_percentiles.csv"},
-        "figures.fixed_neurons figures.reynolds_prediction_times_lt",
-        "observed",
-        _with_parts,
-    ),
-    "long_term_density": Figure(
-        _OF_STATISTICS,
-        "SYSTEM case.event_threshold",
-        "rows",
-        _with_long_term,
-        published=True,
-    ),
-    "survival": Figure(
-        {
-            "curves": "case/tables/survival_curve.csv",
-            "curve_percentiles": "case/tables/survival_curve_percentiles.csv",
-            "rates": "case/tables/survival.csv",
-            "rate_percentiles": "case/tables/survival_percentiles.csv",
-        },
-        "figures.fixed_neurons",
-        cases=_with_long_term,
-    ),
-    "lyapunov_spectrum": Figure(
-        {
-            "exponents": "case/tables/lyapunov_spectrum.csv",
-            "exponent_percentiles": "case/tables/lyapunov_spectrum_percentiles.csv",
-            "dimensions": "case/tables/kaplan_yorke.csv",
-            "dimension_percentiles": "case/tables/kaplan_yorke_percentiles.csv",
-        },
-        "figures.fixed_neurons",
-        cases=_with_spectrum,
-    ),
-    "profile_errors": Figure(
-        _OF_STATISTICS,
-        "SYSTEM statistics.profile_points",
-        "rows",
-        _flows(_with_long_term),
-        published=True,
-    ),
-    "midplane_mean_square": Figure(
-        _STATISTICS, "SYSTEM figures.flow_points", "rows", _flows(_with_long_term)
-    ),
-    "midplane_planes": Figure(
-        {"event": "example/flow_event.nc"},
-        "SYSTEM figures.flow_points case.event_threshold",
-        cases=_flows(_example),
-    ),
-    "vorticity_isosurfaces": Figure(
-        {"event": "example/flow_event.nc"},
-        "SYSTEM figures.flow_points figures.isosurface_level",
-        cases=_flows(_example),
-    ),
-    "control_schematic": Figure(
-        {"event": "suppressed_event"},
-        "SYSTEM case.event_threshold case.actuation.parameters case.actuation.force "
-        "control.window_lt",
-        "prediction_time_lt",
-        _control_example,
-    ),
-    "suppressed_event": Figure(
-        {"event": "suppressed_event"},
-        "SYSTEM figures.flow_points case.event_threshold",
-        cases=_flows(_control_example),
-    ),
-    "control_tradeoff": Figure(
-        {"percentiles": "case/tables/control_percentiles.csv"},
-        "SYSTEM",
-        "controlling",
-        _controlled,
-        published=True,
-    ),
-    "control_density": Figure(
-        {"densities": "panels/tables/control_density.csv"},
-        "SYSTEM control.prediction_times_lt",
-        "panels",
-        _controlled_systems,
-    ),
-    "control_frontier": Figure(
-        {"scores": "case/tables/control_strategies.csv"},
-        "SYSTEM case.training.noise control.span_lt",
-        "frontier_network",
-        _with_frontier,
-    ),
-}
-"""All figures by name, in the order of the paper."""
+
+# -- what the rule asks for ------------------------------------------------------------------------
+
+
+def cases_of(campaign: Campaign, figure: Declaration) -> list[str]:
+    """Cases that a figure is made for."""
+    cases = _named(CASES, figure.cases, "choice of cases")(campaign)
+    return [case for case in cases if not figure.only_flows or campaign.has_flow(case)]
+
+
+def files_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str, str | list[str]]:
+    """Inputs of a figure by name, below the results directory."""
+    return {name: _paths(place, campaign, case) for name, place in figure.inputs.items()}
+
+
+def settings_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str, Any]:
+    """Settings of a figure by path."""
+    paths = set(figure.settings.values())
+    shown = {path: path.removeprefix("shown.") for path in paths if path.startswith("shown.")}
+    values = {
+        path: _named(_SHOWN, name, "setting to show")(campaign, case)
+        for path, name in shown.items()
+    }
+    return campaign.settings(sorted(paths - shown.keys()), {"case": case}, values)
+
+
+def is_of_several_cases(figure: Declaration) -> bool:
+    """Whether a figure shows more than one case."""
+    return any(place.partition("/")[0] in _OF_SEVERAL_CASES for place in figure.inputs.values())
 
 
 def figure_case(campaign: Campaign, name: str, suffix: str) -> str:
     """Case that a figure shows: that of its name's end, or the first that it is made for."""
     if suffix:
         return suffix.removeprefix("_")
-    return next(iter(FIGURES[name].cases(campaign)), campaign.example.case)
+    return next(iter(cases_of(campaign, FIGURES[name])), campaign.example.case)
 
 
 def figure_names(campaign: Campaign) -> list[str]:
@@ -488,10 +313,22 @@ def figure_names(campaign: Campaign) -> list[str]:
     return [
         name if index == 0 else f"{name}_{case}"
         for name, figure in FIGURES.items()
-        for index, case in enumerate(dict.fromkeys(figure.cases(campaign)))
+        for index, case in enumerate(dict.fromkeys(cases_of(campaign, figure)))
     ]
 
 
-def caption(script: Path) -> str:
-    """What a figure shows, in reStructuredText: the docstring of its script."""
-    return " ".join((ast.get_docstring(ast.parse(script.read_bytes())) or "").split())
+def _paths(place: str, campaign: Campaign, case: str) -> str | list[str]:
+    name, slash, file = place.partition(":")[0].partition("/")
+    found = _named(_PLACES, name, "place")(campaign, case)
+    if isinstance(found, str):
+        return f"{found}{slash}{file}"
+    return [f"{directory}{slash}{file}" for directory in found]
+
+
+def _named(known: Mapping[str, Value], name: str, what: str) -> Value:
+    if name not in known:
+        raise ValueError(
+            f"a figure declares the {what} {name!r}{suggestion(name, known)}; known are "
+            f"{', '.join(known)}"
+        )
+    return known[name]

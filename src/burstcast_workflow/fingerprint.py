@@ -69,17 +69,19 @@ class Sources:
             By package with a ``registry``: the modules of it that the job is about; with a colon,
             module and class outside of it.
         """
-        path = self._scripts / script
-        entries = fingerprint(path, self._packages)
-        reached = {entry.partition("@")[0] for entry in entries}
-        more = [
-            module.partition(":")[0] if ":" in module else f"{package}.{module}"
-            for package, modules in found_by_name.items()
-            if f"{package}.registry" in reached
-            for module in modules
-        ]
-        more += self._files(more)
-        return fingerprint(path, self._packages, sorted(more)) if more else entries
+        path, known = self._scripts / script, set[str]()
+        while True:
+            entries = fingerprint(path, self._packages, sorted({*known, *self._files(known)}))
+            reached = {entry.partition("@")[0] for entry in entries}
+            more = {
+                module.partition(":")[0] if ":" in module else f"{package}.{module}"
+                for package, modules in found_by_name.items()
+                if f"{package}.registry" in reached
+                for module in modules
+            }
+            if more <= known:
+                return entries
+            known = more  # what is found by name may reach another registry
 
     def all_fingerprints(self) -> list[str]:
         """Fingerprints of all modules and all scripts, in the form of `fingerprint`."""

@@ -1,8 +1,10 @@
 """The report in its order: in which section each figure and each table stands."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
+from burstcast.discovery import suggestion
+from burstcast.figures.registry import Declaration, available_figures, declaration
 from burstcast_workflow.tables.declarations import TABLES
 from burstcast_workflow.tables.registry import with_percentiles
 
@@ -14,16 +16,18 @@ class Section:
     Attributes
     ----------
     name
-        Name in the declarations of tables.
+        Name in the declarations of figures and tables.
     title
         Title in the report.
-    figures
-        Names of its figures.
     """
 
     name: str
     title: str
-    figures: tuple[str, ...] = ()
+
+    @property
+    def figures(self) -> list[str]:
+        """Names of its figures."""
+        return [name for name, figure in FIGURES.items() if figure.section == self.name]
 
     @property
     def tables(self) -> list[str]:
@@ -33,50 +37,34 @@ class Section:
         )
 
 
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(text.split())
-
-
 SECTIONS = (
-    Section("data", "Flow and data", _names("observable_and_density")),
-    Section(
-        "networks",
-        "Networks and their training",
-        _names("network_schematic validation_strategies search_landscape"),
-    ),
-    Section(
-        "forecasts",
-        "Forecasts of extreme events",
-        _names(
-            "prediction_schematic prediction_examples classification_scores observed_components "
-            "midplane_planes vorticity_isosurfaces"
-        ),
-    ),
-    Section(
-        "horizon",
-        "Prediction horizon",
-        _names("horizon_schematic horizon_evaluations horizon_by_size by_reynolds"),
-    ),
-    Section(
-        "probabilities",
-        "Probabilities and alarms",
-        _names("forecast_skill reliability economic_value alarm_lead_times committee_event"),
-    ),
-    Section(
-        "long_term",
-        "Long-term statistics",
-        _names("long_term_density profile_errors midplane_mean_square survival lyapunov_spectrum"),
-    ),
-    Section(
-        "control",
-        "Control",
-        _names(
-            "control_schematic suppressed_event control_tradeoff control_density control_frontier"
-        ),
-    ),
+    Section("data", "Flow and data"),
+    Section("networks", "Networks and their training"),
+    Section("forecasts", "Forecasts of extreme events"),
+    Section("horizon", "Prediction horizon"),
+    Section("probabilities", "Probabilities and alarms"),
+    Section("long_term", "Long-term statistics"),
+    Section("control", "Control"),
     Section("warnings", "Warning signs"),
 )
-"""All sections: figures in the order of the paper, of tables what is read first."""
+"""All sections, in the order of the report."""
+
+
+def _figures() -> Mapping[str, Declaration]:
+    sections = [section.name for section in SECTIONS]
+    found = {name: declaration(name) for name in available_figures()}
+    for name, figure in found.items():
+        if figure.section not in sections:
+            raise ValueError(
+                f"the figure {name} declares the section {figure.section!r}"
+                f"{suggestion(figure.section, sections)}; the sections are {', '.join(sections)}"
+            )
+    place = {name: (sections.index(one.section), one.position) for name, one in found.items()}
+    return {name: found[name] for name in sorted(found, key=place.__getitem__)}
+
+
+FIGURES = _figures()
+"""Declarations of all figures by name, in the order of the report."""
 
 
 def category(kind: str, name: str) -> str:
@@ -97,4 +85,4 @@ def category(kind: str, name: str) -> str:
     for number, section in enumerate(SECTIONS, start=1):
         if name in getattr(section, kind):
             return f"{number} {section.title}"
-    raise LookupError(f"{name} has no place in the report: give it one in {Path(__file__).name}")
+    raise LookupError(f"{name} has no place in the report: its declaration must name its section")

@@ -7,7 +7,7 @@ import pandas as pd
 from helpers_figures import THRESHOLD, burst, interval_rows, percentile_rows
 from matplotlib.figure import Figure
 
-from burstcast.figures.alarm_lead_times import alarm_lead_times
+from burstcast.figures.alarm_lead_times import draw as alarm_lead_times
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.committee_event import CommitteeForecast, SeenEvent, committee_event
@@ -15,26 +15,26 @@ from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.control_tradeoff import control_tradeoff
-from burstcast.figures.economic_value import economic_value
-from burstcast.figures.forecast_skill import forecast_skill
+from burstcast.figures.economic_value import draw as economic_value
+from burstcast.figures.forecast_skill import draw as forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
-from burstcast.figures.horizon_schematic import horizon_schematic
+from burstcast.figures.horizon_schematic import draw as horizon_schematic
 from burstcast.figures.long_term_density import long_term_density
-from burstcast.figures.lyapunov_spectrum import lyapunov_spectrum
+from burstcast.figures.lyapunov_spectrum import draw as lyapunov_spectrum
 from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.midplane_planes import midplane_planes
-from burstcast.figures.network_schematic import network_schematic
+from burstcast.figures.network_schematic import draw as network_schematic
 from burstcast.figures.observable_and_density import observable_and_density
-from burstcast.figures.observed_components import observed_components
+from burstcast.figures.observed_components import draw as observed_components
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.profile_errors import profile_errors
-from burstcast.figures.reliability import reliability
+from burstcast.figures.reliability import draw as reliability
 from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.suppressed_event import suppressed_event
-from burstcast.figures.survival import survival
+from burstcast.figures.survival import draw as survival
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 
@@ -124,13 +124,14 @@ def survival_figure(rate: float = 1e-4) -> Figure:
     )
     data = pd.DataFrame(
         {
+            "forecaster": "data",
             "time": time,
             "survival": share,
             "survival_low": 0.97 * share,
             "survival_high": np.minimum(1, 1.03 * share),
         }
     )
-    rates = {"escape_rate": [rate], "escape_rate_low": [0.9 * rate]}
+    rates = {"forecaster": "data", "escape_rate": [rate], "escape_rate_low": [0.9 * rate]}
     return survival(
         data,
         curves,
@@ -149,13 +150,13 @@ def lyapunov_figure() -> Figure:
         for number, value in enumerate([*EXPONENTS, -0.27], 1)
     )
     exponents[["p25", "p75"]] = np.sort(exponents[["p25", "p75"]], axis=1)
-    data = {"number": np.arange(1, 10), "lyapunov_exponent": EXPONENTS}
+    data = {"forecaster": "data", "number": np.arange(1, 10), "lyapunov_exponent": EXPONENTS}
     ends = {f"lyapunov_exponent_{end}": EXPONENTS + 0.0005 * sign for end, sign in ENDS.items()}
     dimension = {f"kaplan_yorke_dimension{end}": [value] for end, value in DIMENSION.items()}
     return lyapunov_spectrum(
         pd.DataFrame({**data, **ends}),
         exponents,
-        pd.DataFrame(dimension),
+        pd.DataFrame({"forecaster": "data", **dimension}),
         percentile_rows({"kaplan_yorke_dimension": 5.5}, validations=("RV",)),
         1000,
     )
@@ -444,7 +445,7 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         [2.0, 3.0],
     ),
     "observed_components": lambda: observed_components(
-        parts_rows(), {"Re400": 9, "one": 1, "four": 4}, 1000, [2.0, 3.0]
+        [parts_rows()], {"Re400": 9, "one": 1, "four": 4}, 1000, [2.0, 3.0]
     ),
     "search_landscape": lambda: search_landscape(search_trace()),
     "nothing_to_show": lambda: nothing_to_show("No event was predicted from any start."),
@@ -452,10 +453,8 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         inputs=9,
         neurons=2000,
         connectivity=20,
-        spectral_radius=0.29,
-        input_scaling=0.33,
         input_bias=0.1,
-        tikhonov=1e-9,
+        hyperparameters={"spectral_radius": 0.29, "input_scaling": 0.33, "tikhonov": 1e-9},
     ),
     "prediction_schematic": lambda: prediction_schematic(
         TIME - 1.5,
@@ -466,7 +465,7 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         washout_lt=0.5,
     ),
     "horizon_schematic": lambda: horizon_schematic(
-        longest_lead_time_lt=10, lead_time_step_lt=0.5, tolerance=0.2
+        longest_lead_time_lt=10, lead_time_step_lt=0.5, tolerance=0.2, symbol="k"
     ),
     "midplane_planes": lambda: midplane_planes(
         TIME,

@@ -45,12 +45,12 @@ from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.control_tradeoff import control_tradeoff
-from burstcast.figures.forecast_skill import forecast_skill
+from burstcast.figures.forecast_skill import draw as forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
 from burstcast.figures.long_term_density import long_term_density
 from burstcast.figures.observable_and_density import observable_and_density
-from burstcast.figures.observed_components import observed_components
+from burstcast.figures.observed_components import draw as observed_components
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
 from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.percentile_curves import nearest_value, select
@@ -58,7 +58,7 @@ from burstcast.figures.parts.style import BLUE, ordered_validations, render, tru
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.profile_errors import profile_errors
-from burstcast.figures.reliability import reliability
+from burstcast.figures.reliability import draw as reliability
 from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
@@ -269,14 +269,14 @@ def test_published_values_by_reynolds_are_those_that_we_have_as_well() -> None:
 def test_observed_components_are_in_their_order() -> None:
     scores = parts_rows()
     counts = {"Re400": 9, "one": 1, "four": 4}
-    figure = observed_components(scores, counts, 1000, [2.0, 3.0])
+    figure = observed_components([scores], counts, 1000, [2.0, 3.0])
     chosen = select(scores, forecaster="esn", neurons=1000.0, prediction_time_lt=3.0)
     medians = chosen.set_index("case")["p50"]
     panel = figure.axes[1]
     assert lines_with(panel, [medians["one"], medians["four"], medians["Re400"]]) == 1
     assert list(panel.get_xticks()) == [1, 4, 9]
     with pytest.raises(ValueError, match="no forecaster has scores in the cases none"):
-        observed_components(scores, {"none": 1}, 1000, [2.0])
+        observed_components([scores], {"none": 1}, 1000, [2.0])
 
 
 def test_events_are_shaded_where_the_signal_exceeds_the_threshold() -> None:

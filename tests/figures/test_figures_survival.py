@@ -3,13 +3,13 @@
 import numpy as np
 import pandas as pd
 
-from burstcast.figures.survival import survival
+from burstcast.figures.survival import draw as survival
 
 
 def test_ticks_of_a_narrow_range_can_be_told_apart():
     time = np.linspace(0, 4000, 101)
     share = np.exp(-1e-5 * time)
-    data = pd.DataFrame({"time": time, "survival": share})
+    data = pd.DataFrame({"forecaster": "data", "time": time, "survival": share})
     network = {"case": "Re1000", "forecaster": "esn", "neurons": 2000, "validation": "RV"}
     curves = pd.DataFrame({**network, "metric": "survival", "time": time})
     rates = pd.DataFrame([{**network, "metric": "escape_rate"}])
@@ -17,7 +17,7 @@ def test_ticks_of_a_narrow_range_can_be_told_apart():
     figure = survival(
         data.assign(survival_low=share, survival_high=share),
         curves.assign(p25=share, p50=share, p75=share),
-        pd.DataFrame(rate),
+        pd.DataFrame({"forecaster": "data", **rate}),
         rates.assign(p25=1e-5, p50=1e-5, p75=1e-5),
         2000,
     )

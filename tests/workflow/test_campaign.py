@@ -14,7 +14,13 @@ from snakemake.utils import update_config
 from burstcast_workflow.campaign import Campaign, CaseForecaster
 from burstcast_workflow.canonical import canonical, canonical_json, natural_order
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.figure_registry import FIGURES, figure_names
+from burstcast_workflow.figure_registry import (
+    FIGURES,
+    cases_of,
+    figure_names,
+    files_of,
+    settings_of,
+)
 from burstcast_workflow.identifiers import ForecasterName, parsed
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
 
@@ -441,9 +447,9 @@ def test_settings_do_not_depend_on_the_order_of_the_config(generator):
     assert cases_of_tables(other) == cases_of_tables(plain)
     assert figure_names(other) == figure_names(plain)
     for name, figure in FIGURES.items():
-        for case in figure.cases(plain):
-            assert figure.files(other, case) == figure.files(plain, case), name
-            assert figure.values(other, case) == figure.values(plain, case), name
+        for case in cases_of(plain, figure):
+            assert files_of(other, figure, case) == files_of(plain, figure, case), name
+            assert settings_of(other, figure, case) == settings_of(plain, figure, case), name
     sections = ("classification", "control", "search", "bootstrap")
     assert other.settings(sections, {}, {}) == plain.settings(sections, {}, {})
     assert other.of_each_case("case.parameters") == plain.of_each_case("case.parameters")

@@ -21,7 +21,13 @@ from burstcast_workflow.canonical import canonical_json
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.costs import CostModel
-from burstcast_workflow.figure_registry import FIGURES, figure_case, figure_names
+from burstcast_workflow.figure_registry import (
+    FIGURES,
+    figure_case,
+    figure_names,
+    files_of,
+    settings_of,
+)
 from burstcast_workflow.tables.registry import latex_names, table_names
 
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))
@@ -145,8 +151,8 @@ def planned(config: dict) -> int:
             known for known in sorted(FIGURES, key=len, reverse=True) if name.startswith(known)
         )
         case = figure_case(campaign, figure, name.removeprefix(figure))
-        FIGURES[figure].files(campaign, case)
-        canonical_json(FIGURES[figure].values(campaign, case))
+        files_of(campaign, FIGURES[figure], case)
+        canonical_json(settings_of(campaign, FIGURES[figure], case))
     return len(records)
 
 

@@ -7,11 +7,18 @@ import pytest
 import yaml
 from snakemake.utils import update_config
 
+from burstcast.figures.registry import caption
 from burstcast.systems.registry import make_system, parameters_of
 from burstcast.tables import described_parameters
 from burstcast_workflow.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.figure_registry import FIGURES, caption, figure_case, figure_names
+from burstcast_workflow.figure_registry import (
+    FIGURES,
+    figure_case,
+    figure_names,
+    files_of,
+    settings_of,
+)
 from burstcast_workflow.tables.declarations import TABLES
 from burstcast_workflow.tables.registry import (
     cases_of_tables,
@@ -22,9 +29,7 @@ from burstcast_workflow.tables.registry import (
 
 ROOT = Path(__file__).parents[2]
 WORKFLOW = ROOT / "workflow"
-CAPTIONS_OF_FIGURES = {
-    name: caption(WORKFLOW / "scripts" / "figures" / f"{name}.py") for name in FIGURES
-}
+CAPTIONS_OF_FIGURES = {name: caption(name) for name in FIGURES}
 EVERYWHERE = [
     "observable_and_density",
     "validation_strategies",
@@ -51,7 +56,7 @@ PAPER = campaign()
 
 def settings(of, name, case="Re400"):
     """Settings of a figure's job."""
-    return of.settings(FIGURES[name].reads, {"case": case}, FIGURES[name].values(of, case))
+    return settings_of(of, FIGURES[name], case)
 
 
 def changed(overlay):
@@ -90,9 +95,9 @@ def test_the_frontier_is_made_where_other_strategies_control():
     overlay = yaml.safe_load((WORKFLOW / "presets" / "beyond_the_paper.yaml").read_text())
     frontier = campaign(overlay)
     assert figure_names(frontier)[-1] == "control_frontier"
-    shown = settings(frontier, "control_frontier")["frontier_network"]
+    shown = settings(frontier, "control_frontier")["shown.frontier_network"]
     assert shown == {"forecaster": "esn", "neurons": 1000, "validation": "RV", "seed": 0}
-    assert settings(PAPER, "control_frontier", "Re800")["frontier_network"]["seed"] == 0
+    assert settings(PAPER, "control_frontier", "Re800")["shown.frontier_network"]["seed"] == 0
 
 
 def test_parts_of_a_state_are_shown_beside_the_whole():
@@ -101,7 +106,7 @@ def test_parts_of_a_state_are_shown_beside_the_whole():
     assert "observed_components" in figure_names(parts)
     counts = {f"modes_{number}": number for number in (1, 2, 4, 6, 8)}
     expected = {"Re400": 9, "energy": 0, **counts}
-    assert settings(parts, "observed_components")["observed"] == expected
+    assert settings(parts, "observed_components")["shown.observed"] == expected
     flows = {"midplane_planes", "vorticity_isosurfaces"}
     assert flows <= set(figure_names(parts))  # of the whole only
 
@@ -116,15 +121,10 @@ def test_figure_over_reynolds_numbers_takes_each_once():
         }
     )
     assert "Twin" in twins.case_names
-    shown = FIGURES["by_reynolds"].files(twins, "Re400")["horizons"]
+    shown = files_of(twins, FIGURES["by_reynolds"], "Re400")["horizons"]
     assert shown == [
         f"Re{reynolds}/tables/horizon_percentiles.csv" for reynolds in (400, 600, 800, 1000)
     ]
-
-
-def test_every_figure_has_a_script_and_every_script_a_figure():
-    scripts = {path.stem for path in (WORKFLOW / "scripts" / "figures").glob("*.py")}
-    assert scripts == set(FIGURES)
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -185,21 +185,10 @@ def test_figures_read_what_they_need_and_nothing_else(overlay, names):
     assert changed(overlay) == names
 
 
-def test_published_values_are_drawn_where_the_paper_has_some():
-    assert {name for name, figure in FIGURES.items() if figure.published} == {
-        "classification_scores",
-        "horizon_by_size",
-        "by_reynolds",
-        "long_term_density",
-        "profile_errors",
-        "control_tradeoff",
-    }
-
-
 def test_figures_show_the_case_in_their_name():
     assert figure_case(PAPER, "classification_scores", "_Re800") == "Re800"
     assert figure_case(PAPER, "classification_scores", "") == "Re400"
-    assert FIGURES["classification_scores"].files(PAPER, "Re800") == {
+    assert files_of(PAPER, FIGURES["classification_scores"], "Re800") == {
         "percentiles": "Re800/tables/classification_percentiles.csv"
     }
     other = campaign(
@@ -209,7 +198,7 @@ def test_figures_show_the_case_in_their_name():
 
 
 def test_files_of_figures_are_those_of_the_example():
-    found = {name: FIGURES[name].files(PAPER, "Re400") for name in FIGURES}
+    found = {name: files_of(PAPER, figure, "Re400") for name, figure in FIGURES.items()}
     assert found["network_schematic"] == {
         "hyperparameters": "Re400/esn-N2000-RV-seed0/hyperparameters.json"
     }
@@ -217,11 +206,11 @@ def test_files_of_figures_are_those_of_the_example():
     assert found["search_landscape"] == {
         "traces": [f"Re400/esn-N2000-{name}-seed0/search.csv" for name in ("RV", "SSV")]
     }
-    assert found["observable_and_density"] == {"ensemble": "Re400/ensemble.nc", "time_unit": []}
+    assert found["observable_and_density"] == {"observable": "Re400/ensemble.nc", "exponents": []}
     computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
-    assert FIGURES["observable_and_density"].files(computed, "Re400") == {
-        "ensemble": "Re400/ensemble.nc",
-        "time_unit": "Re400/lyapunov.json",
+    assert files_of(computed, FIGURES["observable_and_density"], "Re400") == {
+        "observable": "Re400/ensemble.nc",
+        "exponents": "Re400/lyapunov.json",
     }
     assert found["suppressed_event"] == {
         "event": "Re400/control/esn-N2000-RV-seed0/"

@@ -19,6 +19,7 @@ from burstcast_workflow.figure_registry import (
     control_example,
     figure_names,
     long_term_candidates,
+    settings_of,
 )
 from burstcast_workflow.tables.registry import table_names
 
@@ -72,6 +73,11 @@ def stage_figures(of):
         for figure in figures
         if any(figure == name or figure.startswith(f"{name}_") for name in stages)
     }
+
+
+def shown(of, figure, case):
+    """Settings of a figure's job."""
+    return settings_of(of, FIGURES[figure], case)
 
 
 OFF = {"forecasters": {"esn": None, "equations": None}}
@@ -143,9 +149,7 @@ def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
         "control_density",
         "control_tradeoff",
     }
-    wildcards = {"case": "lorenz"}
-    settings = found.settings(FIGURES["long_term_density"].reads, wildcards, {})
-    assert settings["case.system"] == "lorenz63"
+    assert shown(found, "long_term_density", "lorenz")["shown.symbol"] == "z"
 
 
 def test_densities_of_different_systems_are_not_in_one_figure():
@@ -153,8 +157,8 @@ def test_densities_of_different_systems_are_not_in_one_figure():
     found = campaign(blocks, cases={"lorenz": LORENZ})
     assert {"control_density", "control_density_lorenz"} <= stage_figures(found)
     for case, cases in (("Re400", ["Re400", "Re600"]), ("lorenz", ["lorenz"])):
-        panels = FIGURES["control_density"].values(found, case)["panels"]
-        assert [panel["identity"]["case"] for panel in panels] == cases
+        panels = shown(found, "control_density", case)["shown.panels"]
+        assert [panel["case"] for panel in panels] == cases
 
 
 def test_densities_leave_the_sweep_and_other_sizes_out():
@@ -166,25 +170,17 @@ def test_densities_leave_the_sweep_and_other_sizes_out():
         },
     )
     assert {run.prediction_time_lt for run in found.control_runs} == {1, 2, 3, 4, 5}
-    assert FIGURES["control_density"].values(found, "Re400") == {
-        "panels": [
-            {
-                "identity": {"case": "Re400"},
-                "settings": {"case.event_threshold": 0.1},
-                "kind": {"neurons": 2000, "validation": "RV"},
-            }
-        ]
-    }
+    assert shown(found, "control_density", "Re400")["shown.panels"] == [
+        {"case": "Re400", "event_threshold": 0.1, "neurons": 2000, "validation": "RV"}
+    ]
     assert found.config["control"]["prediction_times_lt"] == [1, 2]
 
 
 def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
     blocks = [block([2000], reynolds=[400]), block([500], reynolds=[600])]
     found = campaign(blocks, control={"forecasters": {"esn": {"neurons": []}}})
-    shown = FIGURES["control_tradeoff"].values(found, "Re600")
-    assert shown == {
-        "controlling": {"neurons": 500, "validation": "RV"},
-    }
+    networks = shown(found, "control_tradeoff", "Re600")["shown.control_networks"]
+    assert networks == {"neurons": 500, "validation": "RV"}
 
 
 def test_the_suppressed_event_is_the_example_networks_if_it_controls():

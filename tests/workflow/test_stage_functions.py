@@ -110,6 +110,6 @@ def test_a_figure_of_another_case_and_its_overlay():
 
 
 def test_every_figure_and_table_has_a_caption(paper):
-    found = captions(paper.campaign, ROOT / "workflow" / "scripts" / "figures")
+    found = captions(paper.campaign)
     assert all(text for texts in found.values() for text in texts.values())
     assert {"figures", "tables"} == set(found)

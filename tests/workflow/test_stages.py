@@ -5,6 +5,7 @@ path that it, or a function of ours that it is handed on to, takes out of its se
 """
 
 import ast
+import inspect
 import re
 from functools import cache
 from pathlib import Path
@@ -12,9 +13,11 @@ from pathlib import Path
 import pytest
 from helpers_rules import Wildcards, workflow
 
+from burstcast.figures.registry import figure_module
 from burstcast.forecasters.registry import available_kinds
 from burstcast_workflow.config.model import BlockForecasters, Choice
-from burstcast_workflow.figure_registry import FIGURES
+from burstcast_workflow.figure_registry import settings_of
+from burstcast_workflow.report_sections import FIGURES
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow" / "scripts"
@@ -93,16 +96,14 @@ def functions(path):
 
 
 def main_of(path):
-    """Function that a script runs, and in what: run_job or figure."""
+    """Function that a script runs."""
     last = tree(path).body[-1]
-    if isinstance(last, ast.FunctionDef):
-        (decorator,) = last.decorator_list
-        return last, decorator.id
     assert ast.unparse(last.test) == "__name__ == '__main__'"
     (statement,) = last.body
+    assert statement.value.func.id == "run_job"
     snakemake, function = statement.value.args
     assert snakemake.id == "snakemake"
-    return functions(path)[function.id], statement.value.func.id
+    return functions(path)[function.id]
 
 
 def parameters(function):
@@ -117,9 +118,7 @@ def parameters(function):
 
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_script_takes_the_files_of_its_rule(rule):
-    function, runner = main_of(script_of(rule))
-    assert runner == "run_job"
-    names, optional = parameters(function)
+    names, optional = parameters(main_of(script_of(rule)))
     made = workflow().rules[rule]
     files = {*made.input.keys(), *made.output.keys()}
     assert len(files) == len(list(made.input.keys())) + len(list(made.output.keys()))
@@ -137,21 +136,45 @@ def test_the_code_of_a_rule_is_that_of_its_script(rule):
 
 def test_every_script_belongs_to_a_rule():
     of_rules = {script_of(rule) for rule in STAGES}
-    of_figures = {SCRIPTS / "figures" / f"{name}.py" for name in FIGURES}
-    assert of_rules | of_figures == set(SCRIPTS.glob("*/*.py"))
+    assert of_rules | {script_of("figure")} == set(SCRIPTS.glob("*/*.py"))
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_a_script_of_a_figure_takes_the_files_of_the_registry(name):
-    function, runner = main_of(SCRIPTS / "figures" / f"{name}.py")
-    assert runner == "figure"
-    names, optional = parameters(function)
-    figure = FIGURES[name]
-    files = set(figure.files(workflow().campaign, "Re400"))
+def test_a_figure_is_drawn_of_all_that_it_declares_and_of_nothing_else(name):
+    figure, module = FIGURES[name], figure_module(name)
+    assert figure == module.FIGURE  # as it was read from the text
+    arguments = inspect.signature(module.draw).parameters
     published = {"published"} if figure.published else set()
-    assert names - {"settings"} == files | published
-    # which is an input only where it is drawn
-    assert optional == published
+    assert set(arguments) == {*figure.inputs, *figure.settings, *published}
+    assert len(arguments) == len(figure.inputs) + len(figure.settings) + len(published)
+    # published values are an input only where they are wanted
+    assert all(arguments[name].default is None for name in published)
+    function = functions(Path(module.__file__))["draw"]
+    read = {
+        node.id for part in function.body for node in ast.walk(part) if isinstance(node, ast.Name)
+    }
+    assert set(arguments) <= read
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_the_code_of_a_figure_is_its_own_module_and_what_that_reaches(name):
+    code = dict(workflow().rules["figure"].params.items())["code"]
+    found = {one.partition("@")[0] for one in code(Wildcards(figure=name, of_case=""))}
+    assert found & {f"burstcast.figures.{one}" for one in FIGURES} == {f"burstcast.figures.{name}"}
+    assert found > {
+        "figure.py",
+        "burstcast.figures.parts.style",
+        "burstcast_workflow.harness.version",
+    }
+    # of what the module finds by name, only that of the case
+    system = {"burstcast.systems.mfe"} if "system" in FIGURES[name].settings else set()
+    assert found & {"burstcast.systems.mfe", "burstcast.systems.lorenz63"} == system
+
+
+def test_settings_of_figures_are_those_of_the_config_and_of_the_campaign():
+    for name, figure in FIGURES.items():
+        found = settings_of(workflow().campaign, figure, "Re400")
+        assert set(found) == set(figure.settings.values()), name
 
 
 # -- settings --------------------------------------------------------------------------------------
@@ -213,7 +236,7 @@ def settings_read(path, node, seen=None):
 
 
 def reads_of(path):
-    return settings_read(path, main_of(path)[0])
+    return settings_read(path, main_of(path))
 
 
 def covered(path, paths):
@@ -237,21 +260,6 @@ def test_every_setting_that_a_rule_declares_is_read_by_its_script(rule):
         if not covered(path, read) and not any(covered(other, {path}) for other in read)
     }
     assert not unread
-
-
-@pytest.mark.parametrize("name", FIGURES)
-def test_a_figure_reads_what_it_declares_and_nothing_else(name):
-    figure, campaign = FIGURES[name], workflow().campaign
-    values = set(figure.values(campaign, "Re400"))
-    read = reads_of(SCRIPTS / "figures" / f"{name}.py")
-    assert not {path for path in read if not covered(path, {*figure.reads, *values})}
-    unread = {
-        path
-        for path in {*figure.reads, *values}
-        if not covered(path, read) and not any(covered(other, {path}) for other in read)
-    }
-    assert not unread
-    assert len(set(figure.reads)) == len(figure.reads)
 
 
 def test_what_is_read_is_found_through_helpers():

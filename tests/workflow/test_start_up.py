@@ -8,13 +8,19 @@ from pathlib import Path
 
 import pytest
 
+from burstcast.figures.registry import available_figures
 from burstcast_workflow.fingerprint import fingerprint
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
+# What a job runs: a script, or the module of a figure.
+STARTED = [
+    *SCRIPTS,
+    *(SOURCE / "burstcast" / "figures" / f"{name}.py" for name in available_figures()),
+]
 
-# Libraries that take long to load, and the scripts that cannot do without them.
+# Libraries that take long to load, and the scripts and figures that cannot do without them.
 NEEDED_BY = {
     "llvmlite": [],
     "skopt": ["forecasters/search.py"],
@@ -65,7 +71,7 @@ def allowed(script: Path, patterns: list[str]) -> bool:
     return any(fnmatch(f"{script.parent.name}/{script.name}", pattern) for pattern in patterns)
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("script", STARTED, ids=lambda path: path.stem)
 def test_a_script_loads_no_library_that_it_does_not_need(script):
     needless = [
         library
@@ -86,7 +92,7 @@ def test_a_script_without_networks_does_not_load_them(script):
 
 @pytest.mark.parametrize("library", ["skopt", "skimage", "matplotlib"])
 def test_the_libraries_are_found_where_they_are_needed(library):
-    users = [script for script in SCRIPTS if allowed(script, NEEDED_BY[library])]
+    users = [script for script in STARTED if allowed(script, NEEDED_BY[library])]
     assert users
     assert all(library in loaded(script) for script in users)
 

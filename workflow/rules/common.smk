@@ -48,7 +48,7 @@ of_case, of_cases, of_forecasters = (
     stages.of_forecasters,
 )
 # The report reads captions from the config, where they are no setting of any job.
-config["captions"] = captions(campaign, PROJECT / "workflow" / "scripts" / "figures")
+config["captions"] = captions(campaign)
 
 # -- where files lie ---------------------------------------------------------------------------------
 

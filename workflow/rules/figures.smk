@@ -1,4 +1,4 @@
-"""Figures: one rule for all of them; `burstcast_workflow.figure_registry` says what each is made of."""
+"""Figures: one rule for all of them; each module of `burstcast.figures` says what it is made of."""
 
 from burstcast_workflow.figure_jobs import FigureJobs
 from burstcast_workflow.figure_registry import FIGURES, figure_names
@@ -39,7 +39,7 @@ rule figure:
     message:
         "figure: {wildcards.figure}{wildcards.of_case}"
     script:
-        "../scripts/figures/{wildcards.figure}.py"
+        "../scripts/figures/figure.py"
 
 
 rule figures:

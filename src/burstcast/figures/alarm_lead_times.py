@@ -1,4 +1,8 @@
-"""How long before events alarms come, and how often for nothing."""
+"""(a) Share of the events that an alarm warned of at least a lead time before they began, and (b)
+false alarms per Lyapunov time (those who raise none have no curve), against lead time. Bands:
+bootstrap intervals over the test series; of single networks, median (line) and quartiles (band)
+over the ensemble.
+"""
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -13,6 +17,14 @@ from burstcast.figures.parts.style import (
     new_figure,
     styled,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="probabilities",
+    position=40,
+    inputs={"lead_times": "case/tables/lead_times.csv"},
+    settings={"neurons": "figures.fixed_neurons", "validation": "shown.validation"},
+)
 
 _LABELS = {
     "warned_fraction": "Share of events warned of",
@@ -21,7 +33,7 @@ _LABELS = {
 
 
 @styled
-def alarm_lead_times(lead_times: pd.DataFrame, neurons: float, validation: str) -> Figure:
+def draw(lead_times: pd.DataFrame, neurons: float, validation: str) -> Figure:
     """Draw the share of events warned of, and false alarms, against lead time.
 
     Who raises no false alarm has no curve there: the axis is logarithmic.

@@ -1,4 +1,7 @@
-"""Prediction horizon and F-score against the Reynolds number, and F-score at each of them."""
+"""(a) Mean prediction horizon of extreme events and (b, ...) F-score some time ahead, against the
+Reynolds number; last row: F-score against prediction time, a panel for each validation strategy.
+Medians and quartiles over the networks of an ensemble.
+"""
 
 from collections.abc import Mapping, Sequence
 from math import lcm
@@ -28,6 +31,44 @@ from burstcast.figures.parts.style import (
     styled,
     validation_style,
 )
+from burstcast.figures.registry import Declaration
+from burstcast.published import published_beside
+
+FIGURE = Declaration(
+    section="horizon",
+    position=40,
+    inputs={
+        "horizons": "reynolds_cases/tables/horizon_percentiles.csv",
+        "scores": "reynolds_cases/tables/classification_percentiles.csv",
+    },
+    settings={
+        "neurons": "figures.fixed_neurons",
+        "prediction_times_lt": "figures.reynolds_prediction_times_lt",
+    },
+    cases="several_reynolds",
+    published=True,
+)
+
+
+def draw(
+    *,
+    horizons: Sequence[pd.DataFrame],
+    scores: Sequence[pd.DataFrame],
+    neurons: int,
+    prediction_times_lt: Sequence[float],
+    published: pd.DataFrame | None = None,
+) -> Figure:
+    """Draw the networks of one size, from the percentile tables of each case."""
+    horizon = pd.concat(horizons, ignore_index=True)
+    classification = pd.concat(scores, ignore_index=True)
+    return by_reynolds(
+        horizon,
+        classification,
+        neurons,
+        prediction_times_lt,
+        published_horizon=published_beside(horizon, published, "horizon"),
+        published_classification=published_beside(classification, published, "classification"),
+    )
 
 
 @styled

@@ -1,4 +1,6 @@
-"""Precision, recall and F-score against prediction time and reservoir size."""
+"""Precision, recall and F-score: medians (lines) and quartiles (bands) over the networks of an
+ensemble. In grey: forecasters to compare with.
+"""
 
 from typing import Any
 
@@ -30,8 +32,41 @@ from burstcast.figures.parts.style import (
     styled,
     validation_style,
 )
+from burstcast.figures.registry import Declaration
+from burstcast.published import published_beside
+
+FIGURE = Declaration(
+    section="forecasts",
+    position=30,
+    inputs={"percentiles": "case/tables/classification_percentiles.csv"},
+    settings={
+        "fixed_neurons": "figures.fixed_neurons",
+        "fixed_prediction_time_lt": "figures.fixed_prediction_time_lt",
+        "sizes_validation": "shown.validation",
+    },
+    cases="every",
+    published=True,
+)
 
 METRICS = ("precision", "recall", "f_score")
+
+
+def draw(
+    *,
+    percentiles: pd.DataFrame,
+    fixed_neurons: int,
+    fixed_prediction_time_lt: float,
+    sizes_validation: str,
+    published: pd.DataFrame | None = None,
+) -> Figure:
+    """Draw the scores of one case."""
+    return classification_scores(
+        percentiles,
+        fixed_neurons,
+        fixed_prediction_time_lt,
+        sizes_validation=sizes_validation,
+        published=published_beside(percentiles, published, "classification"),
+    )
 
 
 @styled

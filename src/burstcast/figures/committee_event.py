@@ -1,13 +1,22 @@
-"""One event as committees see it: what each member forecasts, and the probability that follows."""
+"""An extreme event of the test set as committees see it from one starting point: the forecasts of
+all members and their median beside the truth (above), and the probability of an event in the window
+that begins at each time (below): the share of the members that forecast one, what calibration on
+the training series makes of it, and the probability from which on an alarm is raised. Of all
+starting points of the test set that an event follows in the window farthest ahead, the one is shown
+to which the first committee's share of votes is the median: half of the events were seen better,
+half worse.
+"""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import BoolArray, FloatArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.reference_forecasters import forecaster_label
 from burstcast.figures.parts.style import (
@@ -23,6 +32,20 @@ from burstcast.figures.parts.style import (
     new_figure,
     observable_label,
     styled,
+)
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="probabilities",
+    position=50,
+    inputs={"event": "case/committee_event.nc"},
+    settings={
+        "threshold": "case.event_threshold",
+        "window_lt": "classification.window_lt",
+        "symbol": "shown.symbol",
+        "observable_name": "shown.observable_name",
+    },
+    cases="committees",
 )
 
 _FAN = "#8FBFDC"
@@ -73,6 +96,45 @@ class CommitteeForecast:
     votes: FloatArray
     probability: FloatArray
     alarm_threshold: FloatArray
+
+
+def draw(
+    *,
+    event: Mapping[str, Any],
+    threshold: float,
+    window_lt: float,
+    symbol: str,
+    observable_name: str,
+) -> Figure:
+    """Draw the event of a file of `burstcast.probability.committee_event.CommitteeEvent`.
+
+    Its attribute ``committees`` names the kinds of the committees, in their order.
+    """
+    if not event["time_lt"].size:
+        return nothing_to_show("No event occurred in the test set.")
+    return committee_event(
+        SeenEvent(
+            event["time_lt"],
+            event["true"],
+            event["observed"],
+            event["prediction_time_lt"],
+            event["happened"],
+        ),
+        [
+            CommitteeForecast(
+                kind,
+                event["forecast"][event["committee"] == number],
+                event["votes"][number],
+                event["probability"][number],
+                event["alarm_threshold"][number],
+            )
+            for number, kind in enumerate(event["committees"].split())
+        ],
+        threshold,
+        window_lt,
+        symbol=symbol,
+        observable_name=observable_name,
+    )
 
 
 @styled

@@ -1,12 +1,19 @@
-"""Density of the observable with and without control, at each Reynolds number."""
+"""Density of the observable with and without control: means (lines) and quartiles (bands) over the
+networks of an ensemble. Both flows start from the same states and are compared over the same
+times. The table control_density.csv has these densities, and those without the time under
+actuation.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.style import (
     BLUE,
     DOUBLE_COLUMN,
@@ -19,6 +26,20 @@ from burstcast.figures.parts.style import (
     new_figure,
     observable_label,
     styled,
+)
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="control",
+    position=40,
+    inputs={"densities": "controlled_cases/tables/control_density.csv"},
+    settings={
+        "panels": "shown.panels",
+        "prediction_times_lt": "control.prediction_times_lt",
+        "symbol": "shown.symbol",
+        "observable_name": "shown.observable_name",
+    },
+    cases="controlled_systems",
 )
 
 
@@ -48,6 +69,68 @@ class ControlledDensity:
     uncontrolled: FloatArray
     controlled: Mapping[float, FloatArray]
     bands: Mapping[float, FloatArray] = field(default_factory=dict)
+
+
+def draw(
+    *,
+    densities: Sequence[pd.DataFrame],
+    panels: Sequence[Mapping[str, Any]],
+    prediction_times_lt: Sequence[float],
+    symbol: str,
+    observable_name: str,
+) -> Figure:
+    """Draw a panel for each case.
+
+    Parameters
+    ----------
+    densities
+        Tables of the cases.
+    panels
+        Each case that is shown, its event threshold, and ``neurons`` and ``validation`` of the
+        networks that are shown.
+    prediction_times_lt
+        Prediction times that are shown.
+    symbol, observable_name
+        Symbol and name of the observable.
+    """
+    table = pd.concat(densities, ignore_index=True)
+    shown = []
+    for panel in panels:
+        case = panel["case"]
+        rows = table[
+            (table["case"] == case)
+            & (table["forecaster"] == "esn")
+            & (table["neurons"] == panel["neurons"])
+            & (table["validation"] == panel["validation"])
+            & table["prediction_time_lt"].isin(prediction_times_lt)
+        ]
+        by_time = {
+            float(time): group.sort_values("low")
+            for time, group in rows.groupby("prediction_time_lt")
+        }
+        bins = next(iter(by_time.values()))
+        shown.append(
+            ControlledDensity(
+                title=f"Re = {bins['reynolds'].iloc[0]:g}" if "reynolds" in bins else case,
+                bin_edges=np.append(bins["low"], bins["high"].iloc[-1]),
+                threshold=panel["event_threshold"],
+                # the flows that count differ a little between prediction times
+                uncontrolled=np.mean(
+                    [group["density_uncontrolled"] for group in by_time.values()], axis=0
+                ),
+                controlled={
+                    time: group["density_controlled"].to_numpy() for time, group in by_time.items()
+                },
+                bands={
+                    time: group[["density_controlled_p25", "density_controlled_p75"]].to_numpy().T
+                    for time, group in by_time.items()
+                },
+            )
+        )
+    # NaN where no flow counts
+    if any(np.isfinite(panel.uncontrolled).all() for panel in shown):
+        return control_density(shown, symbol=symbol, name=observable_name)
+    return nothing_to_show("No flow was free of events for long enough to be controlled.")
 
 
 @styled

@@ -1,4 +1,13 @@
-"""What strategies of control leave of the exceedance, against how much and how well they act."""
+"""Exceedance of the event threshold that control leaves, as a share of that without control, with
+confidence intervals over flows: (a) against the share of the time under actuation, along the
+horizon, the prediction time, the level or the probability of actuation that is written at the ends
+of some curves; "every" is the interval between decisions. The other panels: against the delay and
+the strength of the actuator and the noise of the observations, for settings that were tried at
+several values. The axis is linear in the shaded strip: a marker on 0 has left nothing, and its bar
+ends at the bound of the rule of three.
+Colours and fillings say who forecasts; of the networks, one is shown, and the committee of those of
+its size, whose votes decide.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -35,6 +44,20 @@ from burstcast.figures.parts.style import (
     letter_panels,
     new_figure,
     styled,
+)
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="control",
+    position=50,
+    inputs={"scores": "case/tables/control_strategies.csv"},
+    settings={
+        "network": "shown.frontier_network",
+        "span_lt": "control.span_lt",
+        "noise": "case.training.noise",
+        "symbol": "shown.symbol",
+    },
+    cases="other_control",
 )
 
 _LEFT, _ACTING = "relative_exceedance", "control_fraction"
@@ -96,6 +119,37 @@ _CONDITIONS = (
     _Condition("strength", "Strength of the actuator"),
     _Condition("noise", "Noise of the observations [%]", unit=100.0),
 )
+
+
+def draw(
+    *,
+    scores: pd.DataFrame,
+    network: Mapping[str, Any] | None,
+    span_lt: float,
+    noise: float,
+    symbol: str,
+) -> Figure:
+    """Draw all strategies with one network, and the forecasters to compare it with.
+
+    Parameters
+    ----------
+    scores
+        Table of one case.
+    network
+        Key columns of the network; None: no network is shown.
+    span_lt, noise
+        Usual length of a run and noise of the observations.
+    symbol
+        Symbol of the observable.
+    """
+    shown = ~scores["forecaster"].isin(["esn", "esn_committee", "random"])
+    if network is not None:
+        shown |= (scores[list(network)] == pd.Series(network)).all(axis="columns")
+        # of committees, that of the networks of its size and strategy
+        size = pd.Series(network)[["neurons", "validation"]]
+        alike = (scores[list(size.index)] == size).all(axis="columns")
+        shown |= alike & (scores["forecaster"] == "esn_committee")
+    return control_frontier(scores[shown], {"span_lt": span_lt, "noise": noise}, symbol=symbol)
 
 
 @styled

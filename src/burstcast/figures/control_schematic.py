@@ -1,9 +1,16 @@
-"""The control strategy on a real event: forecast, alarm, actuation."""
+"""The control strategy on the suppressed event: a forecast from time 0 crosses the threshold in
+the window after the prediction time, which raises an alarm; the equations are changed over the
+shaded interval.
+"""
+
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.spans import draw_span
 from burstcast.figures.parts.style import (
@@ -22,6 +29,57 @@ from burstcast.figures.parts.style import (
     observable_label,
     styled,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="control",
+    position=10,
+    inputs={"event": "suppressed_event"},
+    settings={
+        "threshold": "case.event_threshold",
+        "prediction_time_lt": "shown.control_prediction_time_lt",
+        "window_lt": "control.window_lt",
+        "parameters": "case.actuation.parameters",
+        "force": "case.actuation.force",
+        "symbol": "shown.symbol",
+    },
+    cases="control_example",
+)
+
+
+def draw(
+    *,
+    event: Mapping[str, Any],
+    threshold: float,
+    prediction_time_lt: float,
+    window_lt: float,
+    parameters: Mapping[str, float],
+    force: Any,
+    symbol: str,
+) -> Figure:
+    """Draw the event, the forecast and the parts of the strategy.
+
+    ``parameters`` and ``force`` are what the actuation changes in the equations and adds to them.
+    """
+    if not event["mark"].size:
+        return nothing_to_show("No event was suppressed.")
+    changes = [
+        f"{'Re' if name == 'reynolds' else name.replace('_', ' ')} = {value:g}"
+        for name, value in parameters.items()
+    ]
+    start, stop = event["actuation_lt"]
+    return control_schematic(
+        event["time_lt"],
+        event["uncontrolled"],
+        event["controlled"],
+        event["forecast"],
+        threshold,
+        prediction_time_lt,
+        (start, stop),
+        window_lt=window_lt,
+        symbol=symbol,
+        actuation_label=", ".join(changes + ["added force"] * (force is not None)),
+    )
 
 
 @styled

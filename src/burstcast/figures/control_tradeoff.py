@@ -1,5 +1,11 @@
-"""What control achieves against how early it acts and how much it acts."""
+"""Share of the exceedance of the event threshold that control removes, (a) against the prediction
+time and (b) against the share of the time under actuation, with medians and quartiles over the
+networks of an ensemble. For comparison: alarms by the equations themselves, started from the true
+state, and random alarms at the rate of the networks'. Open markers, if any: the paper's exceedance
+with control, over ours without control.
+"""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -29,6 +35,17 @@ from burstcast.figures.parts.style import (
     new_figure,
     styled,
 )
+from burstcast.figures.registry import Declaration
+from burstcast.published import published_beside, published_reductions
+
+FIGURE = Declaration(
+    section="control",
+    position=30,
+    inputs={"percentiles": "case/tables/control_percentiles.csv"},
+    settings={"networks": "shown.control_networks", "symbol": "shown.symbol"},
+    cases="controlled",
+    published=True,
+)
 
 _FORECASTERS = {
     "esn": (
@@ -45,6 +62,26 @@ _FORECASTERS = {
     ),
 }
 _OTHER = MarkerStyle(color=PURPLE, linestyle="-", linewidth=1.0, marker="D")
+
+
+def draw(
+    *,
+    percentiles: pd.DataFrame,
+    networks: Mapping[str, Any],
+    symbol: str,
+    published: pd.DataFrame | None = None,
+) -> Figure:
+    """Draw networks of one kind, and the forecasters to compare them with.
+
+    ``networks`` holds ``neurons`` and ``validation`` of the networks that are shown.
+    """
+    of_kind = (percentiles["neurons"] == networks["neurons"]) & (
+        percentiles["validation"] == networks["validation"]
+    )
+    shown = percentiles[percentiles["neurons"].isna() | of_kind]
+    exceedances = published_beside(percentiles, published, "control")
+    reductions = None if exceedances is None else published_reductions(exceedances, shown)
+    return control_tradeoff(shown, symbol=symbol, published=reductions)
 
 
 @styled

@@ -1,4 +1,8 @@
-"""What forecasts are worth to those who can protect themselves, at a cost."""
+"""Economic value of the calibrated probabilities, relative to perfect forecasts (1) and to the base
+rate (0), against the ratio of the cost of protection to the loss that it prevents: who can protect
+themselves does so where the probability exceeds their ratio. Bands: bootstrap intervals over the
+test series. Values below -0.1 are cut off.
+"""
 
 from collections.abc import Sequence
 
@@ -16,12 +20,24 @@ from burstcast.figures.parts.style import (
     new_figure,
     styled,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="probabilities",
+    position=30,
+    inputs={"values": "case/tables/economic_value.csv"},
+    settings={
+        "prediction_times_lt": "figures.reynolds_prediction_times_lt",
+        "neurons": "figures.fixed_neurons",
+        "validation": "shown.validation",
+    },
+)
 
 _LOWEST = -0.1
 
 
 @styled
-def economic_value(
+def draw(
     values: pd.DataFrame, prediction_times_lt: Sequence[float], neurons: float, validation: str
 ) -> Figure:
     """Draw the value against the cost-loss ratio, a panel for each prediction time.

@@ -1,4 +1,8 @@
-"""How good alarms and probabilities are, against prediction time: everybody beside each other."""
+"""(a) F-score of the alarms, whose threshold was chosen on the calibration series, and (b) Brier
+skill of the calibrated probabilities, against prediction time. Bands: bootstrap intervals over the
+test series; of single networks, median (line) and quartiles (band) over the ensemble. The committee
+is the share of these networks that forecast an event. Skills below -0.1 are cut off.
+"""
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -18,6 +22,15 @@ from burstcast.figures.parts.style import (
     new_figure,
     styled,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="probabilities",
+    position=10,
+    inputs={"scores": "case/tables/probability_scores.csv"},
+    settings={"neurons": "figures.fixed_neurons", "validation": "shown.validation"},
+    cases="every",
+)
 
 _LABELS = {"f_score": METRIC_LABELS["f_score"], "brier_skill": "Brier skill score"}
 _LOWEST = -0.1
@@ -25,7 +38,7 @@ _LOWEST = -0.1
 
 
 @styled
-def forecast_skill(scores: pd.DataFrame, neurons: float, validation: str) -> Figure:
+def draw(scores: pd.DataFrame, neurons: float, validation: str) -> Figure:
     """Draw F-score and Brier skill against prediction time.
 
     Parameters

@@ -1,4 +1,7 @@
-"""Mean prediction horizon of extreme events against reservoir size."""
+"""Mean prediction horizon of extreme events against reservoir size: medians (lines) and quartiles
+(bands) over the networks of an ensemble. Thin bars: the bootstrap interval of one network's mean
+over the events, in the median. In grey: forecasters to compare with.
+"""
 
 import numpy as np
 import pandas as pd
@@ -23,6 +26,30 @@ from burstcast.figures.parts.style import (
     styled,
     validation_style,
 )
+from burstcast.figures.registry import Declaration
+from burstcast.published import published_beside
+
+FIGURE = Declaration(
+    section="horizon",
+    position=30,
+    inputs={
+        "percentiles": "case/tables/horizon_percentiles.csv",
+        "intervals": "case/tables/horizon_intervals.csv",
+    },
+    cases="several_sizes",
+    published=True,
+)
+
+
+def draw(
+    *,
+    percentiles: pd.DataFrame,
+    intervals: pd.DataFrame,
+    published: pd.DataFrame | None = None,
+) -> Figure:
+    """Draw the horizons of one case."""
+    beside = published_beside(percentiles, published, "horizon")
+    return horizon_by_size(percentiles, intervals, published=beside)
 
 
 @styled

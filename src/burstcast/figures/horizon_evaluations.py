@@ -1,12 +1,16 @@
-"""The last evaluations of the prediction horizon before an event is predicted."""
+"""The last evaluations of the example network before an event is predicted: the forecast starts
+ever later until it stays within the tolerance up to the event.
+"""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
@@ -19,6 +23,18 @@ from burstcast.figures.parts.style import (
     new_figure,
     observable_label,
     styled,
+)
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="horizon",
+    position=20,
+    inputs={"examples": "example/examples.nc"},
+    settings={
+        "threshold": "case.event_threshold",
+        "washout_lt": "washout_lt",
+        "symbol": "shown.symbol",
+    },
 )
 
 
@@ -42,6 +58,33 @@ class HorizonEvaluation:
     time_lt: FloatArray
     forecast: FloatArray
     horizon_lt: float
+
+
+def draw(
+    *, examples: Mapping[str, Any], threshold: float, washout_lt: float, symbol: str
+) -> Figure:
+    """Draw the forecasts of the example event."""
+    time_lt = examples["evaluation_time_lt"]
+    evaluations = [
+        HorizonEvaluation(
+            float(lead_time),
+            time_lt,
+            examples["evaluation_forecast"][number],
+            float(examples["evaluation_horizon_lt"][number]),
+        )
+        for number, lead_time in enumerate(examples["evaluation_lead_time_lt"])
+    ]
+    if not evaluations:
+        return nothing_to_show("No event was predicted from any start.")
+    shown = time_lt >= -evaluations[0].lead_time_lt - washout_lt
+    return horizon_evaluations(
+        time_lt[shown],
+        examples["evaluation_truth"][shown],
+        evaluations,
+        threshold,
+        float(examples["allowed_error"]),
+        symbol=symbol,
+    )
 
 
 @styled

@@ -1,14 +1,26 @@
-"""The prediction horizon of extreme events as a block diagram."""
+"""How the prediction horizon of an extreme event is measured."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Polygon
 
 from burstcast.figures.parts.style import BLUE, DOUBLE_COLUMN, GREEN, VERMILLION, new_figure, styled
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="horizon",
+    position=10,
+    settings={
+        "longest_lead_time_lt": "horizon.longest_lead_time_lt",
+        "lead_time_step_lt": "horizon.lead_time_step_lt",
+        "tolerance": "horizon.tolerance",
+        "symbol": "shown.symbol",
+    },
+)
 
 
 @styled
-def horizon_schematic(
+def draw(
     *, longest_lead_time_lt: float, lead_time_step_lt: float, tolerance: float, symbol: str = "k"
 ) -> Figure:
     """Draw the procedure that yields PH_ee of one event, with the values in use.

@@ -1,9 +1,20 @@
-"""Long-term density of the observable, and the errors in it against reservoir size."""
+"""(a) Density of the observable over all data, the training set and the long closed loops of one
+network: of those of the size and strategy shown, the one with the smallest Kantorovich metric.
+(b) Kantorovich metric and (c) mean logarithmic error against reservoir size, medians and
+quartiles over the networks of an ensemble. Thin bars: the bootstrap interval of one
+network over its closed loops, in the median. In grey: the same measures between two random halves
+of the data, in the median. Open markers, if any: published values, those of the training set as
+diamonds on the right edge.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.best_network import best_of
 from burstcast.figures.parts.percentile_curves import published_handles, require_single_case
 from burstcast.figures.parts.statistics_by_size import draw_statistics_by_size
 from burstcast.figures.parts.style import (
@@ -18,6 +29,63 @@ from burstcast.figures.parts.style import (
     observable_label,
     styled,
 )
+from burstcast.figures.registry import Declaration
+from burstcast.published import published_beside
+from burstcast.statistics.reductions import LongTermStatistics
+
+FIGURE = Declaration(
+    section="long_term",
+    position=10,
+    inputs={
+        "data": "case/statistics_data.nc",
+        "training": "case/statistics_training.nc",
+        "long_term": "long_term_networks/long_term.nc",
+        "percentiles": "case/tables/statistics_percentiles.csv",
+        "intervals": "case/tables/statistics_intervals.csv",
+    },
+    settings={
+        "networks": "shown.long_term_networks",
+        "threshold": "case.event_threshold",
+        "symbol": "shown.symbol",
+        "observable_name": "shown.observable_name",
+    },
+    cases="long_term",
+    published=True,
+)
+
+
+def draw(
+    *,
+    data: Mapping[str, Any],
+    training: Mapping[str, Any],
+    long_term: Sequence[Mapping[str, Any]],
+    percentiles: pd.DataFrame,
+    intervals: pd.DataFrame,
+    networks: Sequence[Mapping[str, Any]],
+    threshold: float,
+    symbol: str,
+    observable_name: str,
+    published: pd.DataFrame | None = None,
+) -> Figure:
+    """Draw the data, the training set and the best network, and the measures of all networks.
+
+    ``networks`` are the records of the networks whose statistics are in ``long_term``.
+    """
+    true = LongTermStatistics.from_arrays(data).histogram
+    best = best_of(data, long_term, networks)
+    return long_term_density(
+        true.edges,
+        true.density,
+        LongTermStatistics.from_arrays(training).histogram.density,
+        None if best is None else best.statistics.histogram.density,
+        percentiles,
+        intervals,
+        threshold,
+        network_label="" if best is None else best.label,
+        symbol=symbol,
+        name=observable_name,
+        published=published_beside(percentiles, published, "statistics"),
+    )
 
 
 @styled

@@ -1,4 +1,9 @@
-"""Lyapunov exponents of the networks' own flow beside those of the data."""
+"""(a) Lyapunov exponents of the data, with confidence intervals, and of the closed loops of the
+networks of one size that stay in the chaotic phase, medians and quartiles over the networks of an
+ensemble. The networks have as many exponents as neurons; arrows: those beyond the flow's own are
+strongly negative. (b) Kaplan-Yorke dimension against reservoir size. In grey: forecasters to
+compare with.
+"""
 
 import numpy as np
 import pandas as pd
@@ -15,32 +20,47 @@ from burstcast.figures.parts.style import (
     styled,
     validation_style,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="long_term",
+    position=50,
+    inputs={
+        "exponents": "case/tables/lyapunov_spectrum.csv",
+        "exponent_percentiles": "case/tables/lyapunov_spectrum_percentiles.csv",
+        "dimensions": "case/tables/kaplan_yorke.csv",
+        "dimension_percentiles": "case/tables/kaplan_yorke_percentiles.csv",
+    },
+    settings={"neurons": "figures.fixed_neurons"},
+    cases="spectrum",
+)
 
 _APART = 0.16
 """Distance of the markers of one exponent, so that they do not hide each other."""
 
 
 @styled
-def lyapunov_spectrum(
-    data_exponents: pd.DataFrame,
+def draw(
     exponents: pd.DataFrame,
-    data_dimension: pd.DataFrame,
+    exponent_percentiles: pd.DataFrame,
     dimensions: pd.DataFrame,
+    dimension_percentiles: pd.DataFrame,
     neurons: int,
 ) -> Figure:
     """Draw (a) the exponents by their number and (b) the dimension against reservoir size.
 
     Parameters
     ----------
-    data_exponents
-        Of the data: number, lyapunov_exponent, lyapunov_exponent_low, lyapunov_exponent_high.
     exponents
-        Percentiles over networks, of one case: forecaster, neurons, validation, number, metric
+        Of one case, those of the forecaster ``data``: number, lyapunov_exponent,
+        lyapunov_exponent_low, lyapunov_exponent_high.
+    exponent_percentiles
+        Percentiles over networks, of the same case: forecaster, neurons, validation, number, metric
         (``lyapunov_exponent``), p25, p50, p75.
-    data_dimension
-        Of the data, one row: kaplan_yorke_dimension, kaplan_yorke_dimension_low,
-        kaplan_yorke_dimension_high.
     dimensions
+        Of the same case, the row of ``data``: kaplan_yorke_dimension, kaplan_yorke_dimension_low,
+        kaplan_yorke_dimension_high.
+    dimension_percentiles
         Percentiles over networks, of the same case, of the metric ``kaplan_yorke_dimension``.
     neurons
         Size of the networks in (a).
@@ -50,11 +70,12 @@ def lyapunov_spectrum(
     ValueError
         If a table of percentiles holds several cases.
     """
+    of_data, dimension = (table[table["forecaster"] == "data"] for table in (exponents, dimensions))
     return two_panels(
-        lambda axes: _draw_exponents(axes, data_exponents, exponents, neurons),
-        lambda axes: _draw_dimensions(axes, data_dimension.iloc[0], dimensions),
-        exponents,
-        dimensions,
+        lambda axes: _draw_exponents(axes, of_data, exponent_percentiles, neurons),
+        lambda axes: _draw_dimensions(axes, dimension.iloc[0], dimension_percentiles),
+        exponent_percentiles,
+        dimension_percentiles,
     )
 
 

@@ -1,4 +1,12 @@
-"""Mean square of the streamwise velocity in the midplane, and the errors in it."""
+"""(a) Time average of the square of the velocity along x in the midplane. Its absolute error (b)
+in the long closed loops of one network, that of its ensemble with the smallest Kantorovich
+metric, and (c) in the training set.
+Velocities are in units of U_0, that of the laminar flow halfway between centre and wall, lengths
+in half the distance of the walls.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import Normalize
@@ -6,8 +14,59 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.best_network import best_of
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.planes import draw_plane
 from burstcast.figures.parts.style import DOUBLE_COLUMN, letter_panels, new_figure, styled
+from burstcast.figures.registry import Declaration
+from burstcast.flow_grid import make_flow_grid
+from burstcast.statistics import profiles
+from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.systems.registry import make_system
+
+FIGURE = Declaration(
+    section="long_term",
+    position=30,
+    inputs={
+        "data": "case/statistics_data.nc",
+        "training": "case/statistics_training.nc",
+        "long_term": "long_term_networks/long_term.nc",
+    },
+    settings={
+        "networks": "shown.long_term_networks",
+        "system": "case.system",
+        "parameters": "case.parameters",
+        "flow_points": "figures.flow_points",
+    },
+    cases="long_term",
+    only_flows=True,
+)
+
+
+def draw(
+    *,
+    data: Mapping[str, Any],
+    training: Mapping[str, Any],
+    long_term: Sequence[Mapping[str, Any]],
+    networks: Sequence[Mapping[str, Any]],
+    system: str,
+    parameters: Mapping[str, float],
+    flow_points: Sequence[int],
+) -> Figure:
+    """Draw the data, and how far the best network and the training set are from them.
+
+    ``networks`` are the records of the networks whose statistics are in ``long_term``.
+    """
+    grid = make_flow_grid(make_system(system, parameters), flow_points)
+    best = best_of(data, long_term, networks)
+    if best is None:
+        return nothing_to_show("No network has any long-term statistics.")
+    true, trained = map(LongTermStatistics.from_arrays, (data, training))
+    fields = [
+        profiles.midplane_mean_square(grid.modes, statistics.moments, grid.x, grid.z)
+        for statistics in (true, best.statistics, trained)
+    ]
+    return midplane_mean_square(grid.x, grid.z, *fields, network_label=best.label)
 
 
 @styled

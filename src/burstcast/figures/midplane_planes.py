@@ -1,8 +1,19 @@
-"""Streamwise velocity in the midplane during an event: data, network and their difference."""
+"""An extreme event of the test set and the velocity along x in the midplane: data, forecast of
+the example network, and their difference. t_1: last time that the observable is at or below its
+mean; t_2: half-way up; t_3: peak; t_4: first time after it below the threshold. Of the isolated
+events whose state the network predicts within a tolerance from before t_1 to t_4, the one is
+shown whose peak is nearest to the configured one.
+Velocities are in units of U_0, that of the laminar flow halfway between centre and wall, lengths
+in half the distance of the walls.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.planes import (
     add_row_bar,
     draw_plane,
@@ -17,6 +28,49 @@ from burstcast.figures.parts.style import (
     new_figure,
     styled,
 )
+from burstcast.figures.registry import Declaration
+from burstcast.flow_grid import make_flow_grid
+from burstcast.systems.registry import make_system
+
+FIGURE = Declaration(
+    section="forecasts",
+    position=50,
+    inputs={"event": "example/flow_event.nc"},
+    settings={
+        "system": "case.system",
+        "parameters": "case.parameters",
+        "flow_points": "figures.flow_points",
+        "threshold": "case.event_threshold",
+    },
+    only_flows=True,
+)
+
+
+def draw(
+    *,
+    event: Mapping[str, Any],
+    system: str,
+    parameters: Mapping[str, float],
+    flow_points: Sequence[int],
+    threshold: float,
+) -> Figure:
+    """Draw the event."""
+    if not event["mark"].size:
+        return nothing_to_show("No isolated event occurred in the test set.")
+    flow = make_system(system, parameters)
+    grid = make_flow_grid(flow, flow_points)
+    return midplane_planes(
+        event["time_lt"],
+        event["true"],
+        event["forecast"],
+        event["time_lt"][event["mark"]],
+        grid.x,
+        grid.z,
+        grid.midplane(event["true_state"]),
+        grid.midplane(event["forecast_state"]),
+        threshold,
+        symbol=flow.observable_symbol,
+    )
 
 
 @styled

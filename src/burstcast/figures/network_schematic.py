@@ -1,6 +1,9 @@
-"""The echo state network: its parts, and how it runs in open and in closed loop."""
+"""The echo state network with the sizes and hyperparameters of the example network; open loop and
+closed loop.
+"""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,18 +20,29 @@ from burstcast.figures.parts.style import (
     new_figure,
     styled,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="networks",
+    position=10,
+    inputs={"hyperparameters": "example_hyperparameters"},
+    settings={
+        "inputs": "shown.dimension",
+        "neurons": "shown.neurons",
+        "connectivity": "forecasters.esn.connectivity",
+        "input_bias": "forecasters.esn.input_bias",
+    },
+)
 
 
 @styled
-def network_schematic(
+def draw(
     *,
     inputs: int,
     neurons: int,
     connectivity: float,
-    spectral_radius: float,
-    input_scaling: float,
     input_bias: float,
-    tikhonov: float,
+    hyperparameters: Mapping[str, float],
 ) -> Figure:
     """Draw (a) the network with its real sizes, (b) the open loop and (c) the closed loop.
 
@@ -38,8 +52,10 @@ def network_schematic(
         N_u and N_r.
     connectivity
         Mean number of connections of a neuron, d.
-    spectral_radius, input_scaling, input_bias, tikhonov
-        rho, sigma_in, b_in and beta of the network that is shown.
+    input_bias
+        b_in of the network that is shown.
+    hyperparameters
+        Its ``spectral_radius``, ``input_scaling`` and ``tikhonov``: rho, sigma_in and beta.
     """
     figure = new_figure(DOUBLE_COLUMN, 4.1)
     whole, loops = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.25, 1.0])[:, 0]
@@ -50,10 +66,10 @@ def network_schematic(
         neurons,
         [
             rf"$d = {connectivity:g}$",
-            rf"$\rho = {spectral_radius:.3g}$",
-            rf"$\sigma_{{\mathrm{{in}}}} = {input_scaling:.3g}$",
+            rf"$\rho = {hyperparameters['spectral_radius']:.3g}$",
+            rf"$\sigma_{{\mathrm{{in}}}} = {hyperparameters['input_scaling']:.3g}$",
             rf"$b_{{\mathrm{{in}}}} = {input_bias:g}$",
-            rf"$\beta = 10^{{{math.log10(tikhonov):g}}}$",
+            rf"$\beta = 10^{{{math.log10(hyperparameters['tikhonov']):g}}}$",
         ],
     )
     network.set_title("(a)", loc="left")

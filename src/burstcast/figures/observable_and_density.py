@@ -1,8 +1,15 @@
-"""A typical evolution of the observable, and its probability density."""
+"""Typical evolution of the observable (the first kept series that has extreme events; they are
+shaded) and its probability density over all kept data. The line is the event threshold.
+"""
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.durations import steps_per_lyapunov_time
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
@@ -15,6 +22,71 @@ from burstcast.figures.parts.style import (
     styled,
     true_runs,
 )
+from burstcast.figures.registry import Declaration
+from burstcast.statistics.densities import bin_edges, histogram
+
+FIGURE = Declaration(
+    section="data",
+    position=10,
+    inputs={"observable": "case/ensemble.nc:observable", "exponents": "time_unit"},
+    settings={
+        "time_step": "case.ensemble.time_step",
+        "sampling_stride": "case.ensemble.sampling_stride",
+        "published_exponent": "case.lyapunov.published_exponent",
+        "threshold": "case.event_threshold",
+        "density": "case.density",
+        "symbol": "shown.symbol",
+        "observable_name": "shown.observable_name",
+    },
+    cases="every",
+)
+
+
+def draw(
+    *,
+    observable: FloatArray,
+    exponents: Mapping[str, Any] | None,
+    time_step: float,
+    sampling_stride: int,
+    published_exponent: float,
+    threshold: float,
+    density: Mapping[str, Any],
+    symbol: str,
+    observable_name: str,
+) -> Figure:
+    """Draw the first kept series that has an event and the histogram of all of them.
+
+    Parameters
+    ----------
+    observable
+        Observable of all series, ``(series, time)``.
+    exponents
+        Computed Lyapunov exponents, if they are the unit of time; else the published one is.
+    time_step, sampling_stride
+        Step of the integration in time units, and steps of it from sample to sample.
+    published_exponent
+        Published leading Lyapunov exponent.
+    threshold
+        Event threshold.
+    density
+        ``range`` and number of ``bins`` of the histogram.
+    symbol, observable_name
+        Symbol and name of the observable.
+    """
+    shown = observable[np.argmax(observable.max(axis=1) >= threshold)]  # the first if none has any
+    exponent = exponents["leading"]["mean"] if exponents else published_exponent
+    unit = steps_per_lyapunov_time(exponent, time_step * sampling_stride)
+    low, high = density["range"]
+    counts = histogram(observable, bin_edges(low, high, density["bins"]))
+    return observable_and_density(
+        np.arange(observable.shape[1]) / unit,
+        shown,
+        counts.edges,
+        counts.density,
+        threshold,
+        symbol=symbol,
+        name=observable_name,
+    )
 
 
 @styled

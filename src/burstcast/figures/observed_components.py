@@ -1,4 +1,6 @@
-"""F-score against how much of the state is observed."""
+"""F-score against the number of components of the state that are observed beside the observable:
+medians and quartiles over the networks of an ensemble, and forecasters to compare with.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -25,11 +27,24 @@ from burstcast.figures.parts.style import (
     styled,
     validation_style,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="forecasts",
+    position=40,
+    inputs={"percentiles": "parts/tables/classification_percentiles.csv"},
+    settings={
+        "observed": "shown.observed",
+        "neurons": "figures.fixed_neurons",
+        "prediction_times_lt": "figures.reynolds_prediction_times_lt",
+    },
+    cases="parts",
+)
 
 
 @styled
-def observed_components(
-    percentiles: pd.DataFrame,
+def draw(
+    percentiles: Sequence[pd.DataFrame],
     observed: Mapping[str, int],
     neurons: float,
     prediction_times_lt: Sequence[float],
@@ -39,7 +54,8 @@ def observed_components(
     Parameters
     ----------
     percentiles
-        Of F-scores: case, forecaster, neurons, validation, metric, prediction_time_lt, p25, ...
+        Tables of the cases, with F-scores: case, forecaster, neurons, validation, metric,
+        prediction_time_lt, p25, p50, p75.
     observed
         How many components are observed in each case, beside the observable; other cases are not
         shown.
@@ -53,7 +69,8 @@ def observed_components(
     ValueError
         If nothing is known of these cases.
     """
-    table = percentiles[percentiles["case"].isin(observed)]
+    table = pd.concat(percentiles, ignore_index=True)
+    table = table[table["case"].isin(observed)]
     table = table[(table["forecaster"] != "esn") | (table["neurons"] == neurons)]
     if table.empty:
         raise ValueError(f"no forecaster has scores in the cases {', '.join(observed)}")

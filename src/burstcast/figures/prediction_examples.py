@@ -1,12 +1,17 @@
-"""Forecasts that are a true positive, a false positive and a false negative."""
+"""Forecasts of the example network with each outcome. Of all forecasts with an outcome, the one
+is shown whose burst has the median height; misses and false alarms that are more than an error of
+timing come first.
+"""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
@@ -18,6 +23,20 @@ from burstcast.figures.parts.style import (
     new_figure,
     observable_label,
     styled,
+)
+from burstcast.figures.registry import Declaration
+from burstcast.forecast.examples import OUTCOMES
+
+FIGURE = Declaration(
+    section="forecasts",
+    position=20,
+    inputs={"examples": "example/examples.nc"},
+    settings={
+        "threshold": "case.event_threshold",
+        "prediction_time_lt": "figures.example_prediction_time_lt",
+        "window_lt": "classification.window_lt",
+        "symbol": "shown.symbol",
+    },
 )
 
 
@@ -40,6 +59,31 @@ class PredictionExample:
     time_lt: FloatArray
     true: FloatArray
     forecast: FloatArray
+
+
+def draw(
+    *,
+    examples: Mapping[str, Any],
+    threshold: float,
+    prediction_time_lt: float,
+    window_lt: float,
+    symbol: str,
+) -> Figure:
+    """Draw the outcomes that occurred."""
+    shown = [
+        PredictionExample(
+            OUTCOMES[outcome],
+            examples["example_time_lt"],
+            examples["example_truth"][number],
+            examples["example_forecast"][number],
+        )
+        for number, outcome in enumerate(examples["outcome"])
+    ]
+    if not shown:
+        return nothing_to_show("No event occurred in the test set, and none was predicted.")
+    return prediction_examples(
+        shown, threshold, prediction_time_lt, window_lt=window_lt, symbol=symbol
+    )
 
 
 @styled

@@ -1,9 +1,15 @@
-"""How a forecast is made and scored: washout, closed loop, prediction time, window."""
+"""One forecast of the example network with its parts: washout, prediction time, and the window
+that is classified.
+"""
+
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.spans import draw_span
 from burstcast.figures.parts.style import (
@@ -21,6 +27,44 @@ from burstcast.figures.parts.style import (
     observable_label,
     styled,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="forecasts",
+    position=10,
+    inputs={"examples": "example/examples.nc"},
+    settings={
+        "threshold": "case.event_threshold",
+        "prediction_time_lt": "figures.example_prediction_time_lt",
+        "washout_lt": "washout_lt",
+        "window_lt": "classification.window_lt",
+        "symbol": "shown.symbol",
+    },
+)
+
+
+def draw(
+    *,
+    examples: Mapping[str, Any],
+    threshold: float,
+    prediction_time_lt: float,
+    washout_lt: float,
+    window_lt: float,
+    symbol: str,
+) -> Figure:
+    """Draw the first example: a true positive, if there was one."""
+    if not len(examples["outcome"]):
+        return nothing_to_show("No event occurred in the test set, and none was predicted.")
+    return prediction_schematic(
+        examples["example_time_lt"],
+        examples["example_truth"][0],
+        examples["example_forecast"][0],
+        threshold,
+        prediction_time_lt,
+        washout_lt=washout_lt,
+        window_lt=window_lt,
+        symbol=symbol,
+    )
 
 
 @styled

@@ -1,9 +1,21 @@
-"""Velocity profiles of the flow, and the errors in them against reservoir size."""
+"""(a-c) Profiles of the velocity along x, its square and the Reynolds stress, averaged over x, z
+and time, of all data, the training set and one network: of those of the size and strategy shown,
+the one with the smallest Kantorovich metric. (d-f) Errors of the profiles, normalised by the
+range of the true profile, against reservoir size: medians and quartiles over the networks of an
+ensemble. Thin bars: the bootstrap interval of one network over its closed loops, in the median. In
+grey: the same errors between two random halves of the data, in the median. Open markers, if any:
+published values, those of the training set as diamonds on the right edge.
+"""
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.best_network import best_of
 from burstcast.figures.parts.percentile_curves import (
     published_handles,
     require_single_case,
@@ -19,12 +31,78 @@ from burstcast.figures.parts.style import (
     new_figure,
     styled,
 )
+from burstcast.figures.registry import Declaration
+from burstcast.published import published_beside
+from burstcast.statistics.profiles import flow_modes, velocity_profiles
+from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.systems.registry import make_system
+
+FIGURE = Declaration(
+    section="long_term",
+    position=20,
+    inputs={
+        "data": "case/statistics_data.nc",
+        "training": "case/statistics_training.nc",
+        "long_term": "long_term_networks/long_term.nc",
+        "percentiles": "case/tables/statistics_percentiles.csv",
+        "intervals": "case/tables/statistics_intervals.csv",
+    },
+    settings={
+        "networks": "shown.long_term_networks",
+        "points": "statistics.profile_points",
+        "system": "case.system",
+        "parameters": "case.parameters",
+    },
+    cases="long_term",
+    only_flows=True,
+    published=True,
+)
 
 PROFILES = {
     "nrmse_u": r"$\langle \overline{u} \rangle$",
     "nrmse_uu": r"$\langle \overline{u^2} \rangle$",
     "nrmse_uv": r"$\langle \overline{uv} \rangle$",
 }
+
+
+def draw(
+    *,
+    data: Mapping[str, Any],
+    training: Mapping[str, Any],
+    long_term: Sequence[Mapping[str, Any]],
+    percentiles: pd.DataFrame,
+    intervals: pd.DataFrame,
+    networks: Sequence[Mapping[str, Any]],
+    points: int,
+    system: str,
+    parameters: Mapping[str, float],
+    published: pd.DataFrame | None = None,
+) -> Figure:
+    """Draw the data, the training set and the best network, and the errors of all networks.
+
+    ``networks`` are the records of the networks whose statistics are in ``long_term``; profiles
+    have so many ``points``.
+    """
+    y = np.linspace(-1.0, 1.0, points)
+    modes = flow_modes(make_system(system, parameters))
+    assert modes is not None
+    matrices = modes.profile_matrices(y)
+
+    def profiles(statistics: LongTermStatistics) -> FloatArray:
+        found = velocity_profiles(matrices, statistics.moments)
+        return np.stack([found.u, found.uu, found.uv])
+
+    best = best_of(data, long_term, networks)
+    return profile_errors(
+        y,
+        profiles(LongTermStatistics.from_arrays(data)),
+        profiles(LongTermStatistics.from_arrays(training)),
+        None if best is None else profiles(best.statistics),
+        percentiles,
+        intervals,
+        network_label="" if best is None else best.label,
+        published=published_beside(percentiles, published, "statistics"),
+    )
 
 
 @styled

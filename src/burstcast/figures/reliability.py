@@ -1,4 +1,9 @@
-"""Reliability diagrams: how often events follow what is forecast with a probability."""
+"""Reliability diagrams of forecast probabilities, as shares of votes and calibrated on
+series other than the test series: observed frequency of events against the mean probability, in
+bins. Grey bars: where the frequency would lie, at the level of confidence of the intervals, if the
+calibrated probabilities were right. Below: how many calibrated forecasts lie in each bin. Shown are
+the forecasters that tell more than two probabilities, if there are any.
+"""
 
 from collections.abc import Sequence
 
@@ -24,6 +29,18 @@ from burstcast.figures.parts.style import (
     new_figure,
     styled,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="probabilities",
+    position=20,
+    inputs={"bins": "case/tables/reliability.csv"},
+    settings={
+        "prediction_times_lt": "figures.reynolds_prediction_times_lt",
+        "neurons": "figures.fixed_neurons",
+        "validation": "shown.validation",
+    },
+)
 
 # calibrated last: what is consistent is shown for them
 _LOOKS = {
@@ -33,7 +50,7 @@ _LOOKS = {
 
 
 @styled
-def reliability(
+def draw(
     bins: pd.DataFrame, prediction_times_lt: Sequence[float], neurons: float, validation: str
 ) -> Figure:
     """Draw diagrams, and below them how many forecasts lie in each bin.

@@ -1,5 +1,9 @@
-"""What the hyperparameter search saw: the objective over its domain, and its progress."""
+"""Objective of the hyperparameter search at each point, best Tikhonov parameter: interpolated
+between the evaluated points (dots: the grid; numbers: points of the Bayesian search in their
+order; in colour: the optimum), and how far the best value found so far lay above the final one.
+"""
 
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib
@@ -19,6 +23,19 @@ from burstcast.figures.parts.style import (
     styled,
     validation_style,
 )
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="networks",
+    position=30,
+    inputs={"traces": "example_strategies/search.csv"},
+)
+
+
+def draw(*, traces: Sequence[pd.DataFrame]) -> Figure:
+    """Draw the best Tikhonov parameter of each point, from a trace of each strategy."""
+    shown = [trace.loc[trace.groupby("evaluation")["objective"].idxmin()] for trace in traces]
+    return search_landscape(pd.concat(shown, ignore_index=True))
 
 
 @styled

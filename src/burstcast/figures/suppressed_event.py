@@ -1,8 +1,18 @@
-"""An event that the control suppresses, and the flow with and without control."""
+"""An extreme event that control suppresses, and the velocity along x in the midplane with and
+without control. t_1: start of the actuation (shaded), up to which both flows are the same; t_2:
+the event begins without control; t_3: its peak; t_4: its end. Of all events that the network
+predicts and control suppresses, the largest one is shown.
+Velocities are in units of U_0, that of the laminar flow halfway between centre and wall, lengths
+in half the distance of the walls.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.planes import (
     add_row_bar,
     draw_plane,
@@ -18,6 +28,52 @@ from burstcast.figures.parts.style import (
     new_figure,
     styled,
 )
+from burstcast.figures.registry import Declaration
+from burstcast.flow_grid import make_flow_grid
+from burstcast.systems.registry import make_system
+
+FIGURE = Declaration(
+    section="control",
+    position=20,
+    inputs={"event": "suppressed_event"},
+    settings={
+        "system": "case.system",
+        "parameters": "case.parameters",
+        "flow_points": "figures.flow_points",
+        "threshold": "case.event_threshold",
+    },
+    cases="control_example",
+    only_flows=True,
+)
+
+
+def draw(
+    *,
+    event: Mapping[str, Any],
+    system: str,
+    parameters: Mapping[str, float],
+    flow_points: Sequence[int],
+    threshold: float,
+) -> Figure:
+    """Draw the event."""
+    if not event["mark"].size:
+        return nothing_to_show("No event was suppressed.")
+    flow = make_system(system, parameters)
+    grid = make_flow_grid(flow, flow_points)
+    start, stop = event["actuation_lt"]
+    return suppressed_event(
+        event["time_lt"],
+        event["uncontrolled"],
+        event["controlled"],
+        (start, stop),
+        event["time_lt"][event["mark"]],
+        grid.x,
+        grid.z,
+        grid.midplane(event["uncontrolled_state"]),
+        grid.midplane(event["controlled_state"]),
+        threshold,
+        symbol=flow.observable_symbol,
+    )
 
 
 @styled

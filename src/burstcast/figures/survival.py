@@ -1,4 +1,9 @@
-"""How long the data and the forecasters' long runs stay in the chaotic phase."""
+"""(a) Share of the series, and of the long closed loops of the networks of one size, that have not
+laminarised (nor diverged, nor come to rest) by a time: data with confidence intervals, medians and
+quartiles over the networks of an ensemble. (b) Escape rate against reservoir size: escapes after
+the first quarter of each run per time unit that the runs are still in the chaotic phase. In grey:
+forecasters to compare with.
+"""
 
 import math
 
@@ -11,28 +16,42 @@ from burstcast.figures.parts.data_and_networks import draw_by_size, two_panels
 from burstcast.figures.parts.percentile_curves import draw_percentiles, select
 from burstcast.figures.parts.reference_forecasters import draw_references
 from burstcast.figures.parts.style import TRUTH, ordered_validations, styled, validation_style
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="long_term",
+    position=40,
+    inputs={
+        "curves": "case/tables/survival_curve.csv",
+        "curve_percentiles": "case/tables/survival_curve_percentiles.csv",
+        "rates": "case/tables/survival.csv",
+        "rate_percentiles": "case/tables/survival_percentiles.csv",
+    },
+    settings={"neurons": "figures.fixed_neurons"},
+    cases="long_term",
+)
 
 
 @styled
-def survival(
-    data_curve: pd.DataFrame,
+def draw(
     curves: pd.DataFrame,
-    data_rate: pd.DataFrame,
+    curve_percentiles: pd.DataFrame,
     rates: pd.DataFrame,
+    rate_percentiles: pd.DataFrame,
     neurons: int,
 ) -> Figure:
     """Draw (a) the survival curves and (b) the escape rate against reservoir size.
 
     Parameters
     ----------
-    data_curve
-        Of the data: time, survival, survival_low, survival_high.
     curves
-        Percentiles over networks, of one case: forecaster, neurons, validation, time, metric
+        Of one case, those of the forecaster ``data``: time, survival, survival_low, survival_high.
+    curve_percentiles
+        Percentiles over networks, of the same case: forecaster, neurons, validation, time, metric
         (``survival``), p25, p50, p75.
-    data_rate
-        Of the data, one row: escape_rate, escape_rate_low, escape_rate_high.
     rates
+        Of the same case, the row of ``data``: escape_rate, escape_rate_low, escape_rate_high.
+    rate_percentiles
         Percentiles over networks, of the same case, of the metric ``escape_rate``.
     neurons
         Size of the networks in (a).
@@ -42,11 +61,12 @@ def survival(
     ValueError
         If a table of percentiles holds several cases.
     """
+    curve, rate = (table[table["forecaster"] == "data"] for table in (curves, rates))
     return two_panels(
-        lambda axes: _draw_curves(axes, data_curve, curves, neurons),
-        lambda axes: _draw_rates(axes, data_rate.iloc[0], rates),
-        curves,
-        rates,
+        lambda axes: _draw_curves(axes, curve, curve_percentiles, neurons),
+        lambda axes: _draw_rates(axes, rate.iloc[0], rate_percentiles),
+        curve_percentiles,
+        rate_percentiles,
     )
 
 

@@ -1,13 +1,17 @@
-"""The validation strategies, drawn on the first training series."""
+"""Where each strategy trains and validates, on the first training series. The network sees the
+data in open loop during washout and training, and forecasts in closed loop during validation.
+"""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from burstcast.arrays import FloatArray
+from burstcast.durations import steps, steps_per_lyapunov_time
 from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
@@ -20,6 +24,26 @@ from burstcast.figures.parts.style import (
     observable_label,
     styled,
     validation_style,
+)
+from burstcast.figures.registry import Declaration
+from burstcast.tuning.strategies.base import ValidationPlan, use_of_series
+from burstcast.tuning.strategies.registry import make_strategy
+
+FIGURE = Declaration(
+    section="networks",
+    position=20,
+    inputs={"observable": "case/ensemble.nc:observable", "exponents": "time_unit"},
+    settings={
+        "time_step": "case.ensemble.time_step",
+        "sampling_stride": "case.ensemble.sampling_stride",
+        "published_exponent": "case.lyapunov.published_exponent",
+        "threshold": "case.event_threshold",
+        "strategies": "shown.strategies",
+        "recycle": "case.recycle_validation",
+        "washout_lt": "washout_lt",
+        "interval_lt": "search.interval_lt",
+        "symbol": "shown.symbol",
+    },
 )
 
 
@@ -44,6 +68,71 @@ class ValidationLayout:
     washout: tuple[float, float]
     training: tuple[float, float]
     intervals: FloatArray
+
+
+def draw(
+    *,
+    observable: FloatArray,
+    exponents: Mapping[str, Any] | None,
+    time_step: float,
+    sampling_stride: int,
+    published_exponent: float,
+    threshold: float,
+    strategies: Sequence[str],
+    recycle: Mapping[str, Any],
+    washout_lt: float,
+    interval_lt: float,
+    symbol: str,
+) -> Figure:
+    """Draw where each strategy trains and validates, on the first series.
+
+    Parameters
+    ----------
+    observable
+        Observable of all series, ``(series, time)``.
+    exponents
+        Computed Lyapunov exponents, if they are the unit of time; else the published one is.
+    time_step, sampling_stride
+        Step of the integration in time units, and steps of it from sample to sample.
+    published_exponent
+        Published leading Lyapunov exponent.
+    threshold
+        Event threshold.
+    strategies
+        Names of the strategies.
+    recycle
+        Number of ``series`` and of ``intervals_per_series`` of recycle validation.
+    washout_lt, interval_lt
+        Lengths of the washout and of a validation interval.
+    symbol
+        Symbol of the observable.
+    """
+    exponent = exponents["leading"]["mean"] if exponents else published_exponent
+    unit = steps_per_lyapunov_time(exponent, time_step * sampling_stride)
+    plan = ValidationPlan(
+        washout=steps(washout_lt, unit),
+        interval=steps(interval_lt, unit),
+        series=recycle["series"],
+        intervals=recycle["intervals_per_series"],
+    )
+    first = observable[0]
+    layouts = []
+    for strategy in map(make_strategy, strategies):
+        # how many more series there are changes nothing in the first one
+        folds = strategy.folds(plan, plan.series, len(first))
+        stop, starts = use_of_series(folds, 0)
+        layouts.append(
+            ValidationLayout(
+                validation=strategy.name,
+                title=strategy.title,
+                washout=(0.0, plan.washout / unit),
+                training=(plan.washout / unit, stop / unit),
+                intervals=np.array([(start, start + plan.interval) for start in starts]) / unit,
+            )
+        )
+    return validation_strategies(
+        np.arange(len(first)) / unit, first, layouts, threshold, symbol=symbol
+    )
 
 
 @styled

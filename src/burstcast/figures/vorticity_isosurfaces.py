@@ -1,7 +1,11 @@
-"""Isosurfaces of the vorticity and the velocity field before and after an event."""
+"""Isosurfaces of plus and minus one value of the streamwise vorticity, and velocity vectors, at
+the peak of the event of the midplane figure and after its breakdown. The mean flow is along x,
+sheared in y between the walls.
+"""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -16,12 +20,31 @@ from scipy.ndimage import map_coordinates
 from skimage.measure import marching_cubes
 
 from burstcast.arrays import FloatArray, IntArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.planes import symmetric_norm
 from burstcast.figures.parts.style import BLUE, DOUBLE_COLUMN, VERMILLION, new_figure, styled
+from burstcast.figures.registry import Declaration
+from burstcast.flow_grid import make_flow_grid
+from burstcast.systems.registry import make_system
+
+FIGURE = Declaration(
+    section="forecasts",
+    position=60,
+    inputs={"event": "example/flow_event.nc"},
+    settings={
+        "system": "case.system",
+        "parameters": "case.parameters",
+        "flow_points": "figures.flow_points",
+        "isosurface_level": "figures.isosurface_level",
+    },
+    only_flows=True,
+)
 
 _COLOURS = {1: VERMILLION, -1: BLUE}
 _VELOCITY_COLOURS = "PRGn"
 _OPACITY = 0.75
+# of the event's four times: the peak, and when the laminar structure has broken down
+_BEFORE, _AFTER = 2, 3
 
 
 @dataclass(frozen=True)
@@ -41,6 +64,35 @@ class FlowSnapshot:
     title: str
     velocity: FloatArray
     scalar: FloatArray
+
+
+def draw(
+    *,
+    event: Mapping[str, Any],
+    system: str,
+    parameters: Mapping[str, float],
+    flow_points: Sequence[int],
+    isosurface_level: float,
+) -> Figure:
+    """Draw the true flow at the event's peak and after its breakdown.
+
+    The level of the isosurfaces is relative to the largest vorticity.
+    """
+    if not event["mark"].size:
+        return nothing_to_show("No isolated event occurred in the test set.")
+    grid = make_flow_grid(make_system(system, parameters), flow_points)
+    axes = np.meshgrid(grid.x, grid.y, grid.z, indexing="ij", sparse=True)
+    snapshots = [
+        FlowSnapshot(
+            f"$t_{index + 1}$, {title} the breakdown",
+            grid.modes.velocity(event["true_state"][index], *axes),
+            grid.modes.vorticity(event["true_state"][index], *axes)[0],
+        )
+        for index, title in ((_BEFORE, "before"), (_AFTER, "after"))
+    ]
+    largest = max(float(np.abs(snapshot.scalar).max()) for snapshot in snapshots)
+    level = isosurface_level * largest
+    return vorticity_isosurfaces(grid.x, grid.y, grid.z, snapshots, level)
 
 
 @styled

@@ -4,8 +4,9 @@ The reductions of every series are kept apart until it is known which series cou
 step by step in the order of time, so that they do not depend on how the series are cut up.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,6 +32,30 @@ class LongTermStatistics:
 
     histogram: Histogram
     moments: StateMoments
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, Any]) -> "LongTermStatistics":
+        """Statistics from the variables of their file.
+
+        Parameters
+        ----------
+        arrays
+            ``edge``, ``count``, ``below`` and ``above`` of the histogram; ``states`` (their
+            number), ``mean`` and ``mean_product`` of the moments.
+        """
+        return cls(
+            histogram=Histogram(
+                edges=arrays["edge"],
+                counts=arrays["count"],
+                below=int(arrays["below"]),
+                above=int(arrays["above"]),
+            ),
+            moments=StateMoments(
+                count=int(arrays["states"]),
+                mean=arrays["mean"],
+                mean_product=arrays["mean_product"],
+            ),
+        )
 
 
 @dataclass(frozen=True)

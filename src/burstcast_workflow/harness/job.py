@@ -117,7 +117,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     run = Run.current()
     records = None if run is None else Records(run.results)
     script, code = script_of(snakemake), list(snakemake.params.code)
-    identity = job_identity(stage_of(script), snakemake.wildcards)
+    identity = job_identity(script.stem, snakemake.wildcards)
     declared = canonical(dict(snakemake.params.settings), "params.settings")
     logger.info("%s starts with settings %s", label, canonical_json(declared))
     plan: dict[str, Any] = {"code": code, "directories": []} if run is None else run.plan()
@@ -179,11 +179,6 @@ def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Prov
 def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
     """Rule and wildcards of a job, numbers as numbers."""
     return {"rule": rule, **{name: _value(text) for name, text in wildcards.items()}}
-
-
-def stage_of(script: Path) -> str:
-    """Stage that a script belongs to: its rule, whatever a workflow calls it that has this one."""
-    return "figure" if script.parent.name == "figures" else script.stem
 
 
 def _known(settings: Any, thresholds: list[str]) -> Any:

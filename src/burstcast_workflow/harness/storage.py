@@ -1,8 +1,7 @@
 """Files of the workflow: NetCDF, JSON and text, written completely or not at all.
 
 A job whose results directory a newer run has claimed writes nothing. NetCDF files are read with
-`burstcast.netcdf`; tables are in `burstcast_workflow.harness.tables`, figures in
-`burstcast_workflow.harness.figures`.
+`burstcast.netcdf`; tables are in `burstcast_workflow.harness.tables`.
 """
 
 import json

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from burstcast.netcdf import Variable, read_netcdf
-from burstcast.statistics.densities import Histogram
-from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
 from burstcast.units import COMPONENT, COMPONENT_PRODUCT, NUMBER, OBSERVABLE
 from burstcast_workflow.harness.storage import write_netcdf
@@ -44,18 +42,7 @@ def write_statistics(
 
 def read_statistics(path: str | Path) -> LongTermStatistics:
     """Read statistics that `write_statistics` wrote."""
-    data = read_netcdf(path)
-    return LongTermStatistics(
-        histogram=Histogram(
-            edges=data["edge"],
-            counts=data["count"],
-            below=int(data["below"]),
-            above=int(data["above"]),
-        ),
-        moments=StateMoments(
-            count=int(data["states"]), mean=data["mean"], mean_product=data["mean_product"]
-        ),
-    )
+    return LongTermStatistics.from_arrays(read_netcdf(path))
 
 
 def described_reductions(runs: SeriesReductions) -> dict[str, Variable]:
