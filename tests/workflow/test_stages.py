@@ -166,9 +166,12 @@ def test_the_code_of_a_figure_is_its_own_module_and_what_that_reaches(name):
         "burstcast.figures.parts.style",
         "burstcast_workflow.harness.version",
     }
-    # of what the module finds by name, only that of the case
-    system = {"burstcast.systems.mfe"} if "system" in FIGURES[name].settings else set()
-    assert found & {"burstcast.systems.mfe", "burstcast.systems.lorenz63"} == system
+    # of what the module itself finds by name, only what the case is about
+    strategies = {"burstcast.tuning.strategies.recycle", "burstcast.tuning.strategies.single_shot"}
+    assert found & {*strategies, "burstcast.tuning.strategies.walk_forward"} == (
+        strategies if name == "validation_strategies" else set()
+    )
+    assert "burstcast.systems.lorenz63" not in found
 
 
 def test_settings_of_figures_are_those_of_the_config_and_of_the_campaign():
