@@ -22,8 +22,8 @@ def forbidden_imports(path: Path) -> list[str]:
 def forbidden_reads(path: Path) -> list[str]:
     """Places of a script that read something of Snakemake which no parameter carries.
 
-    A script hands the object ``snakemake`` to `burstcast_workflow.harness.job.run_job`, and does
-    nothing else with it: its config would be settings that nothing tracks.
+    A script leaves the object ``snakemake`` to the decorator `burstcast_workflow.harness.job.job`:
+    its config would be settings that nothing tracks.
     """
     return _places(path, _forbidden_read)
 
@@ -166,8 +166,8 @@ def _forbidden_read(node: ast.AST) -> str:
         return "snakemake under another name"
     if isinstance(node, ast.Call):
         called = node.func.id if isinstance(node.func, ast.Name) else ""
-        if called != "run_job" and any(_is_snakemake(argument) for argument in node.args):
-            return f"snakemake handed to {called or 'something'} instead of run_job"
+        if any(_is_snakemake(argument) for argument in node.args):
+            return f"snakemake handed to {called or 'something'}"
     return ""
 
 

@@ -96,14 +96,10 @@ def functions(path):
 
 
 def main_of(path):
-    """Function that a script runs."""
+    """Function that a script runs: its last, since a job starts where the decorator stands."""
     last = tree(path).body[-1]
-    assert ast.unparse(last.test) == "__name__ == '__main__'"
-    (statement,) = last.body
-    assert statement.value.func.id == "run_job"
-    snakemake, function = statement.value.args
-    assert snakemake.id == "snakemake"
-    return functions(path)[function.id]
+    assert [ast.unparse(decorator) for decorator in last.decorator_list] == ["job"]
+    return last
 
 
 def parameters(function):

@@ -1,11 +1,9 @@
 """What every script of the workflow runs in: its log, its failure, its provenance.
 
-A script is one function with explicit arguments and a call::
+A script is one function with explicit arguments, at its end::
 
+    @job
     def train(*, ensemble: str, forecaster: str, settings: Settings, provenance: Provenance): ...
-
-    if __name__ == "__main__":
-        run_job(snakemake, train)  # noqa: F821 - Snakemake puts it there
 
 The arguments are the rule's inputs and outputs by their names, ``settings`` the settings that the
 rule declares and ``provenance`` what goes into the output files as their origin; a function takes
@@ -55,6 +53,13 @@ logger = logging.getLogger(__name__)
 _told = logger.getChild("told")
 
 Provenance = dict[str, str]
+
+
+def job(function: Callable[..., None]) -> Callable[..., None]:
+    """Run a script's function as a job where Snakemake runs the script; imported, it stays so."""
+    if snakemake := function.__globals__.get("snakemake"):
+        run_job(snakemake, function)
+    return function
 
 
 def run_job(snakemake: Any, function: Callable[..., None]) -> None:

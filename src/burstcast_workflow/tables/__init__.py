@@ -1,1 +1,0 @@
-"""The tables of a campaign: what each holds, what its columns mean, how it is typeset."""

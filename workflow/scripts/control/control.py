@@ -1,13 +1,14 @@
 """Control the flow of a case: by a forecaster, several, or none, or by alarms at random."""
 
 from burstcast.control.controllers.registry import controlling_monitor
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.identifiers import parsed
 from burstcast_workflow.jobs.control import control_setup, write_control
 
 
+@job
 def control(
     *,
     ensemble: str,
@@ -37,7 +38,3 @@ def control(
     simulation = strategy.simulate(experiment, monitor, noise=noise)
     files = counts, histograms, flows
     write_control(files, strategy, experiment, simulation, settings, provenance)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, control)  # noqa: F821 - Snakemake puts it there

@@ -4,12 +4,13 @@ from burstcast.control.strategies.prediction_triggered import PredictionTriggere
 from burstcast.control.windowed.example import simulate_event
 from burstcast.control.windowed.outcome import largest_suppressed_event
 from burstcast.netcdf import variables_of
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.control import control_setup
 
 
+@job
 def suppressed_event(
     *,
     ensemble: str,
@@ -33,7 +34,3 @@ def suppressed_event(
         "alarm_step": -1 if chosen is None else chosen.alarm_step,
     }
     write_netcdf(event, variables_of(found), {**provenance, **which})
-
-
-if __name__ == "__main__":
-    run_job(snakemake, suppressed_event)  # noqa: F821 - Snakemake puts it there

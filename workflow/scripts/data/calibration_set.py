@@ -1,6 +1,6 @@
 """Lay out the starting points that probabilities are calibrated on: never in the test series."""
 
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import kept_series
 from burstcast_workflow.jobs.length_checks import CALIBRATION_SPACING, check_kept_series
@@ -8,6 +8,7 @@ from burstcast_workflow.jobs.point_sets import write_point_set
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
+@job
 def calibration_set_of_case(
     *,
     ensemble: str,
@@ -33,7 +34,3 @@ def calibration_set_of_case(
         lyapunov_time(settings, time_unit),
         provenance,
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, calibration_set_of_case)  # noqa: F821 - Snakemake puts it there

@@ -2,13 +2,14 @@
 
 from burstcast.event_threshold import threshold_at
 from burstcast.netcdf import read_rows
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.data import kept_series
 from burstcast_workflow.jobs.length_checks import check_kept_series
 
 
+@job
 def event_threshold_of_case(
     *, ensemble: str, event_threshold: str, settings: Settings, provenance: Provenance
 ) -> None:
@@ -24,7 +25,3 @@ def event_threshold_of_case(
             "provenance": provenance,
         },
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, event_threshold_of_case)  # noqa: F821 - Snakemake puts it there

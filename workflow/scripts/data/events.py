@@ -12,7 +12,7 @@ from burstcast.forecast.starting_points import (
 from burstcast.netcdf import Variable, read_netcdf, read_rows
 from burstcast.units import COMPONENT, NUMBER, OBSERVABLE
 from burstcast.warning_signs import few_events
-from burstcast_workflow.harness.job import Provenance, run_job, tell
+from burstcast_workflow.harness.job import Provenance, job, tell
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.data import observed_rows
@@ -20,6 +20,7 @@ from burstcast_workflow.jobs.length_checks import check_horizon, check_kept_seri
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
+@job
 def events_of_case(
     *,
     ensemble: str,
@@ -85,7 +86,3 @@ def events_of_case(
             "provenance": provenance,
         },
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, events_of_case)  # noqa: F821 - Snakemake puts it there

@@ -3,13 +3,14 @@
 import numpy as np
 
 from burstcast.measured_data import kept_series
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.ensemble_files import write_ensemble
 from burstcast_workflow.jobs.measured import measured_series, present_space, with_past
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
+@job
 def import_data(
     *,
     sources: list[str],
@@ -41,7 +42,3 @@ def import_data(
         sampling_interval(settings),
         provenance,
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, import_data)  # noqa: F821 - Snakemake puts it there

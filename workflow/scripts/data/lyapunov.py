@@ -13,7 +13,7 @@ from burstcast.systems.lyapunov import (
     mean_with_interval,
     perturbation_growth,
 )
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.data import kept_series
@@ -22,6 +22,7 @@ from burstcast_workflow.jobs.spectrum_files import write_spectrum
 from burstcast_workflow.jobs.systems import equations_of
 
 
+@job
 def lyapunov(
     *,
     ensemble: str,
@@ -85,7 +86,3 @@ def lyapunov(
         },
     )
     write_spectrum(spectrum, by_series, provenance)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, lyapunov)  # noqa: F821 - Snakemake puts it there

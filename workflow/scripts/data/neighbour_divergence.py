@@ -2,13 +2,14 @@
 
 from burstcast import random_streams
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
+@job
 def estimated_exponent(
     *, ensemble: str, exponents: str, settings: Settings, provenance: Provenance
 ) -> None:
@@ -41,7 +42,3 @@ def estimated_exponent(
             "provenance": provenance,
         },
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, estimated_exponent)  # noqa: F821 - Snakemake puts it there

@@ -10,7 +10,7 @@ from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast.units import NUMBER, OBSERVABLE
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.bins import edges_of
@@ -20,6 +20,7 @@ from burstcast_workflow.jobs.systems import system_of
 SERIES_AT_A_TIME = 100
 
 
+@job
 def reference_statistics(
     *,
     ensemble: str,
@@ -70,7 +71,3 @@ def reference_statistics(
         },
         provenance,
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, reference_statistics)  # noqa: F821 - Snakemake puts it there

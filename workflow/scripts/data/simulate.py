@@ -5,12 +5,13 @@ import numpy as np
 from burstcast import random_streams
 from burstcast.dataset import generate_ensemble, initial_states
 from burstcast.systems.sampling import sampled_initial_states
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.ensemble_files import write_ensemble
 from burstcast_workflow.jobs.systems import equations_of
 
 
+@job
 def simulate(
     *,
     ensemble: str,
@@ -61,7 +62,3 @@ def simulate(
         given["time_step"] * given["sampling_stride"],
         provenance,
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, simulate)  # noqa: F821 - Snakemake puts it there

@@ -2,7 +2,7 @@
 
 from burstcast.netcdf import read_netcdf
 from burstcast.training_realisations import rows_of_realisation
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.ensemble_files import write_ensemble
 from burstcast_workflow.jobs.length_checks import check_kept_series
@@ -10,6 +10,7 @@ from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
+@job
 def choose_training_series(
     *,
     source: str,
@@ -40,7 +41,3 @@ def choose_training_series(
         sampling_interval(settings),
         provenance,
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, choose_training_series)  # noqa: F821 - Snakemake puts it there

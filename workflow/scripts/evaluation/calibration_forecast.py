@@ -7,7 +7,7 @@ from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
 from burstcast.netcdf import read_netcdf
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import (
@@ -21,6 +21,7 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 from burstcast_workflow.jobs.windows import windows_of, write_forecasts
 
 
+@job
 def forecast_calibration_set(
     *,
     ensemble: str,
@@ -52,7 +53,3 @@ def forecast_calibration_set(
             boundaries,
         )
     write_forecasts(calibration_forecast, forecasts, system.observable_name, provenance)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, forecast_calibration_set)  # noqa: F821 - Snakemake puts it there

@@ -16,7 +16,7 @@ from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
 from burstcast.netcdf import read_netcdf, read_rows, variables_of
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
@@ -27,31 +27,6 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 BEFORE_WASHOUT_LT = 1.0
 AFTER_EVENT_LT = 0.5
 """What is shown before the washout of a forecast, and after an event."""
-
-
-def examples_of_forecaster(
-    *,
-    ensemble: str,
-    summary: str,
-    evaluation_set: str,
-    events: str,
-    time_unit: str | list[str],
-    forecaster: str,
-    forecast: str,
-    horizon: str,
-    examples: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
-    """Write true and forecast observables of the examples."""
-    who, steps = (
-        read_forecaster(forecaster, settings, time_unit),
-        lyapunov_time(settings, time_unit),
-    )
-    mean = read_json(summary)["mean_observable"]
-    outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, who, steps)
-    evaluations = _evaluations(ensemble, events, horizon, time_unit, settings, who, steps, mean)
-    write_netcdf(examples, variables_of(outcomes) | variables_of(evaluations), provenance)
 
 
 def _outcomes(
@@ -125,5 +100,27 @@ def _evaluations(
     return evaluate_lead_times(forecaster, observable, observed, truth, starts, search)
 
 
-if __name__ == "__main__":
-    run_job(snakemake, examples_of_forecaster)  # noqa: F821 - Snakemake puts it there
+@job
+def examples_of_forecaster(
+    *,
+    ensemble: str,
+    summary: str,
+    evaluation_set: str,
+    events: str,
+    time_unit: str | list[str],
+    forecaster: str,
+    forecast: str,
+    horizon: str,
+    examples: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write true and forecast observables of the examples."""
+    who, steps = (
+        read_forecaster(forecaster, settings, time_unit),
+        lyapunov_time(settings, time_unit),
+    )
+    mean = read_json(summary)["mean_observable"]
+    outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, who, steps)
+    evaluations = _evaluations(ensemble, events, horizon, time_unit, settings, who, steps, mean)
+    write_netcdf(examples, variables_of(outcomes) | variables_of(evaluations), provenance)

@@ -10,7 +10,7 @@ from burstcast.forecast.example_events import (
     predicted_event,
 )
 from burstcast.netcdf import read_rows, variables_of
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen_rows
@@ -18,6 +18,7 @@ from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
+@job
 def find_flow_event(
     *,
     ensemble: str,
@@ -73,7 +74,3 @@ def find_flow_event(
     )
     where = {"series": -1 if found is None else first + found.series}
     write_netcdf(event, variables_of(event_of_flow), {**provenance, **where})
-
-
-if __name__ == "__main__":
-    run_job(snakemake, find_flow_event)  # noqa: F821 - Snakemake puts it there

@@ -5,7 +5,7 @@ import numpy as np
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
 from burstcast.netcdf import read_netcdf
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.systems import system_of
@@ -13,6 +13,7 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 from burstcast_workflow.jobs.windows import windows_of, write_forecasts
 
 
+@job
 def forecast_evaluation_set(
     *,
     forecaster: str,
@@ -31,7 +32,3 @@ def forecast_evaluation_set(
     given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
     forecasts = window_forecasts(who, system.observable, given, boundaries)
     write_forecasts(forecast, forecasts, system.observable_name, provenance)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, forecast_evaluation_set)  # noqa: F821 - Snakemake puts it there

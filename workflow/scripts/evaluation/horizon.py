@@ -3,7 +3,7 @@
 from burstcast.forecast.horizon import prediction_horizons
 from burstcast.netcdf import Variable, read_netcdf
 from burstcast.units import LYAPUNOV_TIMES, NUMBER
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
@@ -11,6 +11,7 @@ from burstcast_workflow.jobs.horizons import horizon_search
 from burstcast_workflow.jobs.systems import system_of
 
 
+@job
 def measure_horizons(
     *,
     forecaster: str,
@@ -45,7 +46,3 @@ def measure_horizons(
         },
         provenance,
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, measure_horizons)  # noqa: F821 - Snakemake puts it there

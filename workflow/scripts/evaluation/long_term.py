@@ -3,7 +3,7 @@
 from burstcast.netcdf import Variable
 from burstcast.statistics.long_term import Fate, run_long_term
 from burstcast.units import NUMBER
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
@@ -11,6 +11,7 @@ from burstcast_workflow.jobs.statistics_files import described_reductions, write
 from burstcast_workflow.jobs.systems import system_of
 
 
+@job
 def run_freely(
     *,
     ensemble: str,
@@ -39,7 +40,3 @@ def run_freely(
             **described_reductions(run.runs),
         },
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, run_freely)  # noqa: F821 - Snakemake puts it there

@@ -6,7 +6,7 @@ from burstcast import random_streams
 from burstcast.netcdf import read_netcdf
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.lifetimes import long_run_steps
@@ -15,6 +15,7 @@ from burstcast_workflow.jobs.spectrum_files import write_spectrum
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
+@job
 def lyapunov_spectrum(
     *,
     ensemble: str,
@@ -42,7 +43,3 @@ def lyapunov_spectrum(
         ),
     )
     write_spectrum(spectrum, found, provenance)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, lyapunov_spectrum)  # noqa: F821 - Snakemake puts it there

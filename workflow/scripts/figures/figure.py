@@ -8,25 +8,10 @@ from typing import Any
 from burstcast.figures.parts.style import render
 from burstcast.figures.registry import figure_module
 from burstcast.netcdf import read_attributes, read_netcdf
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import atomic, read_json
 from burstcast_workflow.harness.tables import read_table
-
-
-def figure(*, pdf: str, png: str, settings: Settings, **files: str | list[str]) -> None:
-    """Read what the figure declares, draw it, and write it as PDF and PNG."""
-    module = figure_module(settings["figure"])
-    inputs = {
-        name: _content(file, module.FIGURE.inputs.get(name, "").partition(":")[2])
-        for name, file in files.items()
-    }
-    values = {name: settings[path] for name, path in module.FIGURE.settings.items()}
-    drawn = module.draw(**inputs, **values)
-    # both in memory first: a figure that cannot be drawn leaves no file
-    for path, content in ((pdf, render(drawn, "pdf")), (png, render(drawn, "png"))):
-        with atomic(path) as partial:
-            partial.write_bytes(content)
 
 
 def _content(file: str | list[str], variable: str) -> Any:
@@ -46,5 +31,17 @@ def _arrays(file: str) -> Mapping[str, Any]:
     return {**attributes, **json.loads(str(attributes["identity"])), **read_netcdf(file)}
 
 
-if __name__ == "__main__":
-    run_job(snakemake, figure)  # noqa: F821 - Snakemake puts it there
+@job
+def figure(*, pdf: str, png: str, settings: Settings, **files: str | list[str]) -> None:
+    """Read what the figure declares, draw it, and write it as PDF and PNG."""
+    module = figure_module(settings["figure"])
+    inputs = {
+        name: _content(file, module.FIGURE.inputs.get(name, "").partition(":")[2])
+        for name, file in files.items()
+    }
+    values = {name: settings[path] for name, path in module.FIGURE.settings.items()}
+    drawn = module.draw(**inputs, **values)
+    # both in memory first: a figure that cannot be drawn leaves no file
+    for path, content in ((pdf, render(drawn, "pdf")), (png, render(drawn, "png"))):
+        with atomic(path) as partial:
+            partial.write_bytes(content)

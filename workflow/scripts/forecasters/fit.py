@@ -1,13 +1,14 @@
 """Fit a forecaster of a kind that needs no search."""
 
 from burstcast.forecasters.registry import forecaster_class
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.identifiers import parsed
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import forecasting_case, seen_rows, write_forecaster
 
 
+@job
 def fit(
     *,
     ensemble: str,
@@ -21,7 +22,3 @@ def fit(
     series = seen_rows(kind, settings, ensemble, 0, training_states(settings, ensemble))
     fitted = kind.fit(series, forecasting_case(settings, time_unit))
     write_forecaster(forecaster, fitted, provenance)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, fit)  # noqa: F821 - Snakemake puts it there

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from burstcast.tuning.strategies.registry import make_strategy
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import write_table
 from burstcast_workflow.jobs.searches import (
@@ -14,6 +14,7 @@ from burstcast_workflow.jobs.searches import (
 )
 
 
+@job
 def scan_grid(
     *,
     ensemble: str,
@@ -33,7 +34,3 @@ def scan_grid(
         validations += of_point
     write_table(scan, pd.DataFrame(rows))
     write_log_errors(scan_errors, validations, provenance)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, scan_grid)  # noqa: F821 - Snakemake puts it there

@@ -11,7 +11,7 @@ from burstcast.tuning.search import bayesian_search
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.uncertainty import objective_uncertainty
 from burstcast.tuning.validation import best
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.harness.tables import read_table, write_table
@@ -24,6 +24,7 @@ from burstcast_workflow.jobs.searches import (
 )
 
 
+@job
 def search(
     *,
     ensemble: str,
@@ -79,7 +80,3 @@ def search(
     uncertainty = objective_uncertainty(np.array(log_errors))
     write_table(trace, pd.DataFrame(rows).assign(**vars(uncertainty)))
     write_json(hyperparameters, {**chosen, "provenance": provenance})
-
-
-if __name__ == "__main__":
-    run_job(snakemake, search)  # noqa: F821 - Snakemake puts it there

@@ -5,7 +5,7 @@ import numpy as np
 from burstcast.statistics.long_term import run_long_term
 from burstcast.statistics.survival import escape_rate
 from burstcast.tuning.survival import as_good_as_the_best, nearest_escape_rate
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.harness.tables import read_table, write_table
@@ -21,6 +21,7 @@ from burstcast_workflow.jobs.time_unit import sampling_interval
 from burstcast_workflow.jobs.training import training_series
 
 
+@job
 def choose_by_survival(
     *,
     ensemble: str,
@@ -66,7 +67,3 @@ def choose_by_survival(
     write_table(candidates, table)
     names = ["spectral_radius", "input_scaling", "tikhonov", "objective", "solver"]
     write_json(chosen, {**table.iloc[row][names].to_dict(), "provenance": provenance})
-
-
-if __name__ == "__main__":
-    run_job(snakemake, choose_by_survival)  # noqa: F821 - Snakemake puts it there

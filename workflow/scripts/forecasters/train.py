@@ -1,6 +1,6 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.jobs.candidates import candidate
@@ -8,6 +8,7 @@ from burstcast_workflow.jobs.forecasters import write_forecaster
 from burstcast_workflow.jobs.training import training_series
 
 
+@job
 def train(
     *,
     ensemble: str,
@@ -20,7 +21,3 @@ def train(
     """Write the trained network."""
     series, chosen = training_series(settings, ensemble), read_json(hyperparameters)
     write_forecaster(forecaster, candidate(settings, time_unit, series, chosen, None), provenance)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, train)  # noqa: F821 - Snakemake puts it there

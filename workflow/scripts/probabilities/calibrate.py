@@ -4,13 +4,14 @@ from typing import Any
 
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.calibration import UNCALIBRATED, isotonic
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.probabilities import CALIBRATED, VOTES, forecast_points
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
+@job
 def calibrate(
     *,
     calibration_set: str,
@@ -47,7 +48,3 @@ def calibrate(
             "provenance": provenance,
         },
     )
-
-
-if __name__ == "__main__":
-    run_job(snakemake, calibrate)  # noqa: F821 - Snakemake puts it there

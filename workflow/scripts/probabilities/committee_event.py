@@ -11,7 +11,7 @@ from burstcast.arrays import FloatArray
 from burstcast.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.probability.committee_event import member_observables, see_event
 from burstcast.probability.typical_event import typical_event
-from burstcast_workflow.harness.job import Provenance, run_job
+from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
@@ -21,6 +21,26 @@ from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
+def _forecasts(
+    paths: Sequence[str],
+    time_unit: str | list[str],
+    washout: FloatArray,
+    reach: int,
+    settings: Settings,
+) -> dict[str, FloatArray]:
+    """Observables that the members of each forecaster's ensemble forecast, by forecaster."""
+    observable = system_of(settings).observable
+    found: dict[str, FloatArray] = {}
+    shared: Any = settings  # of all forecasters; the records have what is their own
+    for record, path in gathered(settings["voters"], paths):
+        own = ChainMap({**record["identity"], **record["settings"]}, shared)
+        who = read_forecaster(path, own, time_unit)
+        name = record["identity"]["forecaster"]
+        found[name] = member_observables(who, observable, washout, reach)
+    return found
+
+
+@job
 def event_of_committees(
     *,
     ensemble: str,
@@ -71,26 +91,3 @@ def event_of_committees(
     whose = {"committees": " ".join(kinds)}
     which = {"point": -1 if point is None else point}
     write_netcdf(committee_event, variables_of(event), {**provenance, **whose, **which})
-
-
-def _forecasts(
-    paths: Sequence[str],
-    time_unit: str | list[str],
-    washout: FloatArray,
-    reach: int,
-    settings: Settings,
-) -> dict[str, FloatArray]:
-    """Observables that the members of each forecaster's ensemble forecast, by forecaster."""
-    observable = system_of(settings).observable
-    found: dict[str, FloatArray] = {}
-    shared: Any = settings  # of all forecasters; the records have what is their own
-    for record, path in gathered(settings["voters"], paths):
-        own = ChainMap({**record["identity"], **record["settings"]}, shared)
-        who = read_forecaster(path, own, time_unit)
-        name = record["identity"]["forecaster"]
-        found[name] = member_observables(who, observable, washout, reach)
-    return found
-
-
-if __name__ == "__main__":
-    run_job(snakemake, event_of_committees)  # noqa: F821 - Snakemake puts it there

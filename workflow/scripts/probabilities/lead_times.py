@@ -10,12 +10,13 @@ from burstcast.forecast.starting_points import SeriesPoints, crossing_points
 from burstcast.netcdf import read_rows
 from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.lead_times import SeriesRatio, lead_time_scores, lead_times
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities, read_rules
 from burstcast_workflow.jobs.tables import write_tables
 
 
+@job
 def measure_lead_times(
     *,
     ensemble: str,
@@ -75,7 +76,3 @@ def measure_lead_times(
                 }
             )
     write_tables(tables, settings, lead_times=rows)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, measure_lead_times)  # noqa: F821 - Snakemake puts it there

@@ -6,13 +6,14 @@ from burstcast.probability.alarms import counts_at_all_levels, false_alarm_rate
 from burstcast.probability.economic_value import economic_value
 from burstcast.probability.reliability import reliability_diagram
 from burstcast.resampled_score import ResampledScore
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import case_probabilities
 from burstcast_workflow.jobs.tables import write_tables
 
 
+@job
 def draw_up_diagrams(
     *,
     forecasts: list[str],
@@ -76,7 +77,3 @@ def draw_up_diagrams(
                     )
                 ]
     write_tables(tables, settings, reliability=bins, economic_value=ratios, alarm_curves=points)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, draw_up_diagrams)  # noqa: F821 - Snakemake puts it there

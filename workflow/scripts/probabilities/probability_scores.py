@@ -5,7 +5,7 @@ from typing import Any
 
 from burstcast.probability.scores import resampled_scores
 from burstcast.resampled_score import ResampledScore, median_scores
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import (
@@ -20,6 +20,25 @@ COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
 Scores = dict[str, ResampledScore]
 
 
+def _compared(case: CaseProbabilities, scores: dict[str, Scores]) -> list[tuple[str, Scores]]:
+    """Committees before the medians over their members, then all others but single networks."""
+    committees = [alarm for alarm in case.alarms if len(alarm["forecasters"]) > 1]
+    others = [alarm["alarm"] for alarm in case.compared]
+    others = [name for name in others if name not in {one["alarm"] for one in committees}]
+    return [
+        *((one["alarm"], scores[one["alarm"]]) for one in committees),
+        *(
+            (
+                f"median of {one['alarm']}",
+                median_scores([scores[name] for name in one["forecasters"]]),
+            )
+            for one in committees
+        ),
+        *((name, scores[name]) for name in others),
+    ]
+
+
+@job
 def score_probabilities(
     *,
     forecasts: list[str],
@@ -61,25 +80,3 @@ def score_probabilities(
                 for metric in COMPARED_METRICS
             ]
     write_tables(tables, settings, probability_scores=rows, probability_differences=pairs)
-
-
-def _compared(case: CaseProbabilities, scores: dict[str, Scores]) -> list[tuple[str, Scores]]:
-    """Committees before the medians over their members, then all others but single networks."""
-    committees = [alarm for alarm in case.alarms if len(alarm["forecasters"]) > 1]
-    others = [alarm["alarm"] for alarm in case.compared]
-    others = [name for name in others if name not in {one["alarm"] for one in committees}]
-    return [
-        *((one["alarm"], scores[one["alarm"]]) for one in committees),
-        *(
-            (
-                f"median of {one['alarm']}",
-                median_scores([scores[name] for name in one["forecasters"]]),
-            )
-            for one in committees
-        ),
-        *((name, scores[name]) for name in others),
-    ]
-
-
-if __name__ == "__main__":
-    run_job(snakemake, score_probabilities)  # noqa: F821 - Snakemake puts it there

@@ -4,7 +4,7 @@ from itertools import product
 from typing import Any
 
 from burstcast.probability.scores import resampled_scores
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities
@@ -13,6 +13,7 @@ from burstcast_workflow.jobs.tables import write_tables
 METRICS = ("base_rate", "brier_skill", "average_precision", "f_score")
 
 
+@job
 def sweep_threshold(
     *,
     forecasts: list[str],
@@ -40,7 +41,3 @@ def sweep_threshold(
                 for metric in METRICS
             ]
     write_tables(tables, settings, threshold_sweep=rows)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, sweep_threshold)  # noqa: F821 - Snakemake puts it there

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_text
 from burstcast_workflow.harness.tables import read_table
@@ -10,6 +10,7 @@ from burstcast_workflow.jobs.joined_tables import write_joined
 from burstcast_workflow.jobs.wide_tables import typeset
 
 
+@job
 def join_and_typeset(
     *, of_cases: list[str], tables: list[str], latex: list[str], settings: Settings
 ) -> None:
@@ -20,7 +21,3 @@ def join_and_typeset(
         layout = settings["latex"][Path(path).stem]
         rows = read_table(files[layout["source"]])
         write_text(path, typeset(Path(path).stem, rows, layout))
-
-
-if __name__ == "__main__":
-    run_job(snakemake, join_and_typeset)  # noqa: F821 - Snakemake puts it there

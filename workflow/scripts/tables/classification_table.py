@@ -4,7 +4,7 @@ from burstcast import random_streams
 from burstcast.forecast.classification import bootstrap_interval, score_forecasts, total
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.netcdf import read_netcdf
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.percentiles import write_percentiles
@@ -13,6 +13,7 @@ from burstcast_workflow.jobs.tables import write_tables
 SCORES = ("precision", "recall", "f_score")
 
 
+@job
 def classification_table(
     *, forecasts: list[str], evaluation_set: str, tables: list[str], settings: Settings
 ) -> None:
@@ -53,7 +54,3 @@ def classification_table(
                 ends.append({**row, "metric": metric, "low": low, "high": high})
     write_tables(tables, settings, classification=rows, classification_intervals=ends)
     write_percentiles(tables, settings)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, classification_table)  # noqa: F821 - Snakemake puts it there

@@ -5,7 +5,7 @@ from typing import Any
 
 from burstcast.netcdf import read_netcdf
 from burstcast.statistics.densities import Histogram, density_quartiles, mean_density
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.tables import write_tables
@@ -14,6 +14,7 @@ SAMPLES = ("uncontrolled", "controlled", "free")
 GROUP = ("case", "reynolds", "forecaster", "neurons", "validation", "prediction_time_lt")
 
 
+@job
 def control_density_table(*, histograms: list[str], tables: list[str], settings: Settings) -> None:
     """Write the densities of each group of networks that differ by their seed only."""
     groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
@@ -40,7 +41,3 @@ def control_density_table(*, histograms: list[str], tables: list[str], settings:
             for index, (low, high) in enumerate(pairwise(edges))
         ]
     write_tables(tables, settings, control_density=rows)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, control_density_table)  # noqa: F821 - Snakemake puts it there

@@ -8,13 +8,14 @@ from burstcast.arrays import IntArray
 from burstcast.control.differences import ComparedRun, paired_differences
 from burstcast.control.records import FlowRecords, Span, flow_intervals, score_flows
 from burstcast.netcdf import read_attributes, read_netcdf
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import Scores, medians_over_seeds, with_interval
 from burstcast_workflow.jobs.tables import write_tables
 
 
+@job
 def control_strategies_table(*, flows: list[str], tables: list[str], settings: Settings) -> None:
     """Write a row for each run of control and score, and paired differences between runs."""
     rows = []
@@ -51,7 +52,3 @@ def control_strategies_table(*, flows: list[str], tables: list[str], settings: S
         for run, other, metric, difference in paired_differences(compared)
     ]
     write_tables(tables, settings, control_strategies=rows, control_differences=pairs)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, control_strategies_table)  # noqa: F821 - Snakemake puts it there

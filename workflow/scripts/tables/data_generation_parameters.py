@@ -3,7 +3,7 @@
 from burstcast.systems.registry import parameters_of
 from burstcast.tables import data_parameters, described_parameters, side_by_side
 from burstcast.typesetting import to_latex
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_text
 from burstcast_workflow.harness.tables import write_table
@@ -11,6 +11,7 @@ from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.systems import equations_of
 
 
+@job
 def data_generation_parameters(
     *, summaries: list[str], table: str, latex: str, settings: Settings
 ) -> None:
@@ -33,7 +34,3 @@ def data_generation_parameters(
     write_table(table, found)
     label = "tab:data_generation_parameters"
     write_text(latex, to_latex(found, settings["caption"], label, keys=2))
-
-
-if __name__ == "__main__":
-    run_job(snakemake, data_generation_parameters)  # noqa: F821 - Snakemake puts it there

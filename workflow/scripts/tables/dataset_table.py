@@ -1,6 +1,6 @@
 """Gather the summaries of a case into its row of the table of the dataset."""
 
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.jobs.intervals import with_ends
@@ -10,6 +10,7 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 ENDS = ("mean", "low", "high")
 
 
+@job
 def dataset_table(
     *, summary: str, events_summary: str, exponents: str, tables: list[str], settings: Settings
 ) -> None:
@@ -29,7 +30,3 @@ def dataset_table(
         "steps_per_lyapunov_time": lyapunov_time(settings, exponents),
     }
     write_tables(tables, settings, dataset=[row])
-
-
-if __name__ == "__main__":
-    run_job(snakemake, dataset_table)  # noqa: F821 - Snakemake puts it there

@@ -12,7 +12,7 @@ from burstcast.forecast.horizon_intervals import resampled_averages
 from burstcast.netcdf import read_netcdf
 from burstcast.resampled_score import ResampledScore
 from burstcast.resampling import bootstrap_weights
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import Scores, between, medians_over_seeds, with_interval
@@ -22,6 +22,18 @@ from burstcast_workflow.jobs.tables import write_tables
 METRICS = ("mean_horizon_lt", "median_horizon_lt")
 
 
+def _weights(settings: Settings, events: int) -> IntArray:
+    """How often each event is in each bootstrap sample, ``(resamples, events)``."""
+    resamples = settings["bootstrap.resamples"]
+    if events == 0:
+        return np.empty((resamples, 0), dtype=np.int64)
+    generator = random_streams.stream(
+        settings["random_seed"], "bootstrap", settings["case"], "events"
+    )
+    return bootstrap_weights(events, resamples, generator)
+
+
+@job
 def horizon_table(*, horizons: list[str], tables: list[str], settings: Settings) -> None:
     """Write one row for each forecaster, the intervals of the averages, and paired differences.
 
@@ -56,18 +68,3 @@ def horizon_table(*, horizons: list[str], tables: list[str], settings: Settings)
     ]
     write_tables(tables, settings, horizon=rows, horizon_intervals=ends, horizon_differences=pairs)
     write_percentiles(tables, settings)
-
-
-def _weights(settings: Settings, events: int) -> IntArray:
-    """How often each event is in each bootstrap sample, ``(resamples, events)``."""
-    resamples = settings["bootstrap.resamples"]
-    if events == 0:
-        return np.empty((resamples, 0), dtype=np.int64)
-    generator = random_streams.stream(
-        settings["random_seed"], "bootstrap", settings["case"], "events"
-    )
-    return bootstrap_weights(events, resamples, generator)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, horizon_table)  # noqa: F821 - Snakemake puts it there

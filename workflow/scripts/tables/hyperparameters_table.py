@@ -1,6 +1,6 @@
 """Gather the hyperparameters of all networks."""
 
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.jobs.gather import gathered
@@ -10,6 +10,7 @@ from burstcast_workflow.jobs.tables import write_tables
 NAMES = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
 
 
+@job
 def hyperparameters_table(
     *, hyperparameters: list[str], tables: list[str], settings: Settings
 ) -> None:
@@ -20,7 +21,3 @@ def hyperparameters_table(
         rows.append({**record["keys"], **{name: chosen[name] for name in NAMES}})
     write_tables(tables, settings, hyperparameters=rows)
     write_percentiles(tables, settings)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, hyperparameters_table)  # noqa: F821 - Snakemake puts it there

@@ -2,7 +2,7 @@
 
 from burstcast import random_streams
 from burstcast.statistics.lyapunov_spectrum import summarise
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import with_ends
@@ -11,6 +11,7 @@ from burstcast_workflow.jobs.spectrum_files import read_exponents
 from burstcast_workflow.jobs.tables import write_tables
 
 
+@job
 def lyapunov_spectrum_table(
     *, spectrum: str | list[str], forecasters: list[str], tables: list[str], settings: Settings
 ) -> None:
@@ -38,7 +39,3 @@ def lyapunov_spectrum_table(
         )
     write_tables(tables, settings, lyapunov_spectrum=rows, kaplan_yorke=of_dimensions)
     write_percentiles(tables, settings)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, lyapunov_spectrum_table)  # noqa: F821 - Snakemake puts it there

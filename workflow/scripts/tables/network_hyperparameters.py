@@ -2,12 +2,13 @@
 
 from burstcast.tables import network_parameters, side_by_side
 from burstcast.typesetting import to_latex
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_text
 from burstcast_workflow.harness.tables import write_table
 
 
+@job
 def network_hyperparameters(*, table: str, latex: str, settings: Settings) -> None:
     """Write one column of values, or one for each case where the noise differs."""
     noise = {
@@ -31,7 +32,3 @@ def network_hyperparameters(*, table: str, latex: str, settings: Settings) -> No
     write_table(table, found)
     label = "tab:network_hyperparameters"
     write_text(latex, to_latex(found, settings["caption"], label, keys=2))
-
-
-if __name__ == "__main__":
-    run_job(snakemake, network_hyperparameters)  # noqa: F821 - Snakemake puts it there

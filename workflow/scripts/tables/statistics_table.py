@@ -7,7 +7,7 @@ from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.measures import compare
 from burstcast.statistics.profiles import equally_spaced_profiles
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import between
@@ -27,6 +27,7 @@ OF_PROFILES = ("nrmse_u", "nrmse_uu", "nrmse_uv")
 """Measures that only a flow has."""
 
 
+@job
 def statistics_table(
     *,
     data: str,
@@ -79,7 +80,3 @@ def statistics_table(
         ]
     write_tables(tables, settings, statistics=rows, statistics_intervals=ends)
     write_percentiles(tables, settings)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, statistics_table)  # noqa: F821 - Snakemake puts it there

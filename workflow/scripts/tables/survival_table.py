@@ -7,7 +7,7 @@ import numpy as np
 
 from burstcast.netcdf import read_netcdf
 from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.intervals import with_ends
@@ -24,6 +24,18 @@ POINTS = 101
 """Times at which the survival curve is tabulated, from zero to the end."""
 
 
+def _rate(lifetimes: Lifetimes, interval: float, confidence: float) -> Mapping[str, Any]:
+    rate = escape_rate(lifetimes, interval, confidence)
+    return {
+        "series": len(lifetimes.steps),
+        "survived_fraction": float((~lifetimes.escaped).mean()),
+        "escapes": rate.escapes,
+        "time_at_risk": rate.time_at_risk,
+        **with_ends("escape_rate", rate.rate, rate.low, rate.high),
+    }
+
+
+@job
 def survival_table(
     *, ensemble: str, long_term: list[str], tables: list[str], settings: Settings
 ) -> None:
@@ -46,18 +58,3 @@ def survival_table(
         ]
     write_tables(tables, settings, survival=rows, survival_curve=points)
     write_percentiles(tables, settings)
-
-
-def _rate(lifetimes: Lifetimes, interval: float, confidence: float) -> Mapping[str, Any]:
-    rate = escape_rate(lifetimes, interval, confidence)
-    return {
-        "series": len(lifetimes.steps),
-        "survived_fraction": float((~lifetimes.escaped).mean()),
-        "escapes": rate.escapes,
-        "time_at_risk": rate.time_at_risk,
-        **with_ends("escape_rate", rate.rate, rate.low, rate.high),
-    }
-
-
-if __name__ == "__main__":
-    run_job(snakemake, survival_table)  # noqa: F821 - Snakemake puts it there

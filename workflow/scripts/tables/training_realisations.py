@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from burstcast.training_realisations import variance_components
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.tables import write_tables
 
 
+@job
 def separate_scatter(*, scores: list[str], tables: list[str], settings: Settings) -> None:
     """Write both standard deviations of each metric, by forecaster, size and strategy."""
     rows: list[dict[str, Any]] = []
@@ -42,7 +43,3 @@ def separate_scatter(*, scores: list[str], tables: list[str], settings: Settings
                         }
                     )
     write_tables(tables, settings, training_realisations=rows)
-
-
-if __name__ == "__main__":
-    run_job(snakemake, separate_scatter)  # noqa: F821 - Snakemake puts it there

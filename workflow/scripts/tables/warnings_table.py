@@ -8,7 +8,7 @@ import pandas as pd
 from burstcast import warning_signs
 from burstcast.netcdf import read_rows
 from burstcast.warning_signs import Finding
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import read_table
@@ -17,48 +17,6 @@ from burstcast_workflow.jobs.statistics_files import read_statistics
 from burstcast_workflow.jobs.tables import write_tables
 
 ENSEMBLE = ["forecaster", "neurons", "validation"]
-
-
-def warnings_table(
-    *,
-    ensemble: str,
-    data: str,
-    events_summary: str,
-    dataset: str,
-    classification: str,
-    hyperparameters: str | list[str],
-    statistics: str | list[str],
-    lyapunov_spectrum: str | list[str],
-    tables: list[str],
-    settings: Settings,
-) -> None:
-    """Write a row for each sign; of networks, one for those of a size and strategy."""
-    of_case = [*_of_data(ensemble, data, events_summary, settings)]
-    of_case += _of_numbers(dataset, classification)
-    found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
-    if isinstance(hyperparameters, str):
-        for keys, members in _ensembles(read_table(hyperparameters)):
-            found += [(keys, finding) for finding in _of_search(members, settings)]
-    if isinstance(statistics, str):
-        for keys, members in _ensembles(read_table(statistics)):
-            found += [(keys, finding) for finding in _of_long_runs(members)]
-    if isinstance(lyapunov_spectrum, str):  # where the unit of time is an estimate
-        leading = _leading(dataset, "lyapunov_exponent")
-        for keys, members in _ensembles(read_table(lyapunov_spectrum)):
-            own = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()
-            found += [(keys, one) for one in warning_signs.own_exponents_differ(leading, own)]
-    rows = [
-        {
-            **settings["keys"],
-            **dict.fromkeys(ENSEMBLE),
-            **keys,
-            "warning": finding.warning,
-            "finding": finding.text,
-            "advice": ADVICE[finding.warning],
-        }
-        for keys, finding in found
-    ]
-    write_tables(tables, settings, warnings=rows)
 
 
 def _of_data(
@@ -128,5 +86,44 @@ def _of_long_runs(rows: pd.DataFrame) -> Iterator[Finding]:
         )
 
 
-if __name__ == "__main__":
-    run_job(snakemake, warnings_table)  # noqa: F821 - Snakemake puts it there
+@job
+def warnings_table(
+    *,
+    ensemble: str,
+    data: str,
+    events_summary: str,
+    dataset: str,
+    classification: str,
+    hyperparameters: str | list[str],
+    statistics: str | list[str],
+    lyapunov_spectrum: str | list[str],
+    tables: list[str],
+    settings: Settings,
+) -> None:
+    """Write a row for each sign; of networks, one for those of a size and strategy."""
+    of_case = [*_of_data(ensemble, data, events_summary, settings)]
+    of_case += _of_numbers(dataset, classification)
+    found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
+    if isinstance(hyperparameters, str):
+        for keys, members in _ensembles(read_table(hyperparameters)):
+            found += [(keys, finding) for finding in _of_search(members, settings)]
+    if isinstance(statistics, str):
+        for keys, members in _ensembles(read_table(statistics)):
+            found += [(keys, finding) for finding in _of_long_runs(members)]
+    if isinstance(lyapunov_spectrum, str):  # where the unit of time is an estimate
+        leading = _leading(dataset, "lyapunov_exponent")
+        for keys, members in _ensembles(read_table(lyapunov_spectrum)):
+            own = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()
+            found += [(keys, one) for one in warning_signs.own_exponents_differ(leading, own)]
+    rows = [
+        {
+            **settings["keys"],
+            **dict.fromkeys(ENSEMBLE),
+            **keys,
+            "warning": finding.warning,
+            "finding": finding.text,
+            "advice": ADVICE[finding.warning],
+        }
+        for keys, finding in found
+    ]
+    write_tables(tables, settings, warnings=rows)
