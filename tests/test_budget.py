@@ -21,10 +21,10 @@ BUDGET = {
     "workflow/rules": 929,
     "workflow/scripts/control": 205,
     "workflow/scripts/data": 569,
-    "workflow/scripts/evaluation": 532,
+    "workflow/scripts/evaluation": 447,
     "workflow/scripts/figures": 918,
     "workflow/scripts/forecasters": 249,
-    "workflow/scripts/probabilities": 462,
+    "workflow/scripts/probabilities": 443,
     "workflow/scripts/tables": 882,
 }
 
