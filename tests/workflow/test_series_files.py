@@ -316,6 +316,34 @@ def test_parquet_or_a_message(tmp_path) -> None:
     assert np.array_equal(states(runs(path), "u", "v")[0], STATES[0])
 
 
+@pytest.mark.parametrize(
+    ("table", "data", "message"),
+    [
+        ({"u": [1, None], "v": [2, 3.0]}, {}, None),
+        ({"r": ["a", "b"], "u": [1, 2], "v": [3, 4.5]}, LABELS, None),
+        ({"u": ["1", "2"], "v": [3, 4.5]}, {}, "column 'u' has no numbers, but"),
+        (
+            {"u": pd.to_datetime([1, 2]), "v": [3, 4.5]},
+            {},
+            r"column 'u' has no numbers, but datetime",
+        ),
+        ({"u": [], "v": []}, {}, "has no rows"),
+        ({"r": ["a", "b", "a"], "u": [1, 2, 3], "v": [3, 4, 5]}, LABELS, "comes again after 'b'"),
+        ({"r": ["a", None], "u": [1, 2], "v": [3, 4]}, LABELS, "has no label in column 'r'"),
+    ],
+)
+def test_columns_of_parquet(tmp_path, monkeypatch, table, data, message) -> None:
+    monkeypatch.setattr(pd, "read_parquet", lambda path: pd.DataFrame(table))
+    path = tmp_path / "a.parquet"
+    if message is not None:
+        with pytest.raises(ValueError, match=rf"a\.parquet.*{message}"):
+            runs(path, **data)
+        return
+    found = np.concatenate(states(runs(path, **data), "u", "v"))
+    expected = pd.DataFrame(table)[["u", "v"]].astype(float)
+    assert np.array_equal(found, expected, equal_nan=True)
+
+
 def test_hdf5_of_others(tmp_path) -> None:
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "a.h5"
