@@ -19,7 +19,7 @@ BUDGET = {
     "src/snakemake_logger_plugin_burstcast": 203,
     "src/snakemake_report_plugin_burstcast": 60,
     "workflow/rules": 929,
-    "workflow/scripts/control": 205,
+    "workflow/scripts/control": 82,
     "workflow/scripts/data": 569,
     "workflow/scripts/evaluation": 447,
     "workflow/scripts/figures": 918,

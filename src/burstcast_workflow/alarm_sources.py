@@ -23,22 +23,21 @@ class AlarmSource:
     ----------
     case
         The case.
-    identifier
+    name
         Its name: that of its forecaster, ``esn-N1000-RV-committee``,
         ``quadratic_filtered-committee``, or one of `BASELINES`.
-    name
-        What its key columns are taken from.
     forecasters
         Forecasters that vote; none for baselines.
-    committee
-        Whether all members of the forecasters' ensembles vote, instead of their single forecasts.
     """
 
     case: str
-    identifier: str
     name: ForecasterName
     forecasters: tuple[CaseForecaster, ...] = ()
-    committee: bool = False
+
+    @property
+    def committee(self) -> bool:
+        """Whether all members of the forecasters' ensembles vote, not their single forecasts."""
+        return self.name.role == "committee"
 
     @property
     def compared(self) -> bool:
@@ -53,19 +52,13 @@ def alarm_sources(campaign: Campaign, case: str) -> list[AlarmSource]:
     for one in forecasters:
         groups.setdefault(replace(one.name, seed=None), []).append(one)
     committees = [
-        AlarmSource(
-            case,
-            f"{name.identifier}-committee",
-            replace(name, kind=f"{name.kind}_committee"),
-            tuple(voters),
-            committee=True,
-        )
+        AlarmSource(case, replace(name, role="committee"), tuple(voters))
         for name, voters in groups.items()
         if len(voters) > 1 or voters[0].kind.provides_ensemble
     ]
     return [
-        *(AlarmSource(case, name, ForecasterName(name)) for name in BASELINES),
-        *(AlarmSource(case, one.name.identifier, one.name, (one,)) for one in forecasters),
+        *(AlarmSource(case, ForecasterName(name)) for name in BASELINES),
+        *(AlarmSource(case, one.name, (one,)) for one in forecasters),
         # committees of several networks come first
         *sorted(committees, key=lambda source: len(source.forecasters) == 1),
     ]
@@ -73,7 +66,7 @@ def alarm_sources(campaign: Campaign, case: str) -> list[AlarmSource]:
 
 def shown_committees(campaign: Campaign, case: str) -> list[AlarmSource]:
     """Committees of a case that figures show: of the example's size and strategy, of filters."""
-    example = replace(campaign.example.name, seed=None, kind="esn_committee")
+    example = replace(campaign.example.name, seed=None, role="committee")
     return [
         source
         for source in alarm_sources(campaign, case)
@@ -110,14 +103,14 @@ def voter_records(campaign: Campaign, case: str) -> list[dict[str, Any]]:
 def _records(campaign: Campaign, sources: Iterable[AlarmSource]) -> list[dict[str, Any]]:
     return [
         {
-            "alarm": source.identifier,
+            "alarm": source.name.identifier,
             "forecasters": [one.name.identifier for one in source.forecasters],
             "committee": source.committee,
             "compared": source.compared,
             "keys": {
                 **campaign.case_keys(source.case),
                 **source.name.keys,
-                "alarm": source.identifier,
+                "alarm": source.name.identifier,
             },
         }
         for source in sources
