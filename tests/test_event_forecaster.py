@@ -12,6 +12,7 @@ import burstcast
 from burstcast.delay_coordinates import delay_coordinates
 from burstcast.event_forecaster.series_layout import as_series
 from burstcast.forecast.classification import ratio
+from burstcast.forecaster_options import options_of_kind
 from burstcast.forecasters.registry import available_kinds
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
 from burstcast.systems.integration import integrate
@@ -257,6 +258,14 @@ def test_a_quantile_is_that_of_the_training_series(training):
         **{**SMALL, "event_threshold": {"quantile": 0.8}, "kind": "analogues", "options": None}
     ).fit(training)
     assert forecaster.event_threshold_ == np.quantile(training[..., 0], 0.8)
+
+
+def test_options_are_laid_over_the_defaults_of_the_kind(training):
+    settings = {**SMALL, "members": 1, "options": {"connectivity": 3, "backend": "scipy"}}
+    (member,) = burstcast.EventForecaster(**settings).fit(training).members_
+    reservoir = member.network.dynamics.reservoir
+    assert 2 < reservoir.recurrent.nnz / 60 < 4
+    assert reservoir.input_bias == options_of_kind("esn")["input_bias"]
 
 
 def test_an_observable_is_a_component_a_function_or_a_system(training, test_series):

@@ -17,6 +17,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from burstcast.control.actuation import actuated_system
+from burstcast.control.counts import controlled_events
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.monitors.random import RandomMonitor
 from burstcast.control.timing import Timing
@@ -200,6 +201,13 @@ def test_ratios_without_flows_are_not_numbers() -> None:
         assert np.isnan(getattr(counts, ratio))
 
 
+def test_events_count_from_the_first_forecast_on() -> None:
+    flows = flows_of([series(1, 4)], forecasts_of(*QUIET))
+    late = replace(flows, timing=replace(TIMING, washout=3))
+    found = [np.flatnonzero(controlled_events(one, np.array([True]))[0]) for one in (flows, late)]
+    assert [list(steps) for steps in found] == [[1, 4], [4]]
+
+
 def test_upward_crossings() -> None:
     observable = np.array([[2.0, 0.0, 1.0, 1.0, 0.9, 3.0], [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]])
     crossings = upward_crossings(observable, 1.0)
@@ -329,7 +337,7 @@ def test_the_largest_suppressed_event_is_found() -> None:
         (4, 3, "suppressed"),
         (5, 9, "suppressed"),
     )
-    uncontrolled = [series(8, level=level) for level in (1.1, 1.2, 1.9, 1.8, 1.7, 1.95)]
+    uncontrolled = [series(5, 8, 14, level=level) for level in (1.1, 1.2, 1.9, 1.8, 1.7, 1.95)]
     # the event of flow 4 is only delayed; that of flow 2 does not follow its first alarm; that of
     # flow 5 has no room for the steps after it
     controlled = [series(), series(), series(), series(9), series(11), series()]

@@ -191,6 +191,13 @@ class Script(MadeUpForecaster):
         return self.script[:steps, np.newaxis], memory
 
 
+def test_a_delay_puts_off_the_actuation_of_an_alarm() -> None:
+    strategy = PredictionTriggered(2.0, 1.0)
+    first, end = strategy.actuation_interval(SCHEDULE)
+    late = strategy.actuation_interval(replace(SCHEDULE, delay_lt=0.5))
+    assert late == (first + 40, end + 40)  # half a Lyapunov time of 20 samples, 4 steps each
+
+
 def asked(monitor: Monitor, flows: int) -> list[bool]:
     rows = np.arange(flows)
     return monitor.alarms(rows, np.zeros_like(rows), np.zeros((1, 1, flows))).tolist()

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from burstcast.flow_grid import make_flow_grid
 from burstcast.statistics import reductions
 from burstcast.statistics.densities import (
     histogram,
@@ -137,6 +138,8 @@ def test_profiles_and_midplane_are_the_averages_of_the_fields():
 def test_a_system_without_velocities_has_no_modes():
     assert flow_modes(Lorenz63()) is None
     assert equally_spaced_profiles(Lorenz63(), 9) is None
+    with pytest.raises(ValueError, match="the system Lorenz63 has no velocity field"):
+        make_flow_grid(Lorenz63(), (4, 3, 4))
 
 
 def test_normalised_error_by_hand():

@@ -97,6 +97,7 @@ def test_what_is_found_of_the_lorenz_system(monkeypatch, says) -> None:
     check = check_system(Lorenz63(), generator())
     assert check.is_chaotic
     assert check.by_qr.mean == pytest.approx(0.9056, rel=0.05)
+    assert check.by_qr.low < check.by_qr.mean < check.by_qr.high  # trajectories are different ones
     assert check.by_growth.mean == pytest.approx(0.9056, rel=0.05)
     assert check.spectrum.sum() == pytest.approx(-(10 + 1 + 8 / 3), rel=1e-3)
     assert 0.5 < check.fastest_period < 1.0  # a turn around a wing takes 0.75

@@ -155,9 +155,15 @@ def test_one_broken_module_spoils_no_other(monkeypatch, tmp_path) -> None:
         make_system("lorenz36", {})
     with pytest.raises(ValueError, match=r"broken\.py, line 1: SyntaxError"):
         make_system("broken", {})
-    second = OWN[OWN.index("@dataclass") :].replace("Circle", "Square")
-    (tmp_path / "several.py").write_text(OWN + second)
-    with pytest.raises(TypeError, match=r"must define one system, not several: Circle, Square"):
-        make_system("several", {})
     with pytest.raises(ValueError, match=r"class Circle of .*unfinished lacks observable"):
         make_system("unfinished", {})
+
+
+def test_a_module_of_the_package_defines_one_system(monkeypatch, tmp_path) -> None:
+    import burstcast.systems
+
+    second = OWN[OWN.index("@dataclass") :].replace("Circle", "Square")
+    (tmp_path / "several.py").write_text(OWN + second)
+    monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
+    with pytest.raises(TypeError, match="must define one system, not several: Circle, Square"):
+        make_system("several", {})

@@ -72,6 +72,28 @@ def test_success(tmp_path):
     assert "MiB" in log
 
 
+def test_a_job_of_a_run_finds_own_modules_and_records_how_long_it_took(tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "own_flow.py").write_text("RATE = 2")
+    result, log = run(
+        tmp_path,
+        """
+        from burstcast_workflow.harness.run import Run
+        Run.new("results").claim({}, code, [os.path.abspath("mine")])
+        snakemake.output = Files(network="results/network.json")
+        snakemake.params.items = vars(snakemake.params).copy().items
+        def main(*, data, network, settings, provenance):
+            import own_flow
+            time.sleep(0.2)
+            write_json(network, {"rate": own_flow.RATE})
+        """,
+    )
+    assert result.returncode == 0, log
+    record = json.loads((tmp_path / "results" / ".records" / "network.json.json").read_text())
+    assert 0.2 <= record["seconds"] < 60
+    assert record["parameters"]["settings"] == {"number": 3.0, "name": "Re400"}
+
+
 def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
     records = []
     for name in ("first", "second"):

@@ -10,6 +10,7 @@ from helpers_rebuilds import TINY, Project
 
 from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.run import VARIABLE
+from burstcast_workflow.harness.search_path import search_directories
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import read_table
 
@@ -212,6 +213,14 @@ def test_files_that_ones_own_module_reads_are_there_and_declared(mine, files, me
     assert outcome.status == 1
     assert message in outcome.text
     assert "Traceback" not in outcome.text
+
+
+def test_own_modules_are_looked_for_here_and_beside_configs(tmp_path, monkeypatch):
+    project, here, configs = (tmp_path / name for name in ("project", "here", "configs"))
+    here.mkdir()
+    monkeypatch.chdir(here)
+    files = [project / "config.yaml", configs / "a.yaml", configs / "b.yaml"]
+    assert search_directories(files, project) == [str(here), str(configs)]
 
 
 def test_a_mistake_in_ones_own_module_is_told_before_any_job(mine):

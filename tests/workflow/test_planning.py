@@ -1,5 +1,6 @@
 """What Snakemake plans by, and what the workflow changes in its scheduler."""
 
+import asyncio
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,7 +11,7 @@ from snakemake.rules import Rule
 from snakemake.scheduling.job_scheduler import JobRateLimiter, JobScheduler
 from snakemake.settings.types import MaxJobsPerTimespan
 
-from burstcast_workflow import snakemake_patches
+from burstcast_workflow import planning, snakemake_patches
 from burstcast_workflow.harness.records import Records, digest
 from burstcast_workflow.harness.run import VARIABLE
 from burstcast_workflow.planning import FORMER, plan_by_records
@@ -47,6 +48,27 @@ def test_snakemake_is_told_what_records_say(tmp_path, monkeypatch):
     assert known().input == ["series.csv" + FORMER]
     made.write_text("damaged")
     assert known().params == ["results/a.nc is not what its job wrote"]
+
+
+def test_outputs_without_a_record_are_incomplete(tmp_path, monkeypatch):
+    """Of those that Snakemake marked; one of an earlier run that has its record is whole."""
+    made = [tmp_path / "results" / f"{name}.nc" for name in ("whole", "half", "missing")]
+
+    async def marked(_self, _job):
+        return [str(path) for path in made]
+
+    monkeypatch.setattr(planning, "_marked_incomplete", marked)
+    for name in ("metadata", "incomplete"):
+        monkeypatch.setattr(PersistenceBase, name, getattr(PersistenceBase, name))
+    monkeypatch.setenv(VARIABLE, "")
+    made[0].parent.mkdir()
+    for path in made[:2]:
+        path.write_text("content")
+    records = Records(str(tmp_path / "results"))
+    records.write([str(made[0])], {"rule": "train"}, {}, {}, "a.log", 1.0)
+    plan_by_records(str(tmp_path / "results"))
+    found = asyncio.run(PersistenceBase.incomplete(None, None))
+    assert found == [str(path) for path in made[1:]]
 
 
 def limit_left(monkeypatch, limit, local=True):

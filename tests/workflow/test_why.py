@@ -36,6 +36,11 @@ def test_changed_values_are_named():
     ]
 
 
+def test_long_values_are_cut_to_a_line():
+    for value, shown in (("a" * 60, "a" * 60), ("a" * 61, "a" * 57 + "...")):
+        assert list(differences({"name": None}, {"name": value})) == [("", f"name null -> {shown}")]
+
+
 def of_cases(**thresholds):
     return {
         "cases": [
