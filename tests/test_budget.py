@@ -12,20 +12,21 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "src/burstcast_workflow": 6239,
-    "src/burstcast_workflow/config": 2165,
-    "src/burstcast_workflow/harness": 1708,
-    "src/burstcast_workflow/jobs": 2492,
+    "src/burstcast_workflow": 5307,
+    "src/burstcast_workflow/config": 2189,
+    "src/burstcast_workflow/harness": 1631,
+    "src/burstcast_workflow/jobs": 2532,
+    "src/burstcast_workflow/tables": 273,
     "src/snakemake_logger_plugin_burstcast": 203,
     "src/snakemake_report_plugin_burstcast": 60,
-    "workflow/rules": 929,
-    "workflow/scripts/control": 82,
-    "workflow/scripts/data": 569,
-    "workflow/scripts/evaluation": 447,
-    "workflow/scripts/figures": 918,
-    "workflow/scripts/forecasters": 249,
-    "workflow/scripts/probabilities": 443,
-    "workflow/scripts/tables": 882,
+    "workflow/rules": 856,
+    "workflow/scripts/control": 76,
+    "workflow/scripts/data": 539,
+    "workflow/scripts/evaluation": 426,
+    "workflow/scripts/figures": 47,
+    "workflow/scripts/forecasters": 234,
+    "workflow/scripts/probabilities": 425,
+    "workflow/scripts/tables": 759,
 }
 
 
