@@ -607,10 +607,11 @@ def test_fingerprints_see_all_code_of_the_project(path):
         assert forbidden_imports(path) == []
 
 
-# functions of which what people read passes through: where a module's mistake is, what is wrong
-# with a config or with a file of series
+# Functions that pass words on to people: where a module's mistake is, a figure's caption in the
+# report, what is wrong with a config or with a file of series.
 PASS_WORDS_ON = {
     "burstcast.discovery": {"imported", "_place"},
+    "burstcast.figures.registry": {"caption"},
     "burstcast_workflow.jobs.length_checks": {"misfits"},
     "burstcast_workflow.jobs.series_files": {"read_runs"},
 }
