@@ -13,6 +13,9 @@ from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.resampling import bootstrap_weights, percentile_interval
 
+SCORES = ("precision", "recall", "f_score")
+"""Names of the scores: properties of `Counts`."""
+
 
 @dataclass(frozen=True)
 class Counts:
@@ -137,7 +140,7 @@ def total(counts: Counts) -> Counts:
 def bootstrap_interval(
     counts: Counts, resamples: int, confidence: float, generator: np.random.Generator
 ) -> dict[str, tuple[float, float]]:
-    """Percentile bootstrap intervals of precision, recall and F-score, resampled over series.
+    """Percentile bootstrap intervals of all `SCORES`, resampled over series.
 
     Starting points of one series are not independent, whole series are.
 
@@ -159,10 +162,7 @@ def bootstrap_interval(
     series = counts.true_positive.shape[-1]
     weights = bootstrap_weights(series, resamples, generator)
     resampled = _map(counts, lambda values: weights @ values)
-    return {
-        name: percentile_interval(getattr(resampled, name), confidence)
-        for name in ("precision", "recall", "f_score")
-    }
+    return {name: percentile_interval(getattr(resampled, name), confidence) for name in SCORES}
 
 
 def _map(counts: Counts, function: Callable[[IntArray], IntArray]) -> Counts:

@@ -1,7 +1,7 @@
 """Score the forecasts of all forecasters at every prediction time."""
 
 from burstcast import random_streams
-from burstcast.forecast.classification import bootstrap_interval, score_forecasts, total
+from burstcast.forecast.classification import SCORES, bootstrap_interval, score_forecasts, total
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.job import job
@@ -9,8 +9,6 @@ from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
 from burstcast_workflow.jobs.percentiles import write_percentiles
 from burstcast_workflow.jobs.tables import write_tables
-
-SCORES = ("precision", "recall", "f_score")
 
 
 @job
