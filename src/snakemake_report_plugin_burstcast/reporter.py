@@ -6,7 +6,9 @@ it starts, so that nothing of burstcast is imported before a report is made.
 """
 
 from dataclasses import dataclass, field
+from html import escape
 from pathlib import Path
+from typing import Any
 
 from snakemake_interface_report_plugins.reporter import ReporterBase
 from snakemake_interface_report_plugins.settings import ReportSettingsBase
@@ -28,14 +30,22 @@ class PageReporter(ReporterBase):  # type: ignore[misc]
     def render(self) -> None:
         """Write it, whole or not at all."""
         from burstcast_workflow.cost_report import job_table, jobs_with_costs, rule_costs
+        from burstcast_workflow.figure_jobs import captions
         from burstcast_workflow.harness.storage import write_text
         from burstcast_workflow.report_page import Flagged, page
         from burstcast_workflow.snakemake_plan import names_of_rules
 
         workflow = self.dag.workflow
         names = names_of_rules(workflow)
+        # a job writes several tables, for which Snakemake has one caption
+        of_tables = captions(names["campaign"])["tables"]
+
+        def caption(record: Any) -> str:
+            table = record.labels.get("table")
+            return f"<p>{escape(of_tables[table])}</p>" if table else str(record.caption)
+
         flagged = [
-            Flagged(Path(record.path), dict(record.labels), record.caption)
+            Flagged(Path(record.path), dict(record.labels), caption(record))
             for subcategories in self.results.values()
             for records in subcategories.values()
             for record in records

@@ -30,7 +30,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import numpy
 from threadpoolctl import threadpool_info
 
 from burstcast_workflow.canonical import canonical_json
@@ -90,6 +89,8 @@ def entry_key(
     outputs
         Names of its outputs.
     """
+    import numpy  # most jobs that ask for a key have it loaded; the others start without it
+
     material = {
         "format": _FORMAT,
         "identity": identity,
