@@ -309,9 +309,7 @@ def test_all_variables_have_their_units(finished):
                 if unit == units.NUMBER and variable.dtype.kind == "f":
                     numbers.add(name)
     nrmse = {"nrmse_u", "nrmse_uu", "nrmse_uv"}
-    assert numbers == nrmse | {
-        *("log_error", "mean_log_error", "votes", "probability", "alarm_threshold"),
-    }
+    assert numbers == nrmse | {"log_error", "mean_log_error"}
 
 
 def test_nothing_is_written_outside_of_the_results(finished):
