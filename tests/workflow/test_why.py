@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import pytest
 
 from burstcast_workflow.why import (
@@ -5,6 +7,7 @@ from burstcast_workflow.why import (
     causes,
     changed_modules,
     differences,
+    jobs_to_run,
     main,
     new_values,
     report,
@@ -141,6 +144,18 @@ def test_settings_that_set_off_the_same_share_a_line():
 )
 def test_other_reasons(values, text):
     assert [cause.text for cause in causes([job(**values)], {})] == [text]
+
+
+def test_jobs_with_results_are_known_whether_they_run_or_not():
+    rule, made = SimpleNamespace(name="train"), SimpleNamespace(rule="train", params=[], input=[])
+    jobs = [
+        SimpleNamespace(rule=rule, output=[name], wildcards_dict={"seed": name})
+        for name in ("made", "new")
+    ]
+    dag = SimpleNamespace(toposorted=lambda: [jobs], needrun=lambda _: False)
+    persistence = SimpleNamespace(metadata={"made": made}.get)
+    found = jobs_to_run(SimpleNamespace(dag=dag, persistence=persistence))
+    assert found == ([], {"train": [{"seed": "made"}]})
 
 
 def test_new_jobs_are_described_by_what_is_new_about_them():
