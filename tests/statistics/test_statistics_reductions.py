@@ -135,6 +135,12 @@ def test_profiles_and_midplane_are_the_averages_of_the_fields():
     np.testing.assert_allclose(midplane_mean_square(modes, moments, x, z), plane, atol=1e-12)
 
 
+def test_the_grid_of_a_flow_is_its_whole_domain():
+    grid = make_flow_grid(MoehlisFaisstEckhardt(400.0, length_x=5.0, length_z=3.0), (3, 5, 7))
+    for found, ends, count in ((grid.x, (0, 5), 3), (grid.y, (-1, 1), 5), (grid.z, (0, 3), 7)):
+        np.testing.assert_array_equal(found, np.linspace(*ends, count))
+
+
 def test_a_system_without_velocities_has_no_modes():
     assert flow_modes(Lorenz63()) is None
     assert equally_spaced_profiles(Lorenz63(), 9) is None

@@ -66,6 +66,7 @@ def test_use_of_a_series():
     assert use_of_series(make_strategy("SSV").folds(PLAN, 4, 40), 0) == (30, [30])
     assert use_of_series(make_strategy("SSV").folds(PLAN, 4, 40), 1) == (30, [])
     assert use_of_series(make_strategy("RV").folds(PLAN, 4, 40), 1) == (40, [5, 15, 25])
+    assert use_of_series([], 1) == (0, [])  # neither trained on nor validated
 
 
 def test_the_interface_is_no_strategy():
