@@ -60,6 +60,9 @@ def test_netcdf_describes_itself(tmp_path):
         assert (states.units, states.long_name) == ("1", "states")
         assert states.chunking() == [2, 4, 3]
         assert file["series"].chunking() == "contiguous"
+        # the margins of chunks hold no memory; data in one piece leave nothing to fill
+        assert file["states"].get_fill_value() is not None
+        assert file["series"].get_fill_value() is None
 
 
 def test_selected_variables_and_rows(tmp_path):

@@ -213,6 +213,10 @@ def test_the_eight_kinds_of_decisions_are_counted_apart() -> None:
         ):
             found[f"{'actuated' if behind else 'free'}_{names[on, ahead]}"] += 1
     assert {name: getattr(outcome, name) for name in found} == found
+    # without a horizon nothing says what was right
+    blind = replace(flows, decisions=replace(flows.decisions, event_ahead=None))
+    counted = count_decisions(blind, None, np.array([0.0, 1.0]))
+    assert {name: getattr(counted, name) for name in found} == dict.fromkeys(found, 0)
     assert min(found.values()) > 0
     assert sum(found.values()) == outcome.decisions == 8 * timing.most_forecasts
 

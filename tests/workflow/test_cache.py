@@ -54,6 +54,13 @@ def test_the_same_job_elsewhere_is_a_hit(place):
     assert run(place, "a")  # over outputs that are there
 
 
+def test_what_changes_while_it_is_copied_is_not_kept(place, monkeypatch):
+    monkeypatch.setattr(cache, "digest", lambda path: "another")
+    assert not run(place)
+    assert list(cache.entries(place / "cache")) == []
+    assert list((place / "cache" / "building").iterdir()) == []
+
+
 def test_outputs_are_copies(place):
     run(place)
     run(place, "b")

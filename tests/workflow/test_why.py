@@ -152,7 +152,8 @@ def test_jobs_with_results_are_known_whether_they_run_or_not():
         SimpleNamespace(rule=rule, output=[name], wildcards_dict={"seed": name})
         for name in ("made", "new")
     ]
-    dag = SimpleNamespace(toposorted=lambda: [jobs], needrun=lambda _: False)
+    jobs.append(SimpleNamespace(rule=rule, output=[], wildcards_dict={}))  # a target
+    dag = SimpleNamespace(toposorted=lambda: [jobs], needrun=lambda job: not job.output)
     persistence = SimpleNamespace(metadata={"made": made}.get)
     found = jobs_to_run(SimpleNamespace(dag=dag, persistence=persistence))
     assert found == ([], {"train": [{"seed": "made"}]})
