@@ -260,6 +260,19 @@ def test_a_quantile_is_that_of_the_training_series(training):
     assert forecaster.event_threshold_ == np.quantile(training[..., 0], 0.8)
 
 
+@pytest.mark.parametrize(("kind", "sees_truth"), [("quadratic", False), ("equations", True)])
+def test_noise_is_added_to_what_is_observed(kind, sees_truth, training, test_series):
+    settings = {**SMALL, "observable": Lorenz63(), "kind": kind, "options": None}
+    settings |= {"event_threshold": {"quantile": 0.9}, "calibrate": False, "sampling_stride": 2}
+    plain, noisy = (
+        burstcast.EventForecaster(**settings, noise=noise)
+        .fit(training)
+        .forecast(test_series[:, :200])
+        for noise in (0.0, 0.1)
+    )
+    assert np.array_equal(plain, noisy) == sees_truth
+
+
 def test_options_are_laid_over_the_defaults_of_the_kind(training):
     settings = {**SMALL, "members": 1, "options": {"connectivity": 3, "backend": "scipy"}}
     (member,) = burstcast.EventForecaster(**settings).fit(training).members_

@@ -191,6 +191,11 @@ class Script(MadeUpForecaster):
         return self.script[:steps, np.newaxis], memory
 
 
+def test_half_of_a_committee_decides_where_nothing_is_said() -> None:
+    for name in ("prediction_triggered", "receding_horizon"):
+        assert make_strategy(name, SETTINGS[name]).vote_share == 0.5  # type: ignore[attr-defined]
+
+
 def test_a_delay_puts_off_the_actuation_of_an_alarm() -> None:
     strategy = PredictionTriggered(2.0, 1.0)
     first, end = strategy.actuation_interval(SCHEDULE)
