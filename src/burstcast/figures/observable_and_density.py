@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.durations import steps_per_lyapunov_time
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
@@ -22,6 +21,7 @@ from burstcast.figures.parts.style import (
     styled,
     true_runs,
 )
+from burstcast.figures.parts.time_axis import samples_per_lyapunov_time
 from burstcast.figures.registry import Declaration
 from burstcast.statistics.densities import bin_edges, histogram
 
@@ -74,8 +74,7 @@ def draw(
         Symbol and name of the observable.
     """
     shown = observable[np.argmax(observable.max(axis=1) >= threshold)]  # the first if none has any
-    exponent = exponents["leading"]["mean"] if exponents else published_exponent
-    unit = steps_per_lyapunov_time(exponent, time_step * sampling_stride)
+    unit = samples_per_lyapunov_time(exponents, published_exponent, time_step, sampling_stride)
     low, high = density["range"]
     counts = histogram(observable, bin_edges(low, high, density["bins"]))
     return observable_and_density(

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from burstcast.arrays import FloatArray
-from burstcast.durations import steps, steps_per_lyapunov_time
+from burstcast.durations import steps
 from burstcast.figures.parts.observable_axis import axis_floor
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
@@ -25,6 +25,7 @@ from burstcast.figures.parts.style import (
     styled,
     validation_style,
 )
+from burstcast.figures.parts.time_axis import samples_per_lyapunov_time
 from burstcast.figures.registry import Declaration
 from burstcast.tuning.strategies.base import ValidationPlan, use_of_series
 from burstcast.tuning.strategies.registry import make_strategy
@@ -107,8 +108,7 @@ def draw(
     symbol
         Symbol of the observable.
     """
-    exponent = exponents["leading"]["mean"] if exponents else published_exponent
-    unit = steps_per_lyapunov_time(exponent, time_step * sampling_stride)
+    unit = samples_per_lyapunov_time(exponents, published_exponent, time_step, sampling_stride)
     plan = ValidationPlan(
         washout=steps(washout_lt, unit),
         interval=steps(interval_lt, unit),
