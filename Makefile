@@ -55,7 +55,7 @@ pages: $(VENV)/installed ## docs/settings.md and docs/tables.md, from the model 
 
 # make results ARGS="collect results/paper" takes a campaign's tables first
 results: $(VENV)/installed ## docs/results.md, from the tables in docs/results
-	$(BIN)/python benchmarks/results_page.py $(ARGS)
+	$(BIN)/python -m burstcast_report.results_page $(ARGS)
 
 bench: $(VENV)/installed ## time what the work is made of
 	$(BIN)/python benchmarks/bench.py $(ARGS)

@@ -24,13 +24,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import textbook
 import yaml
 from reservoirpy_network import ReservoirpyNetwork
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from burstcast import durations
-from burstcast.dataset import (
+from burstcast.data.dataset import (
     SERIES_PER_BATCH,
     component_scales,
     generate_ensemble,
@@ -65,17 +66,11 @@ from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
-from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.cost_report import (
-    PredictedJob,
-    job_table,
-    jobs_of_plan,
-    report,
-    rule_costs,
-)
-from burstcast_workflow.costs import SECONDS_PER
-from burstcast_workflow.snakemake_plan import planned
+from burstcast_workflow.costs.model import SECONDS_PER
+from burstcast_workflow.costs.records import costs_of_plan, costs_text, rule_costs
+from snaketrust.plan import planned
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "performance.md"
@@ -231,8 +226,8 @@ class Data:
     """A small ensemble of the campaign's first case, and its settings in steps."""
 
     def __init__(self, campaign: Campaign, series: int) -> None:
-        self.config = campaign.config
-        self.case = campaign.cases[CASE]
+        self.config = campaign.config.dump()
+        self.case = campaign.cases[CASE].dump()
         self.system = make_system(self.case["system"], self.case["parameters"])
         self.lyapunov_time = campaign.steps_per_lyapunov_time(CASE)
         self.states = np.concatenate([kept.states for kept in self.ensemble(series)])
@@ -732,11 +727,11 @@ def prediction(rates: dict[str, float], peak: float, dimension: int) -> list[str
     """Lines with the predicted cost of the whole campaign, by rule, and what bounds it."""
     jobs = _jobs({**SECONDS_PER, **rates})
     minutes = _minutes(jobs)
-    of_paper = _minutes([job for job in jobs if job.rule not in BEYOND_THE_PAPER])
+    of_paper = _minutes(jobs[~jobs["rule"].isin(BEYOND_THE_PAPER)])
     limit = arithmetic(peak, dimension)
     return [
         "```",
-        report(rule_costs(job_table(jobs))),
+        costs_text(rule_costs(jobs)),
         "```",
         "",
         f"On {CORES} cores: **{minutes / 60 / CORES:.1f} hours**.",
@@ -772,10 +767,8 @@ def arithmetic(peak: float, dimension: int) -> float:
         "centred state": 2 * dimension * operation,
         "solve product": operation / 3,
     }
-    start_up, whole = (
-        _minutes([job for job in _jobs(nothing | some) if job.rule in OF_NETWORKS])
-        for some in ({}, units)
-    )
+    of_rates = (_jobs(nothing | some) for some in ({}, units))
+    start_up, whole = (_minutes(jobs[jobs["rule"].isin(OF_NETWORKS)]) for jobs in of_rates)
     return whole - start_up
 
 
@@ -786,12 +779,12 @@ def _planned() -> Any:
     return planned([*project, "--forceall"])
 
 
-def _jobs(seconds_per: dict[str, float]) -> list[PredictedJob]:
-    return jobs_of_plan(_planned(), seconds_per)
+def _jobs(seconds_per: dict[str, float]) -> pd.DataFrame:
+    return costs_of_plan(_planned(), seconds_per)
 
 
-def _minutes(jobs: list[PredictedJob]) -> float:
-    return sum(job.cost.seconds for job in jobs) / 60
+def _minutes(jobs: pd.DataFrame) -> float:
+    return jobs["predicted_seconds"].sum() / 60
 
 
 def write(section: str, lines: list[str]) -> None:
@@ -842,7 +835,7 @@ def main() -> None:
         *table(RESERVOIRPY_HEAD, beside),
     ]
     constants = table(
-        ["unit", "measured", "in `costs.py`"],
+        ["unit", "measured", "in `SECONDS_PER`"],
         [[unit, f"{rate:.2g}", f"{SECONDS_PER[unit]:.2g}"] for unit, rate in rates.items()],
     )
     predicted = [*constants, "", *prediction(rates, clock.peak, data.system.dimension)]

@@ -13,11 +13,11 @@ import numpy as np
 import scipy.linalg
 
 from burstcast import random_streams
-from burstcast.dataset import component_scales, observed_series
+from burstcast.data.dataset import component_scales, observed_series
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import MomentsAccumulator, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
-from burstcast.netcdf import read_rows
+from burstcast.files.netcdf import read_rows
 
 WASHOUT, INTERVAL, SERIES, INTERVALS = 30, 122, 3, 30
 

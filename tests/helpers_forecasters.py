@@ -7,7 +7,7 @@ class MadeUpForecaster(Forecaster):
     """Forecaster that is neither fitted nor kept in files: only its forecasts matter."""
 
     @classmethod
-    def fit(cls, training, case):
+    def fit(cls, training, case, parameters=None):
         raise NotImplementedError
 
     def record(self):

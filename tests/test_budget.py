@@ -1,4 +1,4 @@
-"""The plumbing, everything but the library, has a budget of lines for each folder.
+"""The plumbing, everything but the library and the reports, has a budget of lines for each folder.
 
 A folder that has outgrown its budget: look first for what a change has made needless, or for a fact
 that is stated twice. If the lines are worth it, raise the number here, and say in the commit why. A
@@ -12,21 +12,27 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "src/burstcast_workflow": 5307,
-    "src/burstcast_workflow/config": 2189,
-    "src/burstcast_workflow/harness": 1632,
-    "src/burstcast_workflow/jobs": 2532,
-    "src/burstcast_workflow/tables": 273,
+    "src/burstcast_workflow": 214,
+    "src/burstcast_workflow/campaign": 1140,
+    "src/burstcast_workflow/commands": 1001,
+    "src/burstcast_workflow/config": 2317,
+    "src/burstcast_workflow/costs": 512,
+    "src/burstcast_workflow/figures": 428,
+    "src/burstcast_workflow/harness": 651,
+    "src/burstcast_workflow/jobs": 1420,
+    "src/burstcast_workflow/stages": 333,
+    "src/burstcast_workflow/tables": 276,
     "src/snakemake_logger_plugin_burstcast": 203,
-    "src/snakemake_report_plugin_burstcast": 70,
-    "workflow/rules": 856,
+    "src/snakemake_report_plugin_burstcast": 6,
+    "src/snaketrust": 2062,
+    "workflow/rules": 857,
     "workflow/scripts/control": 76,
-    "workflow/scripts/data": 539,
-    "workflow/scripts/evaluation": 426,
-    "workflow/scripts/figures": 47,
-    "workflow/scripts/forecasters": 234,
-    "workflow/scripts/probabilities": 425,
-    "workflow/scripts/tables": 757,
+    "workflow/scripts/data": 542,
+    "workflow/scripts/evaluation": 439,
+    "workflow/scripts/figures": 51,
+    "workflow/scripts/forecasters": 210,
+    "workflow/scripts/probabilities": 421,
+    "workflow/scripts/tables": 782,
 }
 
 
@@ -35,7 +41,7 @@ def lines_by_folder() -> Counter[str]:
     for root in ("workflow", "src"):
         for path in [*(ROOT / root).rglob("*.py"), *(ROOT / root).rglob("*.smk")]:
             folder = path.parent.relative_to(ROOT).as_posix()
-            if not f"{folder}/".startswith("src/burstcast/"):
+            if not f"{folder}/".startswith(("src/burstcast/", "src/burstcast_report/")):
                 found[folder] += len(path.read_text(encoding="utf-8").splitlines())
     return found
 

@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast import dataset, random_streams
+from burstcast import random_streams
+from burstcast.data import dataset
 from burstcast.systems.lorenz63 import Lorenz63
 
 STEP = 0.01

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.delay_coordinates import delay_coordinates, delayed_name
-from burstcast.forecaster_options import options_of_kind
+from burstcast.data.delay_coordinates import delay_coordinates, delayed_name
+from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.systems.integration import integrate

@@ -59,3 +59,9 @@ def test_multiples_of_a_resolution_lose_no_step(multiple, parts, steps):
     # a duration that floating-point numbers know as a sum of parts
     total = sum([1 / parts] * multiple)
     assert durations.steps(total, steps) == multiple * steps // parts
+
+
+def test_durations_that_must_have_a_step():
+    assert durations.positive_steps(0.1, 10, "washout_lt") == 1
+    with pytest.raises(ValueError, match=r"washout_lt is 0\.05 Lyapunov times, .* has 10"):
+        durations.positive_steps(0.05, 10, "washout_lt")

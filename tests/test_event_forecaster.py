@@ -3,16 +3,17 @@
 import subprocess
 import sys
 
+import netCDF4
 import numpy as np
 import pytest
 import sklearn.base
 from numpy.testing import assert_array_equal
 
 import burstcast
-from burstcast.delay_coordinates import delay_coordinates
+from burstcast.data.delay_coordinates import delay_coordinates
 from burstcast.event_forecaster.series_layout import as_series
 from burstcast.forecast.classification import ratio
-from burstcast.forecaster_options import options_of_kind
+from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.registry import available_kinds
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
 from burstcast.systems.integration import integrate
@@ -158,9 +159,11 @@ NOT_WRITTEN = 9.969209968386869e36
 """What netCDF stores where nothing was written, which lies below the masks of netCDF4."""
 
 
-@pytest.mark.parametrize("convert", [np.ma.asarray, list, np.asarray])
+@pytest.mark.parametrize(
+    "convert", [np.ma.asarray, list, lambda data: [list(series) for series in data], np.asarray]
+)
 def test_masked_series_are_refused(convert, fitted):
-    """Of `list`, masked arrays in a list; of `asarray`, what numpy's functions leave of a mask."""
+    """Of `list`, masked arrays in lists; of `asarray`, what numpy's functions leave of a mask."""
     data = np.ma.array(lorenz(2, 300, 3))
     assert_array_equal(as_series(convert(data)), data.data)
     data[1, 290, 2] = np.ma.masked
@@ -392,12 +395,39 @@ def test_a_damaged_file_is_no_forecaster(training, test_series, tmp_path):
         damaged.write_bytes(changed)
         try:
             found = burstcast.EventForecaster.load(damaged)
-        except (ValueError, OSError):
+        except ValueError:
             refused += 1
         else:
             assert_array_equal(found.forecast(test_series[:, :200], duration=0.1), expected)
             assert found.get_params() == forecaster.get_params()
     assert refused > 30
+
+
+@pytest.mark.parametrize(
+    ("attributes", "message"),
+    [
+        ({}, "holds no event forecaster"),
+        ({"event_forecaster": 1}, "holds no event forecaster"),
+        ({"event_forecaster": 2}, "holds no event forecaster"),
+        ({"event_forecaster": [2, 2]}, "holds no event forecaster"),
+        ({"event_forecaster": 2, "parameters": "{}", "fitted": [1.5, 2]}, "is not what was saved"),
+        (
+            {"event_forecaster": 2, "parameters": "{}", "fitted": "{}", "digest": [1.5, 2]},
+            "is not what was saved",
+        ),
+        (None, "is damaged"),
+    ],
+)
+def test_another_file_is_no_forecaster(attributes, message, tmp_path):
+    path = tmp_path / "forecaster.nc"
+    path.write_bytes(b"")
+    if attributes is not None:
+        with netCDF4.Dataset(path, "w") as file:
+            file.setncatts(attributes)
+    with pytest.raises(ValueError, match=rf"forecaster\.nc {message}"):
+        burstcast.EventForecaster.load(path)
+    with pytest.raises(FileNotFoundError, match=r"another\.nc"):
+        burstcast.EventForecaster.load(tmp_path / "another.nc")
 
 
 # -- mistakes --------------------------------------------------------------------------------------

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.event_threshold import threshold_at
-from burstcast_workflow.harness.thresholds import cases_of_thresholds, with_thresholds
+from burstcast.data.event_threshold import threshold_at
+from burstcast_workflow.harness.settings import cases_of_thresholds, with_thresholds
 
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=2, unique=True), st.floats(0.01, 0.99))
@@ -53,7 +53,7 @@ def test_values_replace_quantiles_wherever_they_are() -> None:
         "quantile": 0.5,
     }
     assert list(cases_of_thresholds(settings)) == ["a", "b"]
-    known = with_thresholds(settings, {"a": 1.5, "b": 2.5})
+    known = with_thresholds(settings, {"a": 1.5, "b": 2.5}.get)
     assert known["case.event_threshold"] == 1.5
     found = [record["settings"]["case.event_threshold"] for record in known["cases"]]
     assert found == [2.5, 3.0]

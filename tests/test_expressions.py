@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.expressions import Expression
+from burstcast.systems.expressions import Expression
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 LEAVES = st.sampled_from(["u", "v", "w_2", "1", "0.5", "3e-1"])

@@ -17,7 +17,7 @@ import burstcast
 
 SOURCE = Path(burstcast.__file__).parents[1]
 ROOT = SOURCE.parent
-OTHERS = ["snakemake", "pydantic", "matplotlib", "skimage", "burstcast_workflow"]
+OTHERS = ["snakemake", "pydantic", "matplotlib", "skimage", "burstcast_workflow", "snaketrust"]
 
 
 def test_dataclasses_are_frozen():
@@ -114,7 +114,7 @@ def test_no_function_of_the_library_imports_the_workflow():
             elif isinstance(node, ast.ImportFrom):
                 imported.add(node.module.partition(".")[0])
     assert "numpy" in imported
-    assert not imported & {"burstcast_workflow", "snakemake", "pydantic", "yaml"}
+    assert not imported & {"burstcast_workflow", "snaketrust", "snakemake", "pydantic", "yaml"}
 
 
 @pytest.mark.long

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.measured_data import (
+from burstcast.data.measured_data import (
     Blocks,
     Quantity,
     Run,

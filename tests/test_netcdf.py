@@ -10,9 +10,9 @@ import netCDF4
 import numpy as np
 import pytest
 
-from burstcast import atomic_files
-from burstcast.described import Described
-from burstcast.netcdf import (
+from burstcast.files import atomic_files
+from burstcast.files.described import Described
+from burstcast.files.netcdf import (
     Variable,
     read_attributes,
     read_netcdf,
@@ -21,6 +21,7 @@ from burstcast.netcdf import (
     variables_of,
     write_netcdf,
 )
+from snaketrust.files import remove_partial
 
 
 def example() -> dict[str, Variable]:
@@ -160,9 +161,8 @@ def test_partial_files_are_not_seen_as_finished_and_can_be_removed(tmp_path):
         killed.write_text("left behind by a killed job")
     other = tmp_path / ".data.nc2.abc.partial"
     other.write_text("of another file")
-    atomic_files.remove_partial(path)
+    remove_partial(path)
     assert sorted(entry.name for entry in tmp_path.iterdir()) == [other.name, "data.nc"]
-    atomic_files.remove_partial(tmp_path / "missing" / "data.nc")
 
 
 def test_new_files_have_ordinary_permissions(tmp_path):

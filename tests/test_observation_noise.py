@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from burstcast.observation_noise import estimate_noise, observation_noise
+from burstcast.data.observation_noise import estimate_noise, observation_noise
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 

@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.harness.code_check import package_root
+from snaketrust.hooks import TESTED
 
 ROOT = Path(__file__).parents[1]
 # names of conda that are not those of the lock file
@@ -53,7 +53,7 @@ def test_jobs_of_a_conda_environment_find_burstcast_where_snakemake_does():
         "print(*f(), sep='\\n')"
     )
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert str(package_root()) in said.stdout.splitlines()
+    assert str(ROOT / "src") in said.stdout.splitlines()
 
 
 def instructions() -> list[tuple[str, str]]:
@@ -90,7 +90,10 @@ def test_the_container_runs_what_is_installed():
     (command,) = [argument for name, argument in instructions() if name == "CMD"]
     assert command == '["burstcast", "--help"]'
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    assert '[project.scripts]\nburstcast = "burstcast_workflow.command_line:main"\n' in project
+    assert (
+        '[project.scripts]\nburstcast = "burstcast_workflow.commands.command_line:main"\n'
+        in project
+    )
 
 
 def test_the_catalog_finds_what_it_asks_for():
@@ -136,3 +139,9 @@ def test_the_text_of_the_report_says_which_campaign():
     html = docutils.core.publish_string(said, writer="html5", settings_overrides=strict)
     assert 'href="https://arxiv.org/abs/2204.11682"' in html
     assert "``results/paper``" in said
+
+
+def test_the_bound_of_snakemake_is_the_first_release_that_was_tested():
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert f'"snakemake>={TESTED[0].removesuffix(".0")}"' in project
+    assert locked()["snakemake"] in TESTED

@@ -6,15 +6,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from burstcast.published import (
+from burstcast.statistics.moments import StateMoments
+from burstcast.statistics.profiles import flow_modes, velocity_profiles
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.tables.published import (
     compare,
     intervals_of_control,
     published_percentiles,
     published_reductions,
 )
-from burstcast.statistics.moments import StateMoments
-from burstcast.statistics.profiles import flow_modes, velocity_profiles
-from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.tables.declarations import TABLES
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from burstcast.resampled_score import ResampledScore, median_score
+from burstcast.statistics.resampled_score import ResampledScore, median_score
 
 
 def test_scores_of_the_same_resamples_are_compared_one_by_one():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 
 def test_weights_are_draws_with_replacement():

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.percentiles import percentiles
-from burstcast.tables import (
+from burstcast.statistics.percentiles import percentiles
+from burstcast.tables.latex import (
     data_parameters,
     escape,
     latex_number,

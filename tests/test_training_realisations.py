@@ -6,7 +6,7 @@ import scipy.stats
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.training_realisations import rows_of_realisation, variance_components
+from burstcast.data.training_realisations import rows_of_realisation, variance_components
 
 
 @given(st.integers(1, 6), st.integers(0, 5), st.integers(0, 30))

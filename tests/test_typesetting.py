@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.typesetting import (
+from burstcast.tables.typesetting import (
     COLUMN_GAP,
     PAGE_WIDTH,
     number_writer,

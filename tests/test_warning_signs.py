@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast import warning_signs as signs
+from burstcast.statistics import warning_signs as signs
 
 
 def texts(findings):

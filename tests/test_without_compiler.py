@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from burstcast.backends import usable_backend
+from burstcast.compiled.backends import usable_backend
 
 ROOT = Path(__file__).parents[1]
 # a module that is None in sys.modules cannot be imported
@@ -28,7 +28,7 @@ def test_with_a_compiler_nothing_is_said():
         (
             "import yaml\n"
             "from burstcast_workflow.config.loading import load\n"
-            "from burstcast_workflow.harness.cache import LIBRARIES, library_version\n"
+            "from burstcast_workflow.harness.environment import LIBRARIES, library_version\n"
             "config = load(yaml.safe_load(open('config.yaml')), defaults='config.yaml')\n"
             "print(config['forecasters']['esn']['backend'])\n"
             "print(*map(library_version, LIBRARIES))\n",

@@ -40,20 +40,33 @@ def float_array(data: Any, what: str) -> FloatArray:
         If an entry is masked: what lies below a mask is not a value.
     """
     try:
-        # a list of masked arrays keeps their masks
-        array = np.ma.asanyarray(data) if isinstance(data, list | tuple) else np.asanyarray(data)
+        array = np.asanyarray(data)
     except (TypeError, ValueError) as error:
         raise TypeError(f"{what} must consist of real numbers: {error}") from error
     if array.dtype.kind not in "biuf":
         raise TypeError(f"{what} must consist of real numbers, not of {array.dtype}")
-    if np.ma.is_masked(array):
-        masked = np.argwhere(np.ma.getmaskarray(array))
+    if _is_masked(data):
+        masked = np.argwhere(np.array(_mask(data)))
         place = ", ".join(map(str, masked[0]))
         raise ValueError(
             f"{what} must not be masked: the entry [{place}] is ({len(masked)} in all); fill gaps, "
             f"or leave out what has them"
         )
     return np.asarray(np.ma.getdata(array), dtype=np.float64)
+
+
+def _is_masked(data: Any) -> bool:
+    """Whether an entry of an array, or of nested lists of arrays, is masked."""
+    if isinstance(data, list | tuple):
+        return any(map(_is_masked, data))
+    return isinstance(data, np.ma.MaskedArray) and bool(np.ma.is_masked(data))
+
+
+def _mask(data: Any) -> Any:
+    """Mask of nested lists of arrays, as nested lists of arrays."""
+    if isinstance(data, list | tuple):
+        return [_mask(item) for item in data]
+    return np.ma.getmaskarray(data)
 
 
 def is_known(values: FloatArray) -> BoolArray:

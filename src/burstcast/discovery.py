@@ -7,19 +7,16 @@ wherever the code that a result depends on is listed.
 import dataclasses
 import difflib
 import importlib
-import importlib.util
 import inspect
 import math
 import numbers
 import os
 import pkgutil
 import traceback
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from importlib.machinery import ModuleSpec
-from pathlib import Path
 from types import ModuleType
-from typing import TypeVar
+from typing import Any, TypeVar
 
 Base = TypeVar("Base")
 
@@ -101,44 +98,14 @@ def _place(error: Exception) -> str:
     return f"{files[-1].filename}, line {files[-1].lineno}: " if len(files) > 1 else ""
 
 
-def module_file(module: str) -> Path | None:
-    """File that Python runs when it imports a module, which need not have been imported.
-
-    None if there is no such module, or it has no file (built-in modules, namespace packages).
-    """
-    first, *rest = module.split(".")
-    try:
-        spec = importlib.util.find_spec(first)
-    except (ImportError, ValueError):
-        return None
-    name, directories = first, list((spec and spec.submodule_search_locations) or [])
-    for part in rest:
-        name = f"{name}.{part}"
-        found = [_spec_in(directory, name) for directory in directories]
-        spec = next((one for one in found if one is not None and one.loader is not None), None)
-        places = found if spec is None else [spec]
-        directories = [
-            place for one in places for place in (one and one.submodule_search_locations) or []
-        ]
-    return Path(spec.origin).absolute() if spec and spec.has_location and spec.origin else None
-
-
-def _spec_in(directory: str, module: str) -> ModuleSpec | None:
-    """Specification of a module in a directory of its package."""
-    importer = pkgutil.get_importer(directory)
-    return importer.find_spec(module) if importer is not None else None
-
-
 def suggestion(name: str, candidates: Iterable[str]) -> str:
     """End of an error message: what an unknown name may have meant; empty if nothing is near."""
     closest = difflib.get_close_matches(str(name), list(candidates), n=1)
     return f" (did you mean {closest[0]!r}?)" if closest else ""
 
 
-def checked_numbers(
-    what: str, part: str, owner: type, values: Mapping[str, float]
-) -> dict[str, float]:
-    """Check the numbers that an object of a dataclass is made of; return them as floats.
+def checked_values(what: str, part: str, owner: type, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Check what the fields of a dataclass are given.
 
     Parameters
     ----------
@@ -147,36 +114,56 @@ def checked_numbers(
     part
         What its fields are called there: "parameter".
     owner
-        The class.
+        The class. Its fields are annotated as ``bool``, ``str``, ``tuple[float, ...]``; all others
+        are numbers.
     values
         By the names of its fields; those with a default may be left out.
+
+    Returns
+    -------
+    The values: numbers as floats, sequences as tuples of floats.
 
     Raises
     ------
     ValueError
-        If a field is unknown or missing, or a value is not a finite number.
+        If a field is unknown or missing, or a value is not of its field's type; numbers are finite.
     TypeError
         If the class is no dataclass.
     """
     if not dataclasses.is_dataclass(owner):
         raise TypeError(f"{owner.__name__} must be a dataclass of its {part}s")
-    fields = [field for field in dataclasses.fields(owner) if field.init]
-    known = [field.name for field in fields]
+    fields = {field.name: field for field in dataclasses.fields(owner) if field.init}
     for key in values:
-        if key not in known:
+        if key not in fields:
             raise ValueError(
-                f"{what} has no {part} {key!r}{suggestion(key, known)}; "
-                f"its {part}s are {', '.join(known) or 'none'}"
+                f"{what} has no {part} {key!r}{suggestion(key, fields)}; "
+                f"its {part}s are {', '.join(fields) or 'none'}"
             )
-    for field in fields:
+    for field in fields.values():
         optional = (
             field.default is not dataclasses.MISSING
             or field.default_factory is not dataclasses.MISSING
         )
         if not optional and field.name not in values:
             raise ValueError(f"{what} needs the {part} {field.name!r}")
-    for key, value in values.items():
-        is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-        if not is_number or not math.isfinite(value):
-            raise ValueError(f"{part} {key!r} of {what} must be a finite number, not {value!r}")
-    return {key: float(value) for key, value in values.items()}
+    return {
+        key: _checked(value, fields[key].type, f"{part} {key!r} of {what}")
+        for key, value in values.items()
+    }
+
+
+def _checked(value: Any, expected: Any, what: str) -> Any:
+    """A value of the type of a field."""
+    if expected in (bool, str):
+        if not isinstance(value, expected):
+            kind = "true or false" if expected is bool else "a text"
+            raise ValueError(f"{what} must be {kind}, not {value!r}")
+        return value
+    if expected == tuple[float, ...]:
+        if not isinstance(value, Sequence) or isinstance(value, str):
+            raise ValueError(f"{what} must be a list of numbers, not {value!r}")
+        return tuple(_checked(one, float, f"an entry of {what}") for one in value)
+    is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if not is_number or not math.isfinite(value):
+        raise ValueError(f"{what} must be a finite number, not {value!r}")
+    return float(value)

@@ -40,3 +40,20 @@ def steps(duration_lt: float, steps_per_lyapunov_time: int) -> int:
     counts as that whole number.
     """
     return math.floor(duration_lt * steps_per_lyapunov_time + 1e-9)
+
+
+def positive_steps(duration_lt: float, steps_per_lyapunov_time: int, name: str) -> int:
+    """Whole network steps in a duration that must have one at least (see `steps`).
+
+    Raises
+    ------
+    ValueError
+        If it is shorter than one step; the message calls it ``name``.
+    """
+    count = steps(duration_lt, steps_per_lyapunov_time)
+    if count < 1:
+        raise ValueError(
+            f"{name} is {duration_lt} Lyapunov times, which is shorter than one step of the "
+            f"network: a Lyapunov time has {steps_per_lyapunov_time}"
+        )
+    return count

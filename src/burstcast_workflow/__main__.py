@@ -2,6 +2,6 @@
 
 import sys
 
-from burstcast_workflow.command_line import main
+from burstcast_workflow.commands.command_line import main
 
 sys.exit(main())

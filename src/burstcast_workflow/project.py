@@ -5,8 +5,21 @@ puts them, so that an installed burstcast runs as it is.
 """
 
 import subprocess
-from functools import cache
 from pathlib import Path
+
+from snaketrust.project import Project
+
+PACKAGES = (
+    *("burstcast", "burstcast_workflow", "burstcast_report", "snaketrust"),
+    *("snakemake_logger_plugin_burstcast", "snakemake_report_plugin_burstcast"),
+)
+"""Packages of the project, also where others lie beside them."""
+
+VERSION = "burstcast_workflow.harness.version"
+"""Module of the version that stands for `HARNESS`, which runs scripts and writes files."""
+
+HARNESS = ("burstcast_workflow.harness", "burstcast.files.netcdf", "snaketrust")
+"""Packages and modules that are in no fingerprint: an edit of them would run everything again."""
 
 _PACKAGE = Path(__file__).resolve().parent
 # beside the workflow's files in a wheel: what they were built from
@@ -37,10 +50,16 @@ def packages_of(project: Path) -> Path:
     return beside if beside.is_dir() else project.parents[1]
 
 
-@cache
-def is_installed(packages: Path) -> bool:
-    """Whether a directory of packages is that of an installed burstcast: others lie there, too."""
-    return (packages / "burstcast_workflow" / _INSTALLED).is_dir()
+def code_of(project: Path) -> Project:
+    """The code of the workflow whose files are in this directory, as `snaketrust` knows it."""
+    return Project(
+        root=project,
+        scripts=project / "workflow" / "scripts",
+        sources=packages_of(project),
+        packages=PACKAGES,
+        stand_ins=dict.fromkeys(HARNESS, VERSION),
+        revision=source_revision(),
+    )
 
 
 def source_revision() -> str:

@@ -56,7 +56,13 @@ class TableMonitor(Monitor):
     table: BoolArray
     seen: dict[tuple[int, int], FloatArray]
 
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> BoolArray:
         for position, (row, number) in enumerate(zip(rows, forecast_number, strict=True)):
             self.seen[int(row), int(number)] = washout[:, :, position].copy()
         return self.table[rows, forecast_number]

@@ -79,7 +79,10 @@ def asked(monitor: members_module.Monitor, washout: FloatArray) -> list[bool]:
 
 
 def test_the_strategies_that_let_vote() -> None:
-    assert tuple(n for n in available_strategies() if votes(strategy_class(n))) == VOTING[::-1]
+    assert tuple(n for n in available_strategies() if votes(strategy_class(n))) == (
+        "planned",
+        *VOTING[::-1],
+    )
     given = experiment(2)
     reactive = make_strategy("reactive", SETTINGS["reactive"])
     with pytest.raises(TypeError, match="Reactive has no vote_share"):
@@ -157,7 +160,7 @@ class Listed:
 
     values: FloatArray  # (members, batch)
 
-    def ensemble(self, washout: FloatArray) -> FloatArray:
+    def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         return self.values[:, : washout.shape[2]]
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:

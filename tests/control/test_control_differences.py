@@ -5,8 +5,8 @@ import pytest
 
 from burstcast.control.differences import COMPARED, ComparedRun, paired_differences
 from burstcast.control.records import FlowRecords, Span, score_flows
-from burstcast.resampling import bootstrap_weights
-from burstcast_workflow.jobs.intervals import medians_over_seeds, with_interval
+from burstcast.statistics.resampling import bootstrap_weights
+from burstcast_workflow.jobs.tables import medians_over_seeds, with_interval
 
 SPAN = Span(steps=40, integration_steps=160, steps_at_risk=50, steps_per_lyapunov_time=4)
 FLOWS, RESAMPLES = 30, 200

@@ -1,3 +1,6 @@
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from test_control_strategies import EQUATIONS, experiment
@@ -55,6 +58,24 @@ def test_an_event_is_followed_again_as_it_was_found():
     np.testing.assert_allclose(found.uncontrolled_state, states)
     assert found.uncontrolled[found.mark[2]] == found.uncontrolled[found.mark[1] :].max()
     assert found.controlled_state.shape == (4, 9)
+
+
+def test_an_event_may_end_with_the_last_step_that_counts() -> None:
+    strategy, flows = PredictionTriggered(1.0, 1.0), experiment(30)
+    followed = strategy.simulate(flows, strategy.monitor(flows, [EQUATIONS]), noise=None)
+    chosen = largest_suppressed_event(followed, None)
+    assert chosen is not None
+    timing = followed.timing
+    end = chosen.alarm_step + timing.window_end + timing.window_start
+
+    def until(step: int) -> object:
+        last = SimpleNamespace(
+            window_start=timing.window_start, window_end=timing.window_end, counted_until=step
+        )
+        return largest_suppressed_event(replace(followed, timing=last), None)
+
+    assert until(end) == chosen
+    assert until(end - 1) != chosen
 
 
 def test_without_an_event_nothing_is_followed():

@@ -242,12 +242,12 @@ def test_steps_under_actuation_have_the_budget_of_the_actuation() -> None:
             means.append(np.mean(values))
         return np.array(means)
 
-    found = energy_means(FLOW, states, RAISED, actuated)
+    found = energy_means(FLOW, states, [RAISED], actuated)
     assert found is not None
     np.testing.assert_allclose(found.input, by_hand("input"), rtol=1e-13)
     np.testing.assert_allclose(found.dissipation, by_hand("dissipation"), rtol=1e-13)
     free: BoolArray = np.zeros((3, 8), dtype=bool)
-    alone, never = energy_means(FLOW, states), energy_means(FLOW, states, RAISED, free)
+    alone, never = energy_means(FLOW, states), energy_means(FLOW, states, [RAISED], free)
     assert alone is not None
     assert never is not None
     np.testing.assert_array_equal(alone.input, never.input)

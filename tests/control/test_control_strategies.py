@@ -9,7 +9,7 @@ from test_control_decisions import FLOW, RAISED
 
 from burstcast import random_streams
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.actuation import actuation_interval
+from burstcast.control.actuation import ActuationValues, actuation_interval
 from burstcast.control.controllers.registry import controlling_monitor
 from burstcast.control.experiment import ControlExperiment, Schedule
 from burstcast.control.monitors.base import Monitor
@@ -22,6 +22,7 @@ from burstcast.control.strategies.receding_horizon import RecedingHorizon
 from burstcast.control.strategies.registry import available_strategies, make_strategy
 from burstcast.control.timing import Timing
 from burstcast.forecasters.equations import EquationsFromTruth
+from burstcast.systems.parameters import SystemParameters
 from helpers_forecasters import MadeUpForecaster
 
 SCHEDULE = Schedule(
@@ -49,11 +50,13 @@ def experiment(flows: int = 6, schedule: Schedule = SCHEDULE) -> ControlExperime
         schedule=schedule,
         root_seed=7,
         case="Re400",
+        values=ActuationValues((FLOW.reynolds,), (RAISED.reynolds,)),
     )
 
 
-EQUATIONS = EquationsFromTruth(FLOW, 0.25, 4)
+EQUATIONS = EquationsFromTruth(FLOW, 0.25, 4, SystemParameters.of(FLOW, ["reynolds"]))
 SETTINGS = {
+    "planned": {"horizon_lt": 3.0, "decision_interval_lt": 0.25},
     "prediction_triggered": {"prediction_time_lt": 1.0, "window_lt": 1.0},
     "receding_horizon": {"horizon_lt": 2.0, "decision_interval_lt": 0.25},
     "reactive": {"level": 0.05, "decision_interval_lt": 0.25},
@@ -74,6 +77,14 @@ def test_strategies_are_found_by_name() -> None:
         ("reactive", {"levl": 0.1, "decision_interval_lt": 1}, "no setting 'levl'.*'level'"),
         ("reactive", {"level": 0.1}, "needs the setting 'decision_interval_lt'"),
         ("reactive", {"level": np.nan, "decision_interval_lt": 1}, "must be a finite number"),
+        ("reactive", {"level": 1, "decision_interval_lt": 1, "watch": 2.0}, "must be a text"),
+        ("receding_horizon", {"horizon_lt": 1, "decision_interval_lt": 1, "aware": 1}, "true or"),
+        ("planned", {"horizon_lt": 1, "decision_interval_lt": 1, "starts_lt": 0.0}, "a list"),
+        (
+            "planned",
+            {"horizon_lt": 1, "decision_interval_lt": 1, "starts_lt": [0.0, np.inf]},
+            "an entry of setting 'starts_lt' .* finite number",
+        ),
     ],
 )
 def test_a_strategy_that_cannot_be_made(name: str, settings: dict, message: str) -> None:
@@ -86,6 +97,13 @@ def test_a_strategy_that_cannot_be_made(name: str, settings: dict, message: str)
     [
         ("receding_horizon", {"horizon_lt": 0.01}, {}, "horizon of 0.01 .* lasts no step"),
         ("receding_horizon", {"decision_interval_lt": 0.01}, {}, "must last a step"),
+        ("receding_horizon", {"aware": True}, {"delay_lt": 2.0}, "not reach beyond the delay of 2"),
+        ("planned", {"horizon_lt": 1.0}, {"delay_lt": 1.0}, "does not reach beyond the delay"),
+        ("planned", {}, {"delay_lt": 1.0}, "longer than the horizon: 3.0 .* a delay of 1.0"),
+        ("planned", {"starts_lt": [0.5]}, {}, "no plan acts at once"),
+        ("planned", {"starts_lt": [0.0, 3.0]}, {}, "longer than the horizon"),
+        ("planned", {"durations_lt": []}, {}, "lasts no step"),
+        ("planned", {"durations_lt": [0.01]}, {}, "lasts no step"),
         ("prediction_triggered", {"prediction_time_lt": 0.5}, {}, "before the alarm"),
         ("prediction_triggered", {"window_lt": 0.0}, {}, "must last a step"),
         ("reactive", {}, {"delay_lt": -1.0}, "must not be negative"),
@@ -142,7 +160,7 @@ def test_quiet_flows_of_all_strategies_are_the_same() -> None:
         rows.append(flows.rows.tolist())
         uncontrolled.append(flows.uncontrolled)
     assert 0 < len(rows[0]) < 8
-    assert rows.count(rows[0]) == 4
+    assert rows.count(rows[0]) == len(SETTINGS)
     for other in uncontrolled[1:]:
         np.testing.assert_array_equal(other, uncontrolled[0])
 
@@ -247,7 +265,13 @@ def test_reactive_control_looks_at_the_last_observed_state() -> None:
 class Says(Monitor):
     what: BoolArray
 
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> BoolArray:
         return self.what[rows]
 
 

@@ -111,10 +111,10 @@ class Wrong(MadeUpForecaster):
     def __init__(self, truth, error, failing_from):
         self.truth, self.error, self.failing_from = truth, error, failing_from
 
-    def start(self, washout):
+    def start(self, washout, parameters=None):
         return washout[-1]
 
-    def advance(self, memory, steps):
+    def advance(self, memory, steps, parameters=None):
         series = memory[1].astype(int)
         step = memory[2].astype(int) + 1 + np.arange(steps)[:, np.newaxis]
         # beyond the end of a series the last value
@@ -173,7 +173,7 @@ def test_the_whole_state_must_be_right():
     wrong[0, events[0].times[3], 3] = 0.3
 
     class FourthComponentZero(Wrong):
-        def advance(self, memory, steps):
+        def advance(self, memory, steps, parameters=None):
             forecast, _ = super().advance(memory, steps)
             forecast = np.pad(forecast, ((0, 0), (0, 1), (0, 0)))
             return forecast, forecast[-1]

@@ -24,10 +24,10 @@ class Drift(MadeUpForecaster):
 
     drift: float
 
-    def start(self, washout):
+    def start(self, washout, parameters=None):
         return washout[-1].copy()
 
-    def advance(self, memory, steps):
+    def advance(self, memory, steps, parameters=None):
         rise = (1 + self.drift) * np.arange(1, steps + 1)
         outputs = memory[np.newaxis] + rise[:, np.newaxis, np.newaxis]
         return outputs, outputs[-1]

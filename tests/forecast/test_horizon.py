@@ -38,11 +38,11 @@ class Drifting(MadeUpForecaster):
     It also hides in its memory how far it is, as a reservoir's state does.
     """
 
-    def start(self, washout):
+    def start(self, washout, parameters=None):
         assert washout.shape[0] == SEARCH.washout
         return np.stack([washout[-1, 1], np.zeros(washout.shape[2]), washout[-1, 0]])
 
-    def advance(self, memory, steps):
+    def advance(self, memory, steps, parameters=None):
         speed, passed, value = memory
         ahead = passed + np.arange(1, steps + 1, dtype=np.float64)[:, np.newaxis]
         drift = np.where(speed < 0, np.where(ahead > -speed, np.nan, 0.0), speed * ahead)
@@ -133,7 +133,7 @@ def test_an_error_that_reaches_the_tolerance_is_too_large():
     outputs = np.array([0.0, 0.05, 0.1, 0.0, 0.0])
 
     class Given(Drifting):
-        def advance(self, memory, steps):
+        def advance(self, memory, steps, parameters=None):
             return outputs[:steps].reshape(steps, 1, 1), memory
 
     washouts = np.zeros((SEARCH.washout, 2, 1))
@@ -189,7 +189,7 @@ def test_a_forecast_is_given_up_once_it_is_lost(monkeypatch):
         def __init__(self):
             self.work = []
 
-        def advance(self, memory, steps):
+        def advance(self, memory, steps, parameters=None):
             self.work.append((steps, memory.shape[-1]))
             return super().advance(memory, steps)
 

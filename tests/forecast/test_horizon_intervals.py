@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast.forecast.horizon_intervals import resampled_averages
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 
 @given(st.lists(st.floats(0, 10), min_size=1, max_size=12), st.integers(0, 100))

@@ -10,6 +10,7 @@ from burstcast.forecast.starting_points import (
     horizon_events,
     segments,
     starting_points,
+    steps_before_events,
 )
 
 
@@ -83,3 +84,9 @@ def test_segments_beyond_the_series_are_refused(step, before, after):
     points = SeriesPoints(np.array([0, 0]), np.array([5, step]))
     with pytest.raises(IndexError, match="beyond its series"):
         segments(np.zeros((1, 10)), points, before, after)
+
+
+def test_steps_before_events_fit_into_a_series():
+    assert steps_before_events(45, 40, 5) == 44
+    with pytest.raises(ValueError, match="44 samples leave no room for a washout of 5 steps and a"):
+        steps_before_events(44, 40, 5)

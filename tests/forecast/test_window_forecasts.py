@@ -1,5 +1,7 @@
 """Forecasts reduced to windows, against one member and one starting point at a time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.probability.committee_event import member_observables
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.parameters import SystemParameters
 from helpers_forecasters import MadeUpForecaster
 
 OPTIONS = {"noise": 0.02, "members": 6, "inflation": 1.0, "neighbours": 4}
@@ -78,11 +81,11 @@ class Counting(MadeUpForecaster):
     def __init__(self):
         self.batches = []
 
-    def start(self, washout):
+    def start(self, washout, parameters=None):
         self.batches.append(washout.shape[2])
         return washout[-1].copy()
 
-    def advance(self, memory, steps):
+    def advance(self, memory, steps, parameters=None):
         ahead = np.arange(1, steps + 1, dtype=np.float64)[:, np.newaxis, np.newaxis]
         outputs = np.where(memory < 0, np.nan, memory + ahead)
         return outputs, outputs[-1]
@@ -121,3 +124,22 @@ def test_observables_of_members_are_those_of_their_states(training, washouts, st
     found = member_observables(forecaster, first_component, washouts[3], steps)
     states = member_forecasts(forecaster, washouts[3:4].transpose(1, 2, 0), steps)
     np.testing.assert_array_equal(found, states[:, 0, :, 0].T)
+
+
+def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatch):
+    """Cut into batches, members side by side: each point keeps its own schedule."""
+    parameters = SystemParameters.of(Lorenz63(), ["rho"])
+    case = replace(CASE, parameters=parameters)
+    generator = np.random.default_rng(6)
+    washouts = generator.normal(size=(7, 12, 3)) + np.array([1.0, 1.0, 25.0])
+    schedule = generator.choice([24.0, 28.0], size=(7, 11 + BOUNDARIES[-1], 1))
+    model = FilteredEquations.fit(generator.normal(size=(2, 60, 3)), case)
+    monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
+    monkeypatch.setattr(module, "TRAJECTORIES_PER_BATCH", 5)
+    found = window_forecasts(model, case.system.observable, washouts, BOUNDARIES, schedule)
+    for point in range(7):
+        past, ahead = schedule[point, :11, :, np.newaxis], schedule[point, 11:, :, np.newaxis]
+        memory = model.start(washouts[point][..., np.newaxis], past)
+        outputs, _ = model.advance(memory, BOUNDARIES[-1], ahead)
+        expected = summarise(case.system.observable(outputs.transpose(1, 0, 2)), BOUNDARIES)
+        assert np.array_equal(found.largest[point], expected.largest[0])

@@ -121,5 +121,7 @@ def test_a_forecast_that_leaves_the_finite_numbers_disturbs_no_other():
 
 def test_a_window_shorter_than_a_step_is_refused():
     case = ForecastingCase(**{**vars(LORENZ), "options": {**OPTIONS, "window_lt": 0.01}})
-    with pytest.raises(ValueError, match=r"window_lt is 0.01; it must be at least one step"):
+    with pytest.raises(
+        ValueError, match=r"window_lt is 0\.01 Lyapunov times, which is shorter than one step"
+    ):
         QuadraticModel.fit(lorenz_series(), case)

@@ -9,7 +9,12 @@ from hypothesis import strategies as st
 from sklearn.preprocessing import PolynomialFeatures
 
 from burstcast.polynomials.basis import denoised, monomials
-from burstcast.polynomials.regression import gregory_weights, polynomial_coefficients
+from burstcast.polynomials.regression import (
+    _moments,
+    factored_coefficients,
+    gregory_weights,
+    polynomial_coefficients,
+)
 from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
@@ -126,3 +131,95 @@ def test_batches_do_not_matter(cubic):
 def test_coefficients_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match="have 10 coefficients, not 9"):
         PolynomialSystem(np.zeros((9, 3)), 2, Lorenz63())
+
+
+def switching_factors(series, time, count, generator):
+    """Factors that change at random steps."""
+    values = generator.normal(size=(3, count))
+    changes = generator.random((series, time - 1)) < 0.06
+    return values[np.cumsum(changes, axis=1) % 3]
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_factored_coefficients_are_those_of_least_squares(count):
+    """Numpy's least squares of increments on [integrals, q integrals, ...], window by window."""
+    generator = np.random.default_rng(8)
+    series = generator.standard_normal((3, 200, 2)).cumsum(axis=1)
+    factors = switching_factors(3, 200, count, generator)
+    basis, weights = monomials(2, 2), gregory_weights(6)
+    rows, increments = [], []
+    for states, of_series in zip(series, factors, strict=True):
+        values = np.array([np.prod(states[:, list(one)], axis=1) for one in basis])
+        for start in range(200 - 6):
+            inside = of_series[start : start + 6]
+            if (inside == inside[0]).all():
+                integral = 0.5 * values[:, start : start + 7] @ weights
+                rows.append(np.concatenate([integral, *(q * integral for q in inside[0])]))
+                increments.append(states[start + 6] - states[start])
+    assert 100 < len(rows) < 3 * 194
+    expected = np.linalg.lstsq(np.array(rows), np.array(increments))[0]
+    found = factored_coefficients(series, np.zeros(2), 0.5, 2, 6, 0.0, factors)
+    np.testing.assert_allclose(found.reshape(-1, 2), expected, rtol=1e-6, atol=1e-9)
+
+
+def test_the_noise_of_factored_moments_is_taken_out():
+    """Gram matrices and products of noisy series have the means of the true ones."""
+    generator = np.random.default_rng(9)
+    true = generator.standard_normal((1, 120, 2)).cumsum(axis=1) / 4
+    factors = switching_factors(1, 120, 1, generator)
+    deviation = np.array([0.3, 0.5])
+    exact = _moments(true, np.zeros(2), 2, 5, factors)
+    noisy = [
+        _moments(true + deviation * generator.standard_normal(true.shape), deviation, 2, 5, factors)
+        for _ in range(1500)
+    ]
+    for name in ("gram", "cross"):
+        samples = np.array([getattr(one, name) for one in noisy])
+        error = samples.std(axis=0) / math.sqrt(len(samples))
+        expected = getattr(exact, name)
+        assert (np.abs(samples.mean(axis=0) - expected) <= 5 * error + 1e-9).all()
+
+
+@pytest.mark.parametrize("value", [-0.4, 0.7])
+def test_without_factors_the_equations_are_the_plain_ones(value):
+    """No factor: bit for bit. A constant one: its terms cannot be told apart, their sum can."""
+    start = np.random.default_rng(3).normal(size=(3, 4)) + np.array([[1.0], [1.0], [25.0]])
+    series = integrate(Lorenz63(), start, 0.01, 1200, stride=2)[101:].transpose(2, 0, 1)
+    noise = np.full(3, 1e-3)
+    plain = polynomial_coefficients(series, noise, 0.02, 2, 5, 4.0)
+    none = factored_coefficients(series, noise, 0.02, 2, 5, 4.0, np.empty((4, 499, 0)))
+    assert np.array_equal(none[0], plain)
+    whole = polynomial_coefficients(series, noise, 0.02, 2, 5, 0.0)
+    constant = np.full((4, 499, 1), value)
+    found = factored_coefficients(series, noise, 0.02, 2, 5, 0.0, constant)
+    np.testing.assert_allclose(found[0] + value * found[1], whole, rtol=1e-5, atol=1e-6)
+
+
+def test_coefficients_that_depend_on_a_parameter_are_found():
+    """The Lorenz system at three values of rho: one term of it is linear in rho."""
+    start = np.random.default_rng(3).normal(size=(3, 4)) + np.array([[1.0], [1.0], [25.0]])
+    rho = (25.0, 28.0, 32.0)
+    series = np.concatenate(
+        [integrate(Lorenz63(rho=one), start, 0.0025, 4 * 2000, stride=4)[100:] for one in rho],
+        axis=2,
+    ).transpose(2, 0, 1)
+    noise = 1e-3 * series.std(axis=(0, 1))
+    observed = series + noise * np.random.default_rng(4).standard_normal(series.shape)
+    scaled = (np.repeat(rho, 4) - 28.5) / 3.5
+    factors = np.repeat(scaled[:, np.newaxis, np.newaxis], series.shape[1] - 1, axis=1)
+    found = factored_coefficients(observed, noise, 0.01, 2, 10, 4.0, factors)
+    basis = monomials(3, 2)
+    slope = np.zeros_like(found[1])
+    slope[basis.index((0,)), 1] = 3.5
+    assert np.flatnonzero(found[1]).tolist() == np.flatnonzero(slope).tolist()
+    np.testing.assert_allclose(found[1], slope, atol=0.02)
+    assert found[0][basis.index((0,)), 1] == pytest.approx(28.5, abs=0.05)
+
+
+def test_factors_of_another_shape_and_too_few_windows_are_refused():
+    series = np.random.default_rng(1).normal(size=(2, 50, 2))
+    with pytest.raises(ValueError, match=r"factors of the shape \(2, 49, factors\)"):
+        factored_coefficients(series, np.zeros(2), 1.0, 2, 5, 0.0, np.ones((2, 50, 1)))
+    restless = np.random.default_rng(1).normal(size=(2, 49, 1))
+    with pytest.raises(ValueError, match="too few for 12 coefficients"):
+        factored_coefficients(series, np.zeros(2), 1.0, 2, 5, 0.0, restless)

@@ -8,7 +8,7 @@ from burstcast.probability.brier import brier_skill
 from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.reliability import reliability_diagram
 from burstcast.probability.scores import probability_scores
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 
 def test_a_ratio_of_sums_is_resampled_series_by_series():

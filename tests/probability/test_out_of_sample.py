@@ -23,16 +23,16 @@ class MeanForecaster(MadeUpForecaster):
     mean: float
 
     @classmethod
-    def fit(cls, training, case):
+    def fit(cls, training, case, parameters=None):
         return cls(float(training.mean()))
 
-    def start(self, washout):
+    def start(self, washout, parameters=None):
         return np.zeros((1, washout.shape[2]))
 
-    def ensemble(self, washout):
+    def ensemble(self, washout, parameters=None):
         return np.arange(3.0)[np.newaxis, :, np.newaxis] * np.ones((1, 3, washout.shape[2]))
 
-    def advance(self, memory, steps):
+    def advance(self, memory, steps, parameters=None):
         return np.repeat((self.mean + memory)[np.newaxis], steps, axis=0), memory
 
 

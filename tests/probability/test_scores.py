@@ -5,7 +5,7 @@ from helpers_probability import informative_sample
 
 from burstcast.probability.outcomes import outcomes_by_series
 from burstcast.probability.scores import probability_scores, resampled_scores
-from burstcast.resampling import bootstrap_weights
+from burstcast.statistics.resampling import bootstrap_weights
 
 
 def test_each_resample_is_scored_as_if_its_series_were_the_data():

@@ -31,8 +31,9 @@ from helpers_rules import groups, predicted_jobs
 from one_machine_slurm import Job, OneMachineSlurm, install, installed, reason_not_to_run
 from snakemake.utils import update_config
 
-from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
+from burstcast_workflow.costs.model import Cost
 from burstcast_workflow.tables.registry import table_names
 
 pytestmark = pytest.mark.slurm
@@ -49,7 +50,8 @@ def first_request(group: str) -> int:
     """Memory that the first attempt of a group asks for: that of its largest member, in MiB."""
     project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
     jobs = predicted_jobs([*project, "--configfile", str(ROOT / PRESET)])
-    return max(job.cost.mib_for(1) for job in jobs if groups()[job.rule] == group)
+    members = jobs[jobs["rule"].map(groups()) == group]
+    return Cost(0.0, members["predicted_memory_mib"].max()).mib_for(1)
 
 
 @dataclass

@@ -129,10 +129,10 @@ def test_kinds_say_whether_they_linearise():
     )
 
     class Other(MadeUpForecaster):
-        def start(self, washout):
+        def start(self, washout, parameters=None):
             return washout[-1]
 
-        def advance(self, memory, steps):
+        def advance(self, memory, steps, parameters=None):
             return np.repeat(memory[np.newaxis], steps, axis=0), memory
 
     with pytest.raises(NotImplementedError, match="Other does not linearise"):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from burstcast.dataset import generate_ensemble, initial_states
+from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.statistics import neighbour_divergence as module
 from burstcast.statistics.neighbour_divergence import correlation_steps, neighbour_divergence
 from burstcast.systems.integration import integrate

@@ -44,11 +44,11 @@ class Scripted(MadeUpForecaster):
     bound: float = np.inf
     asked: int = field(default=0)
 
-    def start(self, washout):
+    def start(self, washout, parameters=None):
         # which trajectory, and how far it is
         return np.stack([washout[-1, 0], np.zeros(washout.shape[2])])
 
-    def advance(self, memory, steps):
+    def advance(self, memory, steps, parameters=None):
         which, begin = memory[0].astype(int), int(memory[1, 0])
         self.asked += steps * len(which)
         return self.script[begin : begin + steps, :, which], memory + np.array([[0.0], [steps]])
@@ -283,7 +283,7 @@ def test_a_network_on_a_fixed_point_is_found_out_early():
     asked = []
 
     class Counting(NetworkForecaster):
-        def advance(self, memory, steps):
+        def advance(self, memory, steps, parameters=None):
             asked.append(steps * memory.shape[-1])
             return super().advance(memory, steps)
 

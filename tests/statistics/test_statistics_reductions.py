@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.flow_grid import make_flow_grid
 from burstcast.statistics import reductions
 from burstcast.statistics.densities import (
     histogram,
@@ -21,6 +20,7 @@ from burstcast.statistics.profiles import (
     velocity_profiles,
 )
 from burstcast.statistics.reductions import SeriesAccumulator, reduce_series
+from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 

@@ -1,7 +1,8 @@
 """Looking at a system: what is found, what is proposed, and messages about mistakes."""
 
 import copy
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -11,14 +12,21 @@ import yaml
 
 from burstcast.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.check import UnsoundSystemError, check_system, interface_problems
+from burstcast.systems.check import (
+    UnsoundSystemError,
+    _stride,
+    check_system,
+    interface_problems,
+)
+from burstcast.systems.compiled import hindrance
 from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
 from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.lyapunov import Estimate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast_workflow.check_system import case_text, report
-from burstcast_workflow.command_line import main
-from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.commands.check_system import case_text, report
+from burstcast_workflow.commands.command_line import main
 from burstcast_workflow.config.loading import load
 
 ROOT = Path(__file__).parents[2]
@@ -95,7 +103,7 @@ def test_what_is_found_of_the_lorenz_system(monkeypatch, says) -> None:
     if not says:
         monkeypatch.setattr(Lorenz63, "case_defaults", {})
     check = check_system(Lorenz63(), generator())
-    assert check.is_chaotic
+    assert check.verdict == "chaotic"
     assert check.by_qr.mean == pytest.approx(0.9056, rel=0.05)
     assert check.by_qr.low < check.by_qr.mean < check.by_qr.high  # trajectories are different ones
     assert check.by_growth.mean == pytest.approx(0.9056, rel=0.05)
@@ -103,6 +111,8 @@ def test_what_is_found_of_the_lorenz_system(monkeypatch, says) -> None:
     assert 0.5 < check.fastest_period < 1.0  # a turn around a wing takes 0.75
     assert 0.005 <= check.time_step * check.sampling_stride <= 0.03
     assert check.observable_quantiles[0.95] == pytest.approx(38.0, abs=1.0)
+    # 0.7246 in 20 trajectories of 580 time units, counted apart
+    assert check.events_per_lyapunov_time == pytest.approx(0.725, rel=0.05)
     assert "compiled" in check.integrator
 
 
@@ -122,7 +132,7 @@ def test_the_proposed_case_can_be_pasted_into_a_config(monkeypatch, name, system
     # as if the exponent were published: what has to fit into a series is checked, too
     exponent = float(check.by_qr.mean)
     config["cases"][name].setdefault("lyapunov", {})["published_exponent"] = exponent
-    record = case_records(load(config))[name]
+    record = Campaign(load(config)).cases[name].dump()
     low, high = record["density"]["range"]
     assert low <= check.observable_quantiles[0.0] < check.observable_quantiles[1.0] <= high
     assert record["event_threshold"] == (
@@ -154,6 +164,15 @@ def test_a_map_is_checked_like_everything_else() -> None:
     assert "initial_state" not in check.case["ensemble"]
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1e3])
+def test_the_integration_step_does_not_depend_on_the_unit_of_a_state(unit) -> None:
+    scaled = mistaken(
+        right_hand_side=lambda self, x: unit * Lorenz63().right_hand_side(x / unit),
+        jacobian=DynamicalSystem.jacobian,
+    )
+    assert _stride(scaled, unit * STATES, 0.02) == _stride(Lorenz63(), STATES, 0.02) > 1
+
+
 def test_the_command_line(capsys) -> None:
     assert main(["check-system", "lorenz63", "rho=28"]) == 0
     said = capsys.readouterr().out
@@ -171,7 +190,65 @@ def test_the_command_line(capsys) -> None:
         assert message in capsys.readouterr().err
 
 
-def test_a_system_without_chaos_has_no_lyapunov_time() -> None:
-    check = check_system(Lorenz63(rho=160.0), generator())  # a stable cycle
-    assert not check.is_chaotic
+def test_a_limit_cycle_has_no_lyapunov_time() -> None:
+    check = check_system(Lorenz63(rho=160.0), generator(), longest=1.0)
+    assert check.verdict == "regular"
     assert "no Lyapunov time" in report("lorenz63", {"rho": 160.0}, check)
+
+
+def test_where_an_interval_holds_zero_nothing_is_said_about_chaos() -> None:
+    check = check_system(Lorenz63(), generator())
+    zero = Estimate(*(np.array(value) for value in (0.001, 0.002, -0.003, 0.005)))
+    for unsure in (replace(check, by_qr=zero), replace(check, by_growth=zero)):
+        assert unsure.verdict == "undecided"
+        text = report("lorenz63", {}, unsure)
+        assert "chaos undecided" in text
+        assert "no Lyapunov time" not in text
+    both = replace(check, by_qr=zero, by_growth=zero)
+    assert "longer than 200" in report("lorenz63", {}, both)
+
+
+@dataclass(frozen=True)
+class HindmarshRose(DynamicalSystem):
+    """A bursting neuron (Proc. R. Soc. B 221 (1984) 87), whose exponent is a hundredth."""
+
+    current: float = 3.25
+
+    dimension: ClassVar[int] = 3
+    observable_name: ClassVar[str] = "membrane potential"
+    observable_symbol: ClassVar[str] = "x"
+
+    def right_hand_side(self, state):
+        x, y, z = state
+        derivative = np.empty_like(state)
+        derivative[0] = y - x**3 + 3.0 * x**2 - z + self.current
+        derivative[1] = 1.0 - 5.0 * x**2 - y
+        derivative[2] = 0.006 * (4.0 * (x + 1.6) - z)
+        return derivative
+
+    def observable(self, state):
+        return np.array(state[0])
+
+
+class Tempered(HindmarshRose):
+    """The same with an operation that cannot be compiled."""
+
+    def right_hand_side(self, state):
+        return super().right_hand_side(np.tanh(state / 10.0) * 10.0)
+
+
+@pytest.mark.long
+def test_cubes_compile_and_chaos_of_a_small_exponent_is_found() -> None:
+    check = check_system(HindmarshRose(), generator())
+    assert check.integrator == "Runge-Kutta scheme, compiled"
+    assert check.verdict == "chaotic"
+    assert check.by_qr.mean == pytest.approx(0.0133, rel=0.1)
+    assert 50 < check.steps_per_lyapunov_time < 500
+    assert check.fastest_period / (check.time_step * check.sampling_stride) > 9.0
+
+
+def test_what_hinders_compilation_is_named_with_its_line() -> None:
+    reason = hindrance(Tempered(), 0.1)
+    assert reason is not None
+    assert re.match(r".*test_check_system.py:\d+, return super.*np.tanh.*_Symbol", reason)
+    assert hindrance(HindmarshRose(), 0.1) is None

@@ -7,11 +7,11 @@ import pytest
 
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.systems.registry import available_systems, make_system, module_of
+from burstcast.systems.registry import available_systems, make_system, system_module
 
 
 def test_available_systems_are_the_modules_that_define_one() -> None:
-    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "mfe"]
+    assert available_systems() == ["fitzhugh_nagumo", "kolmogorov", "lorenz63", "mfe"]
 
 
 def test_make_system_with_defaults_and_integers() -> None:
@@ -23,7 +23,7 @@ def test_make_system_with_defaults_and_integers() -> None:
 
 @pytest.mark.parametrize("name", ["base", "registry", "integration", "mfe.x", "", "os"])
 def test_unknown_system(name: str) -> None:
-    with pytest.raises(ValueError, match="available systems are fitzhugh_nagumo, lor"):
+    with pytest.raises(ValueError, match="available systems are fitzhugh_nagumo, kol"):
         make_system(name, {})
 
 
@@ -101,8 +101,8 @@ def test_a_system_in_a_package_of_ones_own(module) -> None:
     module("from own_flows.circles import *", "own_flows/other")
     module(OWN, "own_flows/circles")
     assert make_system("own_flows.circles:Circle", {}).dimension == 2
-    assert module_of("own_flows.circles:Circle") == "own_flows.circles"
-    assert module_of("lorenz63") == "burstcast.systems.lorenz63"
+    assert system_module("own_flows.circles:Circle") == "own_flows.circles"
+    assert system_module("lorenz63") == "burstcast.systems.lorenz63"
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_one_broken_module_spoils_no_other(monkeypatch, tmp_path) -> None:
     (tmp_path / "unfinished.py").write_text(OWN.replace("def observable", "def observed"))
     monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
     assert make_system("lorenz63", {}) == Lorenz63()
-    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "mfe"]
+    assert available_systems() == ["fitzhugh_nagumo", "kolmogorov", "lorenz63", "mfe"]
     with pytest.raises(
         ValueError, match=r"did you mean 'lorenz63'\?\); the available systems are f"
     ):

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from burstcast.tuning import network_search
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
-from burstcast.tuning.network_search import NetworkSearch
+from burstcast.tuning.scan import scan
 from burstcast.tuning.search import bayesian_search
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.validation import Validation
@@ -127,12 +128,15 @@ def test_the_best_network_is_that_of_its_own_strategy():
             for beta in (1.0, 2.0)
         ]
 
-    found = NetworkSearch(PAPER, 2, 3).best(validator, recycled, [single, recycled], 1)
+    scanned = scan(validator, PAPER, [single, recycled], 2)
+    trace = network_search.search(validator, PAPER, recycled, scanned, 3, 1)
     assert seen == [["SSV", "RV"]] * 4 + [["RV"]] * 3
-    assert found.tikhonov == 1.0
-    at = HyperparameterPoint(found.spectral_radius, found.input_scaling)
-    assert found.objective == pytest.approx(bowl(at) + 1)
-    assert bowl(at) <= min(map(bowl, PAPER.grid(2)))
+    assert [one.number for one in trace[::2]] == [*range(7)]
+    assert [one.source for one in trace[::2]] == ["grid"] * 4 + ["bayesian"] * 3
+    found = network_search.best(trace)
+    assert found.validation.tikhonov == 1.0
+    assert found.objective == pytest.approx(bowl(found.point) + 1)
+    assert bowl(found.point) <= min(map(bowl, PAPER.grid(2)))
 
 
 def test_no_points_are_no_search():

@@ -5,7 +5,11 @@ import pytest
 from burstcast.tuning.strategies import base, registry
 from burstcast.tuning.strategies.base import ValidationPlan, use_of_series
 from burstcast.tuning.strategies.recycle import RecycleValidation
-from burstcast.tuning.strategies.registry import available_strategies, make_strategy, module_of
+from burstcast.tuning.strategies.registry import (
+    available_strategies,
+    make_strategy,
+    strategy_module,
+)
 from burstcast.tuning.strategies.walk_forward import WalkForwardValidation
 
 PLAN = ValidationPlan(washout=5, interval=10, series=2, intervals=3)
@@ -14,7 +18,7 @@ PLAN = ValidationPlan(washout=5, interval=10, series=2, intervals=3)
 def test_strategies_are_found_by_their_names():
     assert available_strategies() == ["RV", "SSV", "WFV"]
     assert isinstance(make_strategy("RV"), RecycleValidation)
-    assert module_of("WFV") == "burstcast.tuning.strategies.walk_forward"
+    assert strategy_module("WFV") == "burstcast.tuning.strategies.walk_forward"
 
 
 def test_unknown_strategies_are_refused():

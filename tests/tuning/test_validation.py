@@ -8,11 +8,14 @@ from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.training import TrainingSeries
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.tuning.hyperparameters import HyperparameterPoint
+from burstcast.tuning.network_search import best
+from burstcast.tuning.scan import Evaluation
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
-from burstcast.tuning.validation import DIVERGED_ERROR, Validation, best, validate
+from burstcast.tuning.validation import DIVERGED_ERROR, Validation, validate
 
 NEURONS, DIMENSION = 40, 3
 SERIES, LENGTH = 4, 260
@@ -240,16 +243,13 @@ def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
     assert found.objective == pytest.approx(logs.mean(), rel=1e-12)
 
 
-def result(strategy, tikhonov, objective):
-    return Validation(strategy, tikhonov, (objective,), "cholesky", 1e-9)
-
-
-def test_the_best_is_the_first_of_the_smallest_of_its_strategy():
+def test_the_best_is_the_first_of_the_smallest():
     results = [
-        result("SSV", 1e-6, -9.0),
-        result("RV", 1e-6, -2.0),
-        result("RV", 1e-9, -3.0),
-        result("RV", 1e-12, -3.0),
+        Evaluation(0, "grid", HyperparameterPoint(1.0, 1.0), one)
+        for one in (
+            Validation("RV", 1e-6, (-2.0,), "cholesky", 1e-9),
+            Validation("RV", 1e-9, (-3.0,), "cholesky", 1e-9),
+            Validation("RV", 1e-12, (-3.0,), "cholesky", 1e-9),
+        )
     ]
-    assert best(results, "RV") is results[2]
-    assert best(results, "SSV") is results[0]
+    assert best(results) is results[1]

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from helpers_rebuilds import Project
 
-from burstcast.netcdf import read_netcdf
+from burstcast.files.netcdf import read_netcdf
 
 pytestmark = pytest.mark.long
 

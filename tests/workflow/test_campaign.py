@@ -11,17 +11,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from snakemake.utils import update_config
 
-from burstcast_workflow.campaign import Campaign, CaseForecaster
-from burstcast_workflow.canonical import canonical, canonical_json, natural_order
+from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
+from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.figure_registry import (
+from burstcast_workflow.config.model import Choice
+from burstcast_workflow.figures.registry import (
     FIGURES,
     cases_of,
     figure_names,
     files_of,
     settings_of,
 )
-from burstcast_workflow.identifiers import ForecasterName, parsed
+from burstcast_workflow.stages.canonical import canonical, canonical_json, natural_order
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
 
 ROOT = Path(__file__).parents[2]
@@ -90,8 +91,8 @@ def test_blocks_that_overlap_share_their_forecasters():
 
 def test_choices_name_kinds_and_may_restrict_their_axes():
     def run_freely(choice):
-        chosen = campaign(blocks=PAPER.config["campaign"])
-        return {one.name for one in chosen._chosen(choice)}
+        chosen = PAPER._chosen(Choice.model_validate(choice))
+        return {one.name for one in chosen}
 
     every = {one.name for one in PAPER.networks}
     assert run_freely({}) == run_freely({"esn": None}) == set()
@@ -168,22 +169,20 @@ def test_committees_control_as_one():
         for who in ("esn-N2000-RV", "quadratic_filtered")
         for share in ("0.1", "1")
     }
-    records = found.strategy_keys(sorted(runs, key=lambda run: run.directory))
-    wildcards = {
-        "case": "Re400",
-        "controller": "esn-N2000-RV-committee",
-        "strategy": f"{plan}0.1",
-    }
-    assert records[0]["identity"] == wildcards
-    keys = records[0]["keys"]
-    assert (keys["forecaster"], keys["neurons"], keys["seed"]) == ("esn_committee", 2000, None)
-    assert keys["vote_share"] == 0.1
-    assert records[-1]["keys"]["forecaster"] == "quadratic_filtered_committee"
+    for run in runs:
+        record = found.settings(["control.run"], run.identity, {})["control.run"]
+        assert run.directory.endswith(f"vote_share{record['settings']['vote_share']:g}")
+        assert run.controller.keys["forecaster"] == f"{run.controller.kind}_committee"
+        assert run.controller.seed is None
     networks = [one.name.identifier for one in found.controlling("Re400", "esn-N2000-RV-committee")]
     assert networks == [f"esn-N2000-RV-seed{seed}" for seed in range(3)]
     (alone,) = found.controlling("Re400", "quadratic_filtered-committee")
     assert alone.directory == "Re400/quadratic_filtered"
     # a job of a committee is about the kind of those who vote
+    controller = "esn-N2000-RV-committee"
+    (first, *_) = sorted(runs, key=lambda run: run.directory)
+    wildcards = {"case": "Re400", "controller": controller, "strategy": f"{plan}0.1"}
+    assert first.identity == wildcards
     modules = found.modules(wildcards)
     assert modules["burstcast.forecasters"] == ["esn"]
     assert modules["burstcast.control.controllers"] == ["committee"]
@@ -244,7 +243,7 @@ def test_settings_are_found_by_their_path():
         "forecaster.options": {"backend": "compiled", "connectivity": 20, "input_bias": 0.1},
         "forecaster.divergence_bound": 10,
         "washout_lt": 0.5,
-        "search": PAPER.config["search"],
+        "search": PAPER.config.search.dump(),
         "neurons": 3,
     }
 
@@ -259,9 +258,8 @@ def test_settings_are_canonical():
 def test_kinds_share_sections_of_options():
     wildcards = {"case": "Re600", "forecaster": "quadratic_filtered"}
     (options,) = PAPER.settings(["forecaster.options"], wildcards, {}).values()
-    sections = [
-        PAPER.config["forecasters"][name] for name in ("observation", "quadratic", "filter")
-    ]
+    forecasters = PAPER.config.forecasters.dump()
+    sections = [forecasters[name] for name in ("observation", "quadratic", "filter")]
     assert options == {key: value for section in sections for key, value in section.items()}
     assert len(options) == sum(map(len, sections))
     wildcards = {"case": "Re600", "forecaster": "equations_filtered"}
@@ -366,51 +364,41 @@ def test_strategies_that_share_their_sums_share_a_scan(identifier, scan):
     assert PAPER.scan_of(identifier) == scan
 
 
-def test_keys_of_the_tables():
-    records = PAPER.keys(PAPER.forecasters)
-    assert len(records) == 188
-    by_name = {
-        (record["identity"]["case"], record["identity"]["forecaster"]): record["keys"]
-        for record in records
-    }
-    assert by_name["Re400", "esn-N500-RV-seed0"] == {
-        "case": "Re400",
-        "forecaster": "esn",
-        "neurons": 500,
-        "reynolds": 400,
-        "seed": 0,
-        "validation": "RV",
-    }
-    assert by_name["Re600", "equations"] == {
-        "case": "Re600",
-        "reynolds": 600,
-        "forecaster": "equations",
-        **dict.fromkeys(("neurons", "validation", "seed")),
-    }
+def test_the_forecasters_of_the_paper():
+    found = {(one.case, one.name.identifier) for one in PAPER.forecasters}
+    assert len(found) == len(PAPER.forecasters) == 188
+    assert {("Re400", "esn-N500-RV-seed0"), ("Re600", "equations")} < found
 
 
-def test_keys_of_control_tell_random_alarms_apart():
-    found = {
-        (parsed(record["identity"]["controller"]).role, record["keys"]["forecaster"])
-        for record in PAPER.control_keys(PAPER.control_runs)
-    }
+def test_runs_of_control_tell_random_alarms_apart():
+    found = {(run.controller.role, run.controller.keys["forecaster"]) for run in PAPER.control_runs}
     assert found == {(None, "esn"), (None, "equations"), ("random", "random")}
-    identities = [
-        canonical_json(record["identity"]) for record in PAPER.control_keys(PAPER.control_runs)
-    ]
-    assert len(set(identities)) == len(PAPER.control_runs)
-    for record in PAPER.control_keys(PAPER.control_runs):
-        time = record["keys"]["prediction_time_lt"]
-        assert f"-prediction_time{time:g}-" in record["identity"]["strategy"]
+    identities = {canonical_json(run.identity) for run in PAPER.control_runs}
+    assert len(identities) == len(PAPER.control_runs)
+    for run in PAPER.control_runs:
+        record = PAPER.settings(["control.run"], run.identity, {})["control.run"]
+        assert record["settings"]["prediction_time_lt"] == run.prediction_time_lt
+        assert f"-prediction_time{run.prediction_time_lt:g}-" in run.identity["strategy"]
+        # equations see the truth
+        assert ("noise" in record) == (run.controller.kind != "equations")
 
 
-def test_settings_of_each_case():
-    records = PAPER.of_each_case("case.event_threshold", "case.test_series")
-    assert [record["identity"] for record in records] == [
-        {"case": case} for case in PAPER.case_names
-    ]
-    assert records[0]["keys"] == {"case": "Re400", "reynolds": 400}
-    assert [record["settings"]["case.test_series"] for record in records] == [150, 300, 300, 300]
+def test_noise_of_a_plan_is_said_also_where_the_truth_is_seen():
+    block = {
+        "strategy": "reactive",
+        "settings": {"level": [0.05], "decision_interval_lt": [0.5]},
+        "noise": [0.03],
+    }
+    found = campaign({"control": {"strategies": [block]}})
+    run = next(run for run in found.strategy_runs if run.plan.noise)
+    wildcards = {**run.identity, "controller": "equations"}
+    assert found.settings(["control.run"], wildcards, {})["control.run"]["noise"] == 0.03
+
+
+def test_settings_of_cases():
+    found = PAPER.settings_of_cases("case.event_threshold", "case.test_series")
+    assert list(found) == list(PAPER.case_names)
+    assert [one["case.test_series"] for one in found.values()] == [150, 300, 300, 300]
 
 
 @settings(deadline=None, max_examples=15)
@@ -452,8 +440,8 @@ def test_settings_do_not_depend_on_the_order_of_the_config(generator):
             assert settings_of(other, figure, case) == settings_of(plain, figure, case), name
     sections = ("classification", "control", "search", "bootstrap")
     assert other.settings(sections, {}, {}) == plain.settings(sections, {}, {})
-    assert other.of_each_case("case.parameters") == plain.of_each_case("case.parameters")
-    assert other.control_keys(other.control_runs) == plain.control_keys(plain.control_runs)
+    found = other.settings_of_cases("case.parameters")
+    assert found == plain.settings_of_cases("case.parameters")
 
 
 def test_natural_order():
@@ -473,8 +461,5 @@ def test_realisations_are_cases_that_differ_by_their_training_series_only():
     assert found.realised_cases == tuple(others)
     assert found.simulated_cases == (own, *others)
     assert {one.case for one in found.networks} == {own, *others}
-    (family,) = found.families()
-    assert family["keys"] == {"case": "Re400", "reynolds": 400.0}
-    assert family["cases"] == [own, *others]
     assert "training_realisations" in table_names(found)
     assert "training_realisations" not in table_names(campaign())

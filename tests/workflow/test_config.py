@@ -6,16 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from pydantic_core import PydanticUndefined
 from snakemake.utils import update_config
 
+from burstcast.forecasters._options import DEFAULTS
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast_workflow.canonical import canonical, canonical_json
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config import reference
-from burstcast_workflow.config.cases import block_cases, case_name, case_record, case_records
+from burstcast_workflow.config.cases import block_cases, case_name, case_of
 from burstcast_workflow.config.loading import ConfigError, load, misread
-from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.config.model import Block, Configuration
 from burstcast_workflow.config.places import Place
-from burstcast_workflow.jobs import length_checks
+from burstcast_workflow.jobs.data import check_kept_series
+from burstcast_workflow.stages.canonical import canonical, canonical_json
 
 ROOT = Path(__file__).parents[2]
 CHOICE = re.compile(r"(statistics|control)\.forecasters\.")
@@ -34,12 +37,17 @@ def config():
     return read(ROOT / "config.yaml")
 
 
+def case_records(loaded):
+    """All settings of each case, as plain data."""
+    return {name: case.dump() for name, case in Campaign(loaded).cases.items()}
+
+
 def put(config, name, value):
     """Change one setting, ``campaign.0.reynolds``."""
     *parents, last = [int(part) if part.isdigit() else part for part in name.split(".")]
     place = config
     for parent in parents:
-        place = place[parent]
+        place = place[parent] if isinstance(place, list) else place.setdefault(parent, {})
     place[last] = value
 
 
@@ -93,21 +101,35 @@ def test_bounds_that_are_other_settings_exist():
             assert {f"{root}{other}" for other in others.split(" * ")} <= names
 
 
-def test_every_setting_that_has_a_fixed_place_is_required(config):
-    """A setting that the model names but config.yaml may leave out would have no value."""
+def value_at(config, name):
+    """Value of a setting, and whether there is one."""
+    for part in name.split("."):
+        if not isinstance(config, dict) or part not in config:
+            return None, False
+        config = config[part]
+    return config, True
+
+
+def test_every_setting_has_its_default_in_one_place(config):
+    """What the model has no default for stands in config.yaml, which repeats no other."""
+    of_the_paper = {"forecasters.esn.connectivity", "forecasters.esn.input_bias"}
     for place in Place(Configuration).settings():
-        if "[" in place.name or CHOICE.match(place.name):  # in a block of the campaign
+        if "[" in place.name or CHOICE.match(place.name) or place.fields:
             continue
-        changed = copy.deepcopy(config)
-        *parents, last = place.name.split(".")
-        parent = changed
-        for part in parents:
-            parent = parent and parent[part]
-        if parent is None:  # a section that nothing is said in
-            continue
-        assert last in parent, f"config.yaml lacks {place.name}"
-        del parent[last]
-        assert f"{place.name} is missing" in only_problem(changed)
+        value, said = value_at(config, place.name)
+        if place.name.startswith("case_defaults.data."):  # a section that nothing is said in
+            assert not said
+        elif place.default is PydanticUndefined:
+            assert said, f"config.yaml lacks {place.name}"
+            changed = copy.deepcopy(config)
+            parent, last = place.name.rpartition(".")[::2]
+            del (value_at(changed, parent)[0] if parent else changed)[last]
+            assert f"{place.name} is missing" in only_problem(changed)
+        elif said and place.name not in of_the_paper:
+            assert value != place.default, f"{place.name} has a default"
+    for name in of_the_paper:
+        section, key = name.split(".")[1:]
+        assert value_at(config, name)[0] == DEFAULTS[section][key]
 
 
 def test_choices_of_forecasters_may_leave_kinds_and_axes_out(config):
@@ -201,8 +223,8 @@ def test_reynolds_numbers_name_their_cases():
         "Re412.5",
         "Re1234567",
     ]
-    block = {"reynolds": [400, 600], "cases": ["mine", "Re400"]}
-    assert block_cases(block) == ["Re400", "Re600", "mine"]
+    block = {"reynolds": [400, 600], "cases": ["mine", "Re400"], "forecasters": {}}
+    assert block_cases(Block.model_validate(block)) == ["Re400", "Re600", "mine"]
 
 
 def test_a_reynolds_number_needs_no_entry(config):
@@ -217,7 +239,7 @@ def test_records_merge_mappings_and_replace_the_rest(config):
         "ensemble": {"series": 1000, "initial_state": [0, 1, 2]},
         "parameters": {"length_x": 1},
     }
-    record = case_record(config, "Re400")
+    record = case_of(Configuration.model_validate(config), "Re400").dump()
     assert record["ensemble"]["series"] == 1000
     assert record["ensemble"]["initial_state"] == [0, 1, 2]
     assert record["ensemble"]["time_step"] == 0.25
@@ -261,7 +283,14 @@ def test_cases_of_the_shear_flow_are_case_defaults_and_their_entry(config, path)
             continue
         # those of other training series have the record of the case they are chosen for
         name = name.partition("-training")[0]
-        expected = laid_over(config["case_defaults"], config["cases"].get(name, {}))
+        unsaid = {
+            "files": None,
+            "data": None,
+            "lyapunov": {"published_exponent": None},
+            "actuation": {"force": None},
+        }
+        expected = laid_over(unsaid, config["case_defaults"])
+        expected = laid_over(expected, config["cases"].get(name, {}))
         if name.startswith("Re"):
             expected["parameters"]["reynolds"] = float(name.removeprefix("Re"))
         assert record == canonical(expected)
@@ -654,6 +683,17 @@ def test_all_mistakes_are_told_at_once(config):
         ),
         (
             "control.strategies",
+            [
+                reactive(
+                    strategy="planned",
+                    settings={"decision_interval_lt": [0.25], "horizon_lt": [3]},
+                    forecasters={"equations": {}},
+                )
+            ],
+            ["control.strategies[0]: planned tells forecasters of a parameter", "no case has one"],
+        ),
+        (
+            "control.strategies",
             [reactive(strategy="prediction_triggered", settings=WINDOWS)],
             ["control.strategies[0].forecasters names no kind", "asks forecasters"],
         ),
@@ -698,7 +738,7 @@ def test_all_mistakes_are_told_at_once(config):
         ("control.strategies", [reactive(starts="loud")], ["starts", "quiet or unselected"]),
         ("cases.Re400.parameters", {"reynolds": 300}, ["Re400", "contradicts the name"]),
         ("cases.Re400.lyapunov.published_exponent", 2, ["Re400", "published_exponent", "step"]),
-        ("cases.Re400.recycle_validation.intervals_per_series", 33, ["is 33", "only 32"]),
+        ("cases.Re400.recycle_validation.intervals_per_series", 33, ["33 validation", "only 32"]),
     ],
 )
 def test_mistake_between_settings(config, name, value, parts):
@@ -809,39 +849,46 @@ def test_an_actuation_that_the_case_has_to_complete(config):
 
 
 @pytest.mark.parametrize(
-    ("check", "arguments", "least"),
+    ("changes", "least"),
     [
-        # a Lyapunov time of 10 steps, a washout of 5
-        (length_checks.check_single_shot_validation, (0.5, 2), 26),
-        (length_checks.check_recycle_validation, (0.5, 2, 3), 65),
-        (length_checks.check_classification, (0.5, 1, 0.5, 6), 65),
-        (length_checks.check_horizon, (0.5, 4, 0.5), 45),
+        # a Lyapunov time of 61 steps, a washout of 30: what has to fit into a series
+        ({"search.interval_lt": 10}, 30 + 610 + 1),
+        ({"cases.Re400.recycle_validation.intervals_per_series": 4}, 30 + 4 * 122),
+        ({"classification.longest_prediction_time_lt": 19}, 30 + 20 * 61),
+        ({"horizon.longest_lead_time_lt": 30}, 30 + 30 * 61),
     ],
 )
-def test_least_length_of_a_series(check, arguments, least):
-    check(least, 10, *arguments)
-    with pytest.raises(ValueError, match=r"ensemble\.duration"):
-        check(least - 1, 10, *arguments)
+def test_least_length_of_a_series(config, changes, least):
+    config["campaign"] = [{"reynolds": [400], "forecasters": networks(2000)}]
+    put(config, "cases.Re400.recycle_validation", {"series": 3, "intervals_per_series": 1})
+    put(config, "horizon.longest_lead_time_lt", 1)
+    put(config, "figures.reynolds_prediction_times_lt", [2])
+    for name, value in changes.items():
+        put(config, name, value)
+    # both ends of a series are sampled, one time unit apart
+    put(config, "cases.Re400.ensemble", {"duration": least - 1})
+    load(copy.deepcopy(config))
+    put(config, "cases.Re400.ensemble", {"duration": least - 2})
+    problem = only_problem(config)
+    assert problem.startswith("case Re400: ")
+    assert "ensemble.duration" in problem
 
 
 @pytest.mark.parametrize(
-    ("check", "arguments", "name"),
+    "name",
     [
-        (length_checks.check_single_shot_validation, (0.05, 2), "washout_lt"),
-        (length_checks.check_single_shot_validation, (0.5, 0.05), "search.interval_lt"),
-        (length_checks.check_classification, (0.5, 0.05, 0.5, 6), "start_spacing_lt"),
-        (length_checks.check_classification, (0.5, 1, 0.05, 6), "resolution_lt"),
-        (
-            length_checks.check_classification,
-            (0.5, 0.05, 0.5, 6, length_checks.CALIBRATION_SPACING),
-            "probability.start_spacing_lt",
-        ),
-        (length_checks.check_horizon, (0.5, 4, 0.05), "lead_time_step_lt"),
+        *("washout_lt", "search.interval_lt", "probability.start_spacing_lt"),
+        *("classification.start_spacing_lt", "horizon.lead_time_step_lt"),
     ],
 )
-def test_durations_below_one_step(check, arguments, name):
-    with pytest.raises(ValueError, match=f"{name} is 0.05 Lyapunov times"):
-        check(1000, 10, *arguments)
+def test_durations_below_one_step(config, name):
+    put(config, "campaign", [{"reynolds": [400], "forecasters": networks(2000)}])
+    put(config, "figures.reynolds_prediction_times_lt", [2])
+    put(config, name, 0.01)
+    assert only_problem(config) == (
+        f"case Re400: {name} is 0.01 Lyapunov times, which is shorter than one step of the "
+        "network: a Lyapunov time has 61"
+    )
 
 
 def test_calibration_leaves_out_one_of_several_training_series(config):
@@ -854,9 +901,9 @@ def test_calibration_leaves_out_one_of_several_training_series(config):
 
 
 def test_series_are_counted_together():
-    length_checks.check_kept_series(10, {"training.series": 4, "test_series": 6})
+    check_kept_series(10, {"training.series": 4, "test_series": 6})
     with pytest.raises(ValueError, match=r"training.series is 4 and test_series is 7, but only 10"):
-        length_checks.check_kept_series(10, {"training.series": 4, "test_series": 7})
+        check_kept_series(10, {"training.series": 4, "test_series": 7})
 
 
 def test_a_series_has_a_sample_at_each_end(config):

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import data_files
-from burstcast_workflow.costs import CostModel
+from burstcast_workflow.config.model import Data
+from burstcast_workflow.costs.model import CostModel
 
 ROOT = Path(__file__).parents[2]
 DATA = {"files": ["lab/run_*.csv"], "components": ["u", "v"], "observable": "u", "time_step": 0.5}
@@ -45,6 +45,11 @@ def config(tmp_path, monkeypatch):
     config["statistics"]["duration"] = 100
     config["figures"]["reynolds_prediction_times_lt"] = [2]
     return config
+
+
+def case_records(loaded):
+    """All settings of each case, as plain data."""
+    return {name: case.dump() for name, case in Campaign(loaded).cases.items()}
 
 
 def problem(config):
@@ -86,7 +91,7 @@ def test_records(config):
 def test_past_values_are_components(config):
     config["cases"]["part"] = {"data": {**PART["data"], "delays": [20, 10]}}
     campaign = Campaign(load(config))
-    part = campaign.cases["part"]
+    part = campaign.cases["part"].dump()
     names = ["a1", "s", "a1(t-20)", "s(t-20)", "a1(t-10)", "s(t-10)"]
     assert part["parameters"]["components"] == names
     assert campaign.dimension("part") == 7  # and the observable
@@ -136,13 +141,13 @@ def test_what_a_campaign_makes_of_them(config):
     costs = CostModel(campaign)
     for case in ("lab", "part"):
         names = {"case": case, "forecaster": "esn-N2000-RV-seed0"}
-        assert costs.predicted("training", "train", names).seconds > 0
+        assert costs.predicted("training", names).seconds > 0
 
 
 def test_files_as_people_sort_their_names(config):
-    data = {"files": ["lab/run_*.csv"]}
+    data = Data(files=["lab/run_*.csv"], observable="u")
     assert data_files(data) == [f"lab/run_{number}.csv" for number in (1, 9, 10)]
-    data = {"files": ["lab/run_9.csv", "./lab/run_*.csv", "upstream.csv"]}
+    data = Data(files=["lab/run_9.csv", "./lab/run_*.csv", "upstream.csv"], observable="u")
     assert data_files(data) == ["lab/run_9.csv", "lab/run_1.csv", "lab/run_10.csv", "upstream.csv"]
 
 

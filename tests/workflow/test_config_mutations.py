@@ -15,19 +15,19 @@ import yaml
 from helpers_rebuilds import ROOT, Project
 from snakemake.utils import update_config
 
-from burstcast_workflow.alarm_sources import alarm_records
-from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.canonical import canonical_json
+from burstcast_workflow.campaign.alarm_sources import shown_voters
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.model import Configuration
-from burstcast_workflow.costs import CostModel
-from burstcast_workflow.figure_registry import (
+from burstcast_workflow.costs.model import CostModel
+from burstcast_workflow.figures.registry import (
     FIGURES,
     figure_case,
     figure_names,
     files_of,
     settings_of,
 )
+from burstcast_workflow.stages.canonical import canonical_json
 from burstcast_workflow.tables.registry import latex_names, table_names
 
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))
@@ -130,11 +130,13 @@ def planned(config: dict) -> int:
     campaign = Campaign(config)
     costs = CostModel(campaign)
     records = [
-        *campaign.keys(campaign.forecasters),
-        *campaign.control_keys(campaign.control_runs),
-        *campaign.strategy_keys(campaign.strategy_runs),
-        *campaign.of_each_case("case.ensemble", "case.event_threshold"),
-        *(alarm_records(campaign, case) for case in campaign.case_names),
+        *(one.directory for one in campaign.forecasters),
+        *(
+            campaign.settings(["control.run"], run.identity, {})
+            for run in (*campaign.control_runs, *campaign.strategy_runs)
+        ),
+        campaign.settings_of_cases("case.ensemble", "case.event_threshold"),
+        *(one.directory for case in campaign.case_names for one in shown_voters(campaign, case)),
         table_names(campaign),
         latex_names(campaign),
     ]
@@ -142,8 +144,8 @@ def planned(config: dict) -> int:
     for one in {(one.case, one.name.kind): one for one in campaign.forecasters}.values():
         campaign.modules(one.identity)
         campaign.settings(["forecaster.options", "case.training"], one.identity, {})
-        for cost_class, stage in (("training", "train"), ("closed_loop", "forecast")):
-            cost = costs.predicted(cost_class, stage, one.identity)
+        for cost_class in ("training", "forecast"):
+            cost = costs.predicted(cost_class, one.identity)
             assert cost.mib_for(1) > 0
             assert cost.minutes_for(1) > 0
     for name in figure_names(campaign):

@@ -11,9 +11,10 @@ import pytest
 import yaml
 from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
 
-from burstcast import units
-from burstcast.netcdf import read_attributes, read_netcdf
+from burstcast.files import units
+from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.project import code_of
 
 KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]
 COLUMNS = {
@@ -154,13 +155,12 @@ def test_tables_have_every_network(finished, name):
     assert len(rows) == times * (len(NETWORKS) + len(others))
 
 
-def test_the_run_keeps_what_all_sources_do_for_its_jobs(finished):
+def test_the_claim_of_the_run_has_all_code(finished):
     directory = finished.project.directory
-    modules = [*directory.glob("src/burstcast*/**/*.py")]
-    scripts = [*directory.glob("workflow/scripts/**/*.py")]
-    contents = {hashlib.sha256(path.read_bytes()).hexdigest() for path in modules + scripts}
-    kept = json.loads((finished.project.results / ".code.json").read_text())
-    assert kept["sources"].keys() == contents
+    files = [*code_of(directory).files(), *directory.glob("workflow/scripts/**/*.py")]
+    contents = {hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+    claim = json.loads((finished.project.results / ".run.json").read_text())
+    assert {*claim["code"].values()} == contents
 
 
 def test_a_perfect_forecaster_is_perfect_and_a_noisy_one_nearly(finished):

@@ -7,12 +7,14 @@ import pytest
 import yaml
 from numpy.testing import assert_array_equal
 
-from burstcast import forecaster_options
 from burstcast.event_forecaster import forecaster
 from burstcast.event_forecaster.forecaster import EventForecaster
-from burstcast.netcdf import read_attributes, read_netcdf
+from burstcast.files.netcdf import read_attributes, read_netcdf
+from burstcast.forecasters import _options as forecaster_options
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast_workflow.config.model import Forecasters
 from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.stages.canonical import canonical
 
 ROOT = Path(__file__).parents[2]
 CASE = "Re400"
@@ -103,8 +105,7 @@ def test_a_forecaster_without_a_search_is_the_workflows(finished):
 
 
 def test_the_options_of_kinds_are_those_of_the_config():
-    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
-    assert config["forecasters"] == forecaster_options.DEFAULTS
+    assert Forecasters().dump() == canonical(dict(forecaster_options.DEFAULTS))
 
 
 def test_defaults_are_those_of_the_config():

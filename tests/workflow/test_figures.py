@@ -8,11 +8,11 @@ import pytest
 import yaml
 
 from burstcast.figures.registry import Declaration, available_figures, caption, declaration
-from burstcast.netcdf import Variable, write_netcdf
-from burstcast_workflow import report_sections
-from burstcast_workflow.campaign import Campaign
+from burstcast.files.netcdf import Variable, write_netcdf
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.figure_registry import cases_of, files_of, settings_of
+from burstcast_workflow.figures import registry
+from burstcast_workflow.figures.registry import cases_of, files_of, settings_of
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 
@@ -98,10 +98,10 @@ def test_captions_are_read_from_the_text():
 
 def test_an_unknown_section_names_those_that_there_are(monkeypatch):
     new = {"new": Declaration("contrl", 10)}
-    monkeypatch.setattr(report_sections, "available_figures", lambda: [*new])
-    monkeypatch.setattr(report_sections, "declaration", new.__getitem__)
-    with pytest.raises(ValueError, match=r"the figure new .*did you mean 'control'"):
-        report_sections._figures()
+    monkeypatch.setattr(registry, "available_figures", lambda: [*new])
+    monkeypatch.setattr(registry, "declaration", new.__getitem__)
+    with pytest.raises(ValueError, match=r"the section 'contrl'.*did you mean 'control'"):
+        registry._declared()
 
 
 def asked(campaign, figure):

@@ -7,9 +7,9 @@ from burstcast import random_streams
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.training import train
+from burstcast.files.netcdf import Variable, read_attributes
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.forecasters.registry import available_kinds, forecaster_class
-from burstcast.netcdf import Variable, read_attributes
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import (
@@ -19,8 +19,7 @@ from burstcast_workflow.jobs.forecasters import (
     seen_rows,
     write_forecaster,
 )
-from burstcast_workflow.jobs.searches import reservoir_seed
-from burstcast_workflow.jobs.training import training_series
+from burstcast_workflow.jobs.networks import reservoir_seed, training_series
 
 IDENTIFIER = "esn-N40-RV-seed2"
 SETTINGS = {

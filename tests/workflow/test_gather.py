@@ -1,89 +1,146 @@
-"""Files of many jobs, paired with what is asked for by what they say they are."""
+"""Files of many jobs: each is what it says it is, and so are the rows of tables made from it."""
 
 import json
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from burstcast.forecast.windows import WindowForecasts
+from burstcast_workflow.campaign.identifiers import KEYS
 from burstcast_workflow.harness.job import job_identity, provenance
-from burstcast_workflow.harness.storage import write_json, write_netcdf
-from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
+from burstcast_workflow.jobs.gather import case_keys, gathered, origins
+from burstcast_workflow.jobs.probabilities import BASELINES, alarm_sources
 
-NAMES = ["Re400", "Re1000", "alpha", "Zeta", "zeta", "nan", "inf", "1e5x"]
+CASE = {"case": "Re400", "case.parameters": {"reynolds": 400}}
+NAMES = ["esn-N30-RV-seed0", "esn-N30-RV-seed1", "esn-N40-SSV-seed0", "equations", "quadratic"]
+LABELS = {
+    "esn-N30-RV-seed0": ("esn", 30, "RV", 0),
+    "esn-N30-RV-seed1": ("esn", 30, "RV", 1),
+    "esn-N40-SSV-seed0": ("esn", 40, "SSV", 0),
+    "equations": ("equations", None, None, None),
+    "quadratic": ("quadratic", None, None, None),
+}
 
 
-def written(directory, wildcards, suffix=".json", rule="horizon"):
-    text = json.dumps(wildcards)
+def written(directory, wildcards, suffix=".json", rule="horizon", of_job=None):
+    text = json.dumps([wildcards, of_job])
     path = directory / f"{abs(hash(text))}-{rule}{suffix}"
-    record = provenance(job_identity(rule, wildcards), {})
+    record = provenance(job_identity(rule, wildcards), of_job or {})
     if suffix == ".json":
-        write_json(path, {"provenance": record})
+        write_json(path, {"provenance": record, "value": wildcards.get("forecaster", "")})
     else:
         write_netcdf(path, {}, record)
     return path
 
 
-def forecaster(case="Re400", name="esn-N30-RV-seed0"):
+def forecaster(name="esn-N30-RV-seed0", case="Re400"):
     return {"case": case, "forecaster": name}
 
 
-def asked(*identities):
-    """What is asked for: identities, with keys of tables that nothing is found by."""
-    return [{"identity": identity, "keys": {"row": row}} for row, identity in enumerate(identities)]
-
-
-def wildcards(identity):
-    return {name: str(value) for name, value in identity.items()}
-
-
 @settings(deadline=None)
-@given(st.lists(st.sampled_from(NAMES), min_size=1, unique=True), st.randoms())
-def test_files_in_any_order_find_their_records(tmp_path_factory, cases, generator):
+@given(st.permutations(NAMES), st.permutations(["a", "b", "c", "d", "e"]))
+def test_rows_are_labelled_by_the_files_in_any_order_and_at_any_place(
+    tmp_path_factory, names, places
+):
+    """A table is the same but for the order of its rows."""
     directory = tmp_path_factory.mktemp("files")
-    kinds = ("esn-N30-RV-seed0", "equations")
-    identities = [forecaster(case, name) for case in cases for name in kinds]
-    paths = [written(directory, wildcards(identity)) for identity in identities]
-    records = asked(*identities)
-    shuffled = generator.sample(paths, len(paths))
-    expected = [(record, str(path)) for record, path in zip(records, paths, strict=True)]
-    assert gathered(records, shuffled) == expected
+    paths = []
+    for name, place in zip(names, places, strict=True):
+        path = directory / f"{place}.json"
+        written(directory, forecaster(name)).rename(path)
+        paths.append(path)
+    rows = [{**keys, "value": read_json(one.path)["value"]} for keys, one in gathered(CASE, paths)]
+    assert [row["value"] for row in rows] == list(names)
+    for row in rows:
+        assert (row["case"], row["reynolds"]) == ("Re400", 400)
+        assert tuple(row[key] for key in KEYS[2:]) == LABELS[row["value"]]
 
 
-def test_a_file_too_few_and_one_too_many_are_both_named(tmp_path):
-    one, lacking, strange = (forecaster(name=f"esn-N30-RV-seed{seed}") for seed in range(3))
-    paths = [written(tmp_path, wildcards(identity)) for identity in (one, strange)]
-    with pytest.raises(ValueError, match="differ") as error:
-        gathered(asked(one, lacking), paths)
-    assert ('asked for and not found: {"case": "Re400", "forecaster": "esn-N30-RV-seed1"};') in str(
-        error.value
-    )
-    assert (
-        'found and not asked for: {"case": "Re400", "forecaster": "esn-N30-RV-seed2"} '
-        f"({paths[1]})"
-    ) in str(error.value)
+def test_what_a_job_was_told_is_known_of_its_files(tmp_path):
+    plan = {"strategy": "reactive", "settings": {"level": 0.05}}
+    wildcards = {"case": "Re400", "controller": "esn-N30-RV-seed0-random", "strategy": "reactive"}
+    for suffix in (".json", ".nc"):
+        path = written(tmp_path, wildcards, suffix, "control", {"control.run": plan})
+        ((keys, origin),) = gathered(CASE, [path])
+        assert (keys["forecaster"], keys["neurons"], keys["seed"]) == ("random", 30, 0)
+        assert origin.settings["control.run"] == plan
+        assert origin.identity == {"rule": "control", **wildcards}
+
+
+def test_a_case_without_a_reynolds_number():
+    assert case_keys({"case": "lorenz", "case.parameters": {"sigma": 10}}) == {
+        "case": "lorenz",
+        "reynolds": None,
+    }
 
 
 def test_two_files_of_one_forecaster(tmp_path):
-    paths = [written(tmp_path, wildcards(forecaster()), suffix) for suffix in (".json", ".nc")]
-    with pytest.raises(ValueError, match="is found twice"):
-        gathered(asked(forecaster()), paths)
+    paths = [written(tmp_path, forecaster(), suffix) for suffix in (".json", ".nc")]
+    with pytest.raises(ValueError, match="are both of the job") as error:
+        origins(paths)
+    assert all(str(path) in str(error.value) for path in paths)
 
 
-def test_one_forecaster_asked_for_twice(tmp_path):
-    path = written(tmp_path, wildcards(forecaster()))
-    with pytest.raises(ValueError, match="is asked for twice"):
-        gathered(asked(forecaster(), forecaster()), [path])
+def test_a_file_of_another_case(tmp_path):
+    paths = [written(tmp_path, forecaster(case=case)) for case in ("Re400", "Re600")]
+    assert [one.identity["case"] for one in origins(paths)] == ["Re400", "Re600"]
+    with pytest.raises(ValueError, match="is of the case Re600"):
+        gathered(CASE, paths)
 
 
 def test_a_file_that_does_not_say_what_it_is(tmp_path):
     write_json(tmp_path / "x.json", {"seed": 1})
     with pytest.raises(ValueError, match=r"x\.json does not say which job wrote it"):
-        gathered(asked(forecaster()), [tmp_path / "x.json"])
+        origins([tmp_path / "x.json"])
 
 
-def test_nothing_is_asked_for(tmp_path):
-    assert gathered([], []) == []
-    path = written(tmp_path, {"case": "Re400"})
-    with pytest.raises(ValueError, match="found and not asked for"):
-        gathered([], [path])
+def test_nothing_is_gathered():
+    assert gathered(CASE, []) == []
+
+
+# -- sources of alarms -----------------------------------------------------------------------------
+
+
+def forecasts(*names, ensembles=()):
+    """Forecasts of one point, with two members where there is an ensemble."""
+    one = np.zeros((1, 3))
+    return {
+        name: WindowForecasts(
+            one,
+            one,
+            np.zeros(1, dtype=bool),
+            *(np.zeros((1, 2 if name in ensembles else 0, 3)) for _ in range(2)),
+        )
+        for name in names
+    }
+
+
+def test_committees_are_of_seeds_and_of_members_of_an_ensemble():
+    networks = ["esn-N2000-RV-seed0", "esn-N2000-RV-seed1"]
+    singles = [*networks, "analogues", "quadratic", "quadratic_filtered"]
+    found = alarm_sources(forecasts(*singles, ensembles=("analogues", "quadratic_filtered")))
+    by_name = {source.identifier: source for source in found}
+    # by which what raises alarms is compared: committees of networks come first
+    committees = {
+        "esn-N2000-RV-committee": networks,
+        "analogues-committee": ["analogues"],
+        "quadratic_filtered-committee": ["quadratic_filtered"],
+    }
+    assert list(by_name) == [*BASELINES, *singles, *committees]
+    assert [name for name, one in by_name.items() if one.committee] == list(committees)
+    for name, voters in committees.items():
+        assert list(by_name[name].forecasters) == voters
+        assert by_name[name].compared
+        assert by_name[name].name.keys["forecaster"] == f"{name.split('-')[0]}_committee"
+    for name in singles:
+        assert by_name[name].forecasters == (name,)
+        assert by_name[name].compared == (name not in networks)
+    assert [by_name[name].forecasters for name in BASELINES] == [(), ()]
+
+
+def test_without_an_ensemble_there_is_no_committee():
+    found = alarm_sources(forecasts("esn-N2000-RV-seed0", "quadratic", "equations"))
+    assert not any(source.committee for source in found)

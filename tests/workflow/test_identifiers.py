@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast.forecasters.registry import available_kinds
+from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.places import Place
-from burstcast_workflow.identifiers import ForecasterName, parsed
 
 NAMES = st.builds(
     ForecasterName,

@@ -13,7 +13,7 @@ import yaml
 from helpers_rebuilds import Project, digests
 from pandas.testing import assert_frame_equal
 
-from burstcast.netcdf import read_netcdf
+from burstcast.files.netcdf import read_netcdf
 from burstcast.random_streams import stream
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import read_table

@@ -10,9 +10,11 @@ from helpers_browser import opened
 from helpers_rebuilds import ROOT, digests
 from recomputation import Recomputation, assert_same_rows, percentiles
 
-from burstcast_workflow.config.cases import case_records
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.report_sections import SECTIONS
+from burstcast_workflow.tables.declarations import SECTIONS
+from burstcast_workflow.tables.declarations import TABLES as DECLARED
+from burstcast_workflow.tables.registry import table_of, with_percentiles
 
 PRESET = "workflow/presets/miniature.yaml"
 TABLES = (
@@ -50,7 +52,9 @@ def whole_config(*overlays):
 
 def recomputation(results, *overlays):
     config = whole_config(*overlays)
-    return Recomputation(results, config, case_records(config))
+    cases = Campaign(config).cases
+    records = {name: case.dump() for name, case in cases.items()}
+    return Recomputation(results, config, records)
 
 
 @pytest.fixture(scope="module")
@@ -292,8 +296,8 @@ def test_the_tables_of_the_report_have_rows(browser_page, miniature):
     assert [name for name, *_ in found] == [
         f"table-{name}"
         for section in SECTIONS
-        for name in section.tables
-        if (results / f"{name}.csv").exists()
+        for name in with_percentiles(DECLARED)
+        if table_of(name).section == section and (results / f"{name}.csv").exists()
     ]
     assert len(found) == len(list(results.glob("*.csv")))
     for name, said, rows, text in found:

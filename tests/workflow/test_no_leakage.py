@@ -6,7 +6,7 @@ Chosen are hyperparameters, readouts and fits, calibrations and the thresholds o
 import pytest
 from helpers_rebuilds import RESULTS, Project, digests, jobs_since, rules_of
 
-from burstcast.netcdf import read_netcdf
+from burstcast.files.netcdf import read_netcdf
 
 TRAINING, TEST = 3, 12  # series of the tiny preset
 CHOSEN = (

@@ -8,11 +8,11 @@ import pytest
 import yaml
 from helpers_rebuilds import TINY, Project
 
-from burstcast.netcdf import read_netcdf
-from burstcast_workflow.harness.run import VARIABLE
-from burstcast_workflow.harness.search_path import search_directories
+from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import read_table
+from snaketrust.modules import search_directories
+from snaketrust.run import VARIABLE
 
 # No Jacobian, initial states from a sampler, a threshold as a quantile; what the class says of its
 # cases is in its own units, and its parameters come from a module beside it.

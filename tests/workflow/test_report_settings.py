@@ -9,10 +9,10 @@ from snakemake.utils import update_config
 
 from burstcast.figures.registry import caption
 from burstcast.systems.registry import make_system, parameters_of
-from burstcast.tables import described_parameters
-from burstcast_workflow.campaign import Campaign
+from burstcast.tables.latex import described_parameters
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.figure_registry import (
+from burstcast_workflow.figures.registry import (
     FIGURES,
     figure_case,
     figure_names,
@@ -112,11 +112,11 @@ def test_parts_of_a_state_are_shown_beside_the_whole():
 
 
 def test_figure_over_reynolds_numbers_takes_each_once():
-    block = PAPER.config["campaign"][1]
+    block = PAPER.config.dump()["campaign"][1]
     twin = {**block, "reynolds": [400], "cases": ["Twin"]}
     twins = campaign(
         {
-            "campaign": [*PAPER.config["campaign"], twin],
+            "campaign": [*PAPER.config.dump()["campaign"], twin],
             "cases": {"Twin": {"parameters": {"reynolds": 600}, "lyapunov": {}}},
         }
     )

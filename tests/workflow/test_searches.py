@@ -1,27 +1,27 @@
-"""The validation of a point as the scan and the search make it."""
+"""The search of a reservoir as the scan and the search make it."""
 
 import numpy as np
 import pytest
 
 from burstcast.esn.dynamics import Dynamics
+from burstcast.files.netcdf import Variable
 from burstcast.forecasters.esn import ReservoirSeed
-from burstcast.netcdf import Variable
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.tuning.hyperparameters import HyperparameterPoint
+from burstcast.tuning.scan import scan
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.harness.storage import write_netcdf
-from burstcast_workflow.jobs.searches import (
+from burstcast_workflow.jobs.networks import (
     point_validator,
-    read_log_errors,
+    read_evaluations,
     search_space,
-    trace_rows,
+    training_series,
     write_log_errors,
 )
-from burstcast_workflow.jobs.training import training_series
 
 STEPS = 25  # in a Lyapunov time
 IDENTIFIER = "esn-N40-seed0"  # the reservoir of a scan
@@ -86,16 +86,18 @@ def test_durations_are_those_of_the_settings(ensemble):
     [
         (
             {"case.recycle_validation": {"series": 2, "intervals_per_series": 6}},
-            r"recycle_validation\.intervals_per_series is 6, but only 5 intervals",
+            r"6 validation intervals per series are asked for, but only 5 intervals",
         ),
-        ({"search.interval_lt": 11.6}, r"search\.interval_lt"),
+        ({"search.interval_lt": 11.6}, "leave nothing to train on before the last"),
+        ({"search.interval_lt": 0.01}, r"search\.interval_lt is 0\.01 Lyapunov times"),
         ({"washout_lt": 0.01}, r"washout_lt is 0\.01 Lyapunov times"),
         ({"case.training.series": 5}, r"training\.series is 5, but only 4 series"),
     ],
 )
 def test_what_does_not_fit_is_told_before_anything_is_computed(ensemble, change, message):
+    strategies = [SingleShotValidation(), RecycleValidation()]
     with pytest.raises(ValueError, match=message):
-        validator({**SETTINGS, **change}, ensemble)
+        validator({**SETTINGS, **change}, ensemble)(POINT, strategies)
 
 
 def test_intervals_that_just_fit_are_accepted(ensemble):
@@ -106,26 +108,20 @@ def test_intervals_that_just_fit_are_accepted(ensemble):
     assert len(validator(settings, ensemble)(POINT, [RecycleValidation()])) == 2
 
 
-def test_rows_of_the_trace(ensemble):
-    validations = validator(SETTINGS, ensemble)(POINT, [RecycleValidation()])
-    rows = trace_rows(7, "bayesian", POINT, validations)
-    assert [row["tikhonov"] for row in rows] == [1e-6, 1e-9]
-    for row, validation in zip(rows, validations, strict=True):
-        assert (row["evaluation"], row["source"], row["validation"]) == (7, "bayesian", "RV")
-        assert (row["spectral_radius"], row["input_scaling"]) == (0.5, 2.0)
-        assert row["objective"] == validation.objective
-        assert row["solver"] == validation.solver
-
-
-def test_errors_in_intervals_are_kept_by_rows_whatever_their_number(ensemble, tmp_path):
+def test_evaluations_are_read_as_they_were_written(ensemble, tmp_path):
+    """Also where strategies have different numbers of intervals."""
     strategies = [SingleShotValidation(), RecycleValidation()]
-    validations = validator(SETTINGS, ensemble)(POINT, strategies)
+    found = scan(validator(SETTINGS, ensemble), search_space(SETTINGS), strategies, 2)
+    assert [one.number for one in found[::4]] == [0, 1, 2, 3]
     path = str(tmp_path / "errors.nc")
-    write_log_errors(path, validations, {"rule": "scan"})
-    found = read_log_errors(path)
-    assert len(found[0]) == len(found[1]) < len(found[2]) == len(found[3])
-    assert found == [validation.log_errors for validation in validations]
-    assert [np.mean(row) for row in found] == [validation.objective for validation in validations]
+    write_log_errors(path, found, {"rule": "scan"})
+    records = [one.record() for one in found]
+    assert read_evaluations(records, path) == found
+    intervals = [len(one.validation.log_errors) for one in found[:4]]
+    assert intervals[0] == intervals[1] < intervals[2] == intervals[3]
+    for one, record in zip(found, records, strict=True):
+        assert record["objective"] == np.mean(one.validation.log_errors)
+        assert (record["source"], record["solver"]) == ("grid", one.validation.solver)
 
 
 def test_the_search_space_is_that_of_the_settings():

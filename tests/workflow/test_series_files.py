@@ -1,6 +1,8 @@
 """Files of measured series: one kind of file holds what another does."""
 
+import base64
 import importlib.util
+import zlib
 
 import netCDF4
 import numpy as np
@@ -9,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast_workflow.jobs.series_files import read_runs
+from burstcast.data.series_files import read_runs
 
 STATES = np.random.default_rng(1).normal(size=(3, 7, 2))  # (series, time, component)
 COLUMNS, LABELS = {"columns": ["u", "v"]}, {"series": "r"}
@@ -107,6 +109,22 @@ def test_gaps_are_nan_and_text_is_refused(tmp_path) -> None:
         ("u,v\n1,10#15\n", {}, r"a\.csv, line 2: column 'v' has '10#15', which is no number"),
         ("u,v\n1,1_0\n", {}, r"a\.csv, line 2: column 'v' has '1_0', which is no number"),
         ('u,v,note\n1,2,"\n3,4,"\n5,6,\n', {}, r"a\.csv, line 2: unexpected end of data"),
+        # rows that have moved in a spreadsheet, whose last column nobody asks for
+        (
+            "u,v,w\n1,2,3\n5,6,\n",
+            {},
+            r"line 3: the last field is empty, that of the first sample n",
+        ),
+        (
+            "u,v,w,\n1,2,3,\n5,6,,\n",
+            {},
+            r"line 3: the last field is empty, that of the first sample ",
+        ),
+        ("1.,2,2\n5,6,\n", {"columns": ["u", "v", "w"]}, r"line 2: the last field is empty"),
+        ("u,v,w\n2,3,\n4,5,6\n", {}, r"line 3: the last field is number, that of .* sample empty"),
+        ("u,v,w,\n1,2,3,\n4,,5,6\n", {}, r"line 3 has \['6'\] beyond the last column .* 'w' in"),
+        ("u,v\n########,2\n3,4\n", {}, r"a\.csv, line 2: column 'u' has '########'"),
+        ("u,v\n1,2\n#WERT!,4\n", {}, r"a\.csv, line 3: column 'u' has '#WERT!'"),
         # runs, one after the other
         ("u,v\n1,2\n\n3,4\n", {}, r"a\.csv, line 3 is blank or a comment between rows"),
         ("1.,2\n#N/A,3\n# run 2\n3,4\n", COLUMNS, r"line 3 is blank or a comment between rows"),
@@ -126,6 +144,7 @@ def test_tables_with_mistakes(tmp_path, text, data, message) -> None:
     ("text", "message"),
     [
         ("flow rate v\n1 2\n", r"line 2 has 2 fields, but line 1 has 3"),
+        ("u v\n######## 2\n3 4\n", r"line 2: column 'u' has '########'"),
         ("u v\n1\t\t2\n", r"line 2: a field between tabs is empty: such a file ends in \.tsv"),
     ],
 )
@@ -178,6 +197,10 @@ def test_numbers_that_are_no_names(tmp_path, rows) -> None:
         '"u", v\n"1.5", 2\n 3 ,-4e1',
         "v,u\r\n2,1.5\r\n-40,3\r\n",
         'v,n,u,\n2,#1,1.5,\n-40,"x, y",3,\n',
+        "u,v,n\n1.5,2,x\n3,-40,\n",
+        "u,v,w\n1.5,2,1\n3,-40,nan\n",
+        "u,v,n\n1.5,2,\n3,-40,x\n",
+        "### runs of May\n#! all of them\nu,v\n1.5,2\n3,-40\n",
     ],
 )
 def test_dialects_of_csv(tmp_path, text) -> None:
@@ -238,6 +261,15 @@ def test_one_array_by_its_axes_or_the_number_of_its_columns(tmp_path) -> None:
     np.save(path, STATES[0].T)
     found = runs(path, **COLUMNS, axes=["component", "time"])
     assert np.array_equal(states(found, "u", "v")[0], STATES[0])
+
+
+def test_a_file_of_several_arrays_in_a_row(tmp_path) -> None:
+    path = tmp_path / "a.npy"
+    with path.open("wb") as file:
+        for run in STATES:
+            np.save(file, run)
+    with pytest.raises(ValueError, match=r"a\.npy cannot be read: it has more after its first arr"):
+        runs(path, **COLUMNS)
 
 
 @pytest.mark.parametrize(
@@ -351,6 +383,21 @@ def test_hdf5_of_others(tmp_path) -> None:
         file["deep/state"] = STATES
     found = runs(path, array="deep/state", **COLUMNS, axes=["series", "time", "component"])
     assert np.array_equal(states(found, "u", "v"), STATES)
+
+
+HALF_PRECISION = (
+    "c-rgqaB<`1lHy|K;9!7(|4_gJ6*7Q|$7$+y_<OhnF)>sy2_Y+l0WKy6Mg|5p9tI%ASh^Wzo(BWfK<7P?60j417BGr1FfcJ"
+    "PGBQEsU^KG`1EZh<Ka?-Pz{SeI#Sdh$0$s<<#Q}6VGb01kYb-E>H!uu2u-&iVI>RU!1*2dTjDk@>7O-Kk0RY}LCE5"
+)
+"""An HDF5 file with two numbers of 16 bits, u."""
+
+
+def test_numbers_that_netcdf_has_not(tmp_path) -> None:
+    """The library of NetCDF dies when it reads them."""
+    path = tmp_path / "a.h5"
+    path.write_bytes(zlib.decompress(base64.b85decode(HALF_PRECISION)))
+    with pytest.raises(ValueError, match=r"a\.h5, u is text, or .* such as float16"):
+        runs(path, ["u"])
 
 
 def test_other_files(tmp_path) -> None:

@@ -12,9 +12,9 @@ from burstcast.statistics.densities import Histogram
 from burstcast.statistics.measures import best_network
 from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
-from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.figure_registry import (
+from burstcast_workflow.figures.registry import (
     FIGURES,
     control_example,
     figure_names,
@@ -173,7 +173,7 @@ def test_densities_leave_the_sweep_and_other_sizes_out():
     assert shown(found, "control_density", "Re400")["shown.panels"] == [
         {"case": "Re400", "event_threshold": 0.1, "neurons": 2000, "validation": "RV"}
     ]
-    assert found.config["control"]["prediction_times_lt"] == [1, 2]
+    assert found.config.control.prediction_times_lt == [1, 2]
 
 
 def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():

@@ -8,13 +8,14 @@ import yaml
 from helpers_rules import Wildcards
 from snakemake.utils import update_config
 
-from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.costs import CostModel
-from burstcast_workflow.figure_jobs import FigureJobs, captions
-from burstcast_workflow.fingerprint import Sources
-from burstcast_workflow.harness.thresholds import INPUT as THRESHOLDS
-from burstcast_workflow.stages import Stages, of_job, one_of
+from burstcast_workflow.costs.model import CostModel
+from burstcast_workflow.figures.jobs import FigureJobs, captions
+from burstcast_workflow.harness.settings import THRESHOLDS
+from burstcast_workflow.project import code_of
+from burstcast_workflow.stages.stages import Stages, of_job, one_of
+from snaketrust.fingerprint import Sources
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = "resources/published_percentiles.csv"
@@ -25,7 +26,7 @@ def stages(*overlays):
     for overlay in overlays:
         update_config(config, overlay)
     campaign = Campaign(load(config))
-    return Stages(campaign, Sources(ROOT), CostModel(campaign))
+    return Stages(campaign, Sources(code_of(ROOT)), CostModel(campaign))
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +68,7 @@ def test_a_name_of_two_files_is_ambiguous(paper):
 
 
 def test_tables_of_a_case_that_has_none(paper):
-    tables = paper.tables_in_case("dataset training_realisations")
+    tables = paper.tables_of_case("dataset training_realisations")
     assert tables["dataset"](JOB) == "results/paper/Re600/tables/dataset.csv"
     assert tables["training_realisations"](JOB) == []
 
@@ -91,18 +92,17 @@ def test_values_of_a_stage_are_given_or_asked_for(paper):
 
 
 def test_more_memory_for_each_attempt_and_what_the_cache_keeps(paper):
-    needed = paper.needs("forecast", "closed_loop", cached=True)
+    needed = paper.needs("forecast", "forecast", cached=True)
     first, second = (needed["mem_mb"](JOB, attempt) for attempt in (1, 2))
     assert 0 < first < second
     assert needed["cached"] == 1
-    assert (needed["mem_mb"].cost_class, needed["mem_mb"].stage) == ("closed_loop", "forecast")
 
 
 def test_a_figure_of_another_case_and_its_overlay():
     job = Wildcards(figure="long_term_density", of_case="_Re600")
     for overlay in (False, True):
         made = stages({"figures": {"published_overlay": overlay}})
-        drawn = FigureJobs(made, Sources(ROOT), PUBLISHED)
+        drawn = FigureJobs(made, Sources(code_of(ROOT)), PUBLISHED)
         assert drawn.case(job) == "Re600"
         assert ("published" in drawn.files(job)) == overlay
         assert drawn.labels(job) == {"figure": "long_term_density", "case": "Re600"}

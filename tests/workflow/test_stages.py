@@ -16,8 +16,7 @@ from helpers_rules import Wildcards, workflow
 from burstcast.figures.registry import figure_module
 from burstcast.forecasters.registry import available_kinds
 from burstcast_workflow.config.model import BlockForecasters, Choice
-from burstcast_workflow.figure_registry import settings_of
-from burstcast_workflow.report_sections import FIGURES
+from burstcast_workflow.figures.registry import FIGURES, settings_of
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow" / "scripts"

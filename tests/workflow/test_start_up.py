@@ -3,13 +3,15 @@
 import ast
 import subprocess
 import sys
+from dataclasses import replace
 from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
 
 from burstcast.figures.registry import available_figures
-from burstcast_workflow.fingerprint import fingerprint
+from burstcast_workflow.project import code_of
+from snaketrust.fingerprint import Sources
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
@@ -53,7 +55,8 @@ def libraries(path: Path) -> set[str]:
 
 def modules(script: Path) -> list[str]:
     """Modules of ours that a script reaches through imports, at the top or in a function."""
-    names = [entry.partition("@")[0] for entry in fingerprint(script, SOURCE)]
+    sources = Sources(replace(code_of(ROOT), scripts=script.parent))
+    names = [entry.partition("@")[0] for entry in sources.fingerprint(script.name)]
     return [name for name in names if name != script.name]
 
 

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from burstcast_workflow.summary import (
+from burstcast_workflow.campaign.summary import (
     MOST_ROWS,
     MOST_WARNINGS,
     campaign_summary,

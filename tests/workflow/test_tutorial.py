@@ -9,7 +9,7 @@ import pytest
 import yaml
 from helpers_rebuilds import Project
 
-from burstcast_workflow.command_line import main
+from burstcast_workflow.commands.command_line import main
 from burstcast_workflow.harness.tables import read_table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from helpers_rebuilds import ROOT, Project
 
-from burstcast.netcdf import read_netcdf
+from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import read_table
 

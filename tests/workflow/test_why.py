@@ -1,17 +1,20 @@
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
-from burstcast_workflow.why import (
+from burstcast_workflow.commands.why import (
     Job,
     causes,
     changed_modules,
     differences,
     jobs_to_run,
     main,
+    more_and_fewer,
     new_values,
     report,
 )
+from snaketrust.records import Records
 
 CODE = ["burstcast.systems.mfe@1", "train.py@2"]
 
@@ -24,7 +27,7 @@ def job(rule="train", settings=None, recorded=None, **values) -> Job:
         "inputs": ["ensemble.nc"],
         "recorded_settings": {"noise": 0.01} if recorded is None else recorded,
         "recorded_code": CODE,
-        "recorded_inputs": ["ensemble.nc"],
+        "recorded_inputs": {"ensemble.nc": True},
     }
     return Job(rule=rule, **{**defaults, **values})
 
@@ -45,12 +48,7 @@ def test_long_values_are_cut_to_a_line():
 
 
 def of_cases(**thresholds):
-    return {
-        "cases": [
-            {"identity": {"case": case}, "settings": {"case.event_threshold": value}}
-            for case, value in thresholds.items()
-        ]
-    }
+    return {"cases": {case: {"case.event_threshold": value} for case, value in thresholds.items()}}
 
 
 def test_settings_of_all_cases_are_those_of_single_ones():
@@ -78,10 +76,6 @@ def network(neurons=500, validation="RV", seed=0):
 NETWORKS = [network(neurons, seed=seed) for neurons in (500, 1000) for seed in range(3)]
 
 
-def rows(identities):
-    return {"rows": [{"identity": one, "keys": {}} for one in identities]}
-
-
 def test_more_and_fewer_forecasters():
     seed = [network(seed=3)]
     assert new_values(seed, NETWORKS) == ["one more seed, 3 -> 4 (3)"]
@@ -96,9 +90,9 @@ def test_more_and_fewer_forecasters():
     assert new_values([NETWORKS[-1]], NETWORKS[:-1]) == ["new combinations"]
     equations = {"case": "Re400", "forecaster": "equations"}
     assert new_values([equations], NETWORKS) == ["one more kind of forecaster, 1 -> 2 (equations)"]
-    old, new = rows(NETWORKS), rows([*NETWORKS, *seed])
-    assert list(differences(old, new)) == [("", "one more seed, 3 -> 4 (3)")]
-    assert list(differences(new, old)) == [("", "one fewer seed, 4 -> 3 (3)")]
+    more = [*NETWORKS, *seed]
+    assert more_and_fewer(NETWORKS, more) == ["one more seed, 3 -> 4 (3)"]
+    assert more_and_fewer(more, NETWORKS) == ["one fewer seed, 4 -> 3 (3)"]
 
 
 def test_changed_modules():
@@ -138,7 +132,8 @@ def test_settings_that_set_off_the_same_share_a_line():
         ({"incomplete": ["a.nc"]}, "interrupted before it was complete"),
         ({"missing": ["a.nc"]}, "results were deleted"),
         ({"forced": True}, "asked for by an option"),
-        ({"recorded_inputs": []}, "made from other files"),
+        ({"recorded_inputs": {}}, "made from other files"),
+        ({"recorded_inputs": {"ensemble.nc": False}}, "made from another ensemble.nc"),
         ({}, "other reasons (see snakemake -n)"),
     ],
 )
@@ -146,16 +141,28 @@ def test_other_reasons(values, text):
     assert [cause.text for cause in causes([job(**values)], {})] == [text]
 
 
-def test_jobs_with_results_are_known_whether_they_run_or_not():
-    rule, made = SimpleNamespace(name="train"), SimpleNamespace(rule="train", params=[], input=[])
+def test_files_of_more_and_of_fewer_forecasters():
+    makers = {f"{seed}/horizon.nc": network(seed=seed) for seed in range(3)}
+    three, two = dict.fromkeys(makers, True), dict.fromkeys([*makers][:2], True)
+    table = job(rule="horizon_table", wildcards={"case": "Re400"}, makers=makers)
+    more = replace(table, inputs=[*three], recorded_inputs=two)
+    fewer = replace(table, inputs=[*two], recorded_inputs=three)
+    assert [cause.text for cause in causes([more], {})] == ["one more seed, 2 -> 3 (2)"]
+    assert [cause.text for cause in causes([fewer], {})] == ["one fewer seed, 3 -> 2 (2)"]
+
+
+def test_jobs_with_results_are_known_whether_they_run_or_not(tmp_path):
+    run = SimpleNamespace(results=str(tmp_path))
+    (tmp_path / "made").write_text("")
+    Records(run.results).write([f"{tmp_path}/made"], {"rule": "train"}, {}, {}, "", 1.0)
+    rule = SimpleNamespace(name="train", module_globals={"campaign": None, "run": run})
     jobs = [
-        SimpleNamespace(rule=rule, output=[name], wildcards_dict={"seed": name})
+        SimpleNamespace(rule=rule, output=[f"{tmp_path}/{name}"], wildcards_dict={"seed": name})
         for name in ("made", "new")
     ]
     jobs.append(SimpleNamespace(rule=rule, output=[], wildcards_dict={}))  # a target
     dag = SimpleNamespace(toposorted=lambda: [jobs], needrun=lambda job: not job.output)
-    persistence = SimpleNamespace(metadata={"made": made}.get)
-    found = jobs_to_run(SimpleNamespace(dag=dag, persistence=persistence))
+    found = jobs_to_run(SimpleNamespace(dag=dag, rules=[rule]))
     assert found == ([], {"train": [{"seed": "made"}]})
 
 

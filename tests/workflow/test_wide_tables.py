@@ -3,7 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from burstcast_workflow.jobs.wide_tables import typeset, wide_tables
+from burstcast.tables.wide import typeset, wide_tables
+from burstcast_workflow.campaign.identifiers import KEYS
 from burstcast_workflow.tables import registry
 
 LAYOUTS = registry.typeset(["dataset", "control_strategies"])
@@ -38,7 +39,9 @@ def test_seeds_tell_networks_apart_also_after_a_case_without_networks():
         ],
         ignore_index=True,
     )
-    found = {case: texts for case, texts, _ in wide_tables(table, LAYOUTS["control_strategies"])}
+    found = {
+        case: texts for case, texts, _ in wide_tables(table, LAYOUTS["control_strategies"], KEYS)
+    }
     assert list(found) == ["alpha", "Zeta"]
     assert [len(texts) for texts in found.values()] == [1, 3]
     assert "seed" not in found["alpha"]
@@ -49,10 +52,10 @@ def test_what_no_case_has_is_no_column():
     layout = LAYOUTS["dataset"]
     names = [name for name in layout["metrics"] if name != "lyapunov_exponent_paper"]
     table = pd.DataFrame({"case": ["lab"], **{name: [1.5] for name in names}})
-    ((_, texts, _),) = wide_tables(table, layout)
+    ((_, texts, _),) = wide_tables(table, layout, KEYS)
     assert len(texts.columns) == 1 + len(names)
     with_published = table.assign(lyapunov_exponent_paper=0.9)
-    ((_, texts, _),) = wide_tables(with_published, layout)
+    ((_, texts, _),) = wide_tables(with_published, layout, KEYS)
     assert len(texts.columns) == 2 + len(names)
 
 
@@ -62,13 +65,13 @@ def test_settings_that_only_later_cases_have_tell_their_rows_apart():
     second = pd.concat([rows("Re400", "equations", [0.0]) for _ in range(2)])
     second.insert(list(second.columns).index("metric"), "vote_share", [0.1, 0.5])
     joined = pd.concat([first, second])[second.columns]
-    (_, of_first, _), (_, of_second, _) = wide_tables(joined, LAYOUTS["control_strategies"])
+    (_, of_first, _), (_, of_second, _) = wide_tables(joined, LAYOUTS["control_strategies"], KEYS)
     assert (len(of_first), len(of_second)) == (1, 2)
 
 
 def test_heads_and_formats_are_those_declared():
     table = rows("Re400", "equations", [0.0])
-    text = typeset("control_strategies", table, LAYOUTS["control_strategies"])
+    text = typeset("control_strategies", table, LAYOUTS["control_strategies"], KEYS)
     assert "under control" in text  # the head of what is the exceedance with control
     assert "$0.1000$ ($0.0000$ to $1.0000$)" in text
     assert r"\label{tab:control_strategies:Re400}" in text

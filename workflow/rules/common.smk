@@ -6,26 +6,33 @@ import sys
 import time
 from pathlib import Path
 
-from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.cost_report import (
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.costs.model import CostModel
+from burstcast_workflow.costs.records import (
+    RULE_COSTS,
     costs_of_jobs,
-    job_table,
-    jobs_with_costs,
-    write_costs,
+    job_costs,
+    rule_costs,
 )
-from burstcast_workflow.costs import CostModel
-from burstcast_workflow.figure_jobs import captions
+from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.failures import failure_summary
-from burstcast_workflow.prune import stale_note
-from burstcast_workflow.report_sections import category
-from burstcast_workflow.snakemake_plan import covers_campaign
-from burstcast_workflow.stages import Stages, of_job, one_of
-from burstcast_workflow.start import REFUSALS, RefusedError, start, tell_what_is_off
-from burstcast_workflow.summary import campaign_summary, warnings_summary
+from burstcast_workflow.harness.tables import write_table
+from burstcast_workflow.commands.prune import stale_note
+from burstcast_workflow.stages.stages import Stages, of_job, one_of
+from burstcast_workflow.start import (
+    REFUSALS,
+    RefusedError,
+    covers_campaign,
+    start,
+    tell_what_is_off,
+)
+from burstcast_workflow.campaign.summary import campaign_summary, warnings_summary
+from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import (
     cases_of,
     joined,
     made_by,
+    table_of,
     typeset,
     with_percentiles,
     written,
@@ -34,14 +41,15 @@ from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
 PROJECT = Path(str(workflow.current_basedir)).parents[1]
 try:
-    config, run, sources = start(workflow, config, PROJECT)
+    started = start(workflow, config, PROJECT)
 except REFUSALS as error:
     raise RefusedError(str(error)) from None
+config, run, sources = started.config, started.run, started.sources
 campaign = Campaign(config)
 costs = CostModel(campaign)
 stages = Stages(campaign, sources, costs)
 # what rules say most
-files, files_in_case, in_case = stages.files, stages.files_in_case, stages.in_case
+files, files_in_case = stages.files, stages.files_in_case
 of_case, of_cases, of_forecasters = (
     stages.of_case,
     stages.of_cases,
@@ -91,14 +99,15 @@ wildcard_constraints:
 
 
 onstart:
-    found = costs_of_jobs(workflow.dag.needrun_jobs(), campaign, costs)
+    found = costs_of_jobs(workflow.dag.needrun_jobs(), costs)
     expect({job.jobid: cost.seconds for job, cost in found})
 
 
 onsuccess:
     if workflow.is_main_process and covers_campaign(workflow):
-        jobs = job_table(jobs_with_costs(workflow, campaign, costs))
-        write_costs(jobs, campaign, Path(TIMES))
+        write_table(
+            Path(TIMES) / RULE_COSTS, rule_costs(job_costs(workflow, costs))
+        )
     found = [
         campaign_summary(Path(TABLES)),
         warnings_summary(Path(TABLES)),
@@ -130,6 +139,14 @@ JOB_GROUPS = {
 }
 
 
+def group_of(name):
+    """Group of a rule's jobs where they are submitted; those that run right here are in none.
+
+    Snakemake would plan by the groups all the same, at each job by all jobs of its group.
+    """
+    return of_job(lambda wildcards: None if workflow.local_exec else name)
+
+
 def stage(
     name,
     does,
@@ -143,6 +160,21 @@ def stage(
     **values,
 ):
     """A stage of the workflow: the one rule of a script, and of its name.
+
+    Inputs by the names of the script's arguments, in the words that the rules use::
+
+        files("ensemble time_unit")              outputs of earlier stages, by their names there
+        {"scan": f"{CASE}/scan.csv"}             a path
+        {"forecasts": files_in_case("forecast.nc")}              of all forecasters of the case
+        {"flows": files_in_case("flows.nc", campaign.strategy_runs)}    of some, or of control
+        {"forecasts": files_in_case("forecast.nc", shown_voters)}       of those of a function
+        {"scores": of_cases("scores.csv")}                       of all cases
+        stages.tables_of_case("dataset horizon")     tables of the case, as far as it has them
+        stages.file_of_case("lyapunov.json", campaign.simulated_cases)  of some cases alone
+        {"sources": stages.sources_of_data}          whatever a function of the wildcards says
+
+    Values that are in no config, by name: ``quantile=of_case(Campaign.event_quantile)``, a
+    function of the campaign and the case.
 
     Parameters
     ----------
@@ -189,7 +221,7 @@ def stage(
         wildcard_constraints:
             **constraints,
         group:
-            JOB_GROUPS[folder]
+            group_of(JOB_GROUPS[folder])
         conda:
             ENVIRONMENT
         resources:
@@ -207,7 +239,7 @@ def in_report(table):
     return report(
         f"{TABLES}/{table}.csv",
         caption="../report/table.rst",
-        category=category("tables", table),
+        category=SECTIONS[table_of(table).section],
         subcategory="Tables",
         labels={"table": table},
     )
@@ -249,3 +281,10 @@ def table_stage(name, does, **arguments):
         columns=joined(files),
         **values,
     )
+
+
+def parameter_stage(name, does, **arguments):
+    """A stage that writes a table of parameters, and typesets it: no case has one of its own."""
+    outputs = {"table": in_report(name), "latex": f"{TABLES}/{name}.tex"}
+    caption = typeset([name])[name]["caption"]
+    stage(f"tables/{name}", does, outputs, caption=caption, **arguments)

@@ -1,6 +1,6 @@
 """Data of a case: the ensemble, its exponents and statistics, what forecasters are judged on."""
 
-from burstcast_workflow.config.cases import realisation_of
+from burstcast_workflow.campaign.identifiers import realisation_of
 
 stage(
     "data/simulate",
@@ -20,7 +20,7 @@ stage(
     "case.laminarisation_threshold case.training.series case.test_series",
     cost="data",
     constraints={"case": IMPORTED},
-    noise=of_job(lambda wildcards: campaign.noise_of_data(wildcards["case"])),
+    noise=of_case(Campaign.noise_of_data),
 )
 stage(
     # the series of another case, those that are trained on being others
@@ -32,7 +32,7 @@ stage(
     "case.training.series case.test_series probability.calibration_series",
     cost="data",
     constraints={"case": REALISED},
-    realisation=of_job(lambda wildcards: realisation_of(wildcards["case"])[1]),
+    realisation=of_case(lambda campaign, case: realisation_of(case)[1]),
 )
 stage(
     "data/event_threshold",

@@ -6,7 +6,7 @@ stage(
     inputs=files("forecaster evaluation_set time_unit"),
     outputs={"forecast": f"{FORECASTER}/forecast.nc"},
     settings="FORECASTER forecaster.divergence_bound WINDOWS",
-    cost="closed_loop",
+    cost="forecast",
     cached=True,
 )
 stage(
@@ -15,7 +15,7 @@ stage(
     inputs=files("forecaster events summary time_unit"),
     outputs={"horizon": f"{FORECASTER}/horizon.nc"},
     settings="FORECASTER HORIZON case.event_threshold washout_lt",
-    cost="closed_loop",
+    cost="horizon",
     cached=True,
 )
 stage(
@@ -24,7 +24,7 @@ stage(
     inputs=files("ensemble forecaster time_unit"),
     outputs={"long_term": f"{FORECASTER}/long_term.nc"},
     settings="LONG_TERM",
-    cost="closed_loop",
+    cost="long_term",
     cached=True,
 )
 stage(
@@ -46,7 +46,7 @@ stage(
     outputs={"examples": f"{FORECASTER}/examples.nc"},
     settings="FORECASTER HORIZON WINDOWS case.event_threshold case.training.series washout_lt "
     "figures.example_prediction_time_lt figures.example_horizon_lt",
-    cost="closed_loop",
+    cost="examples",
 )
 stage(
     "evaluation/flow_event",
@@ -55,5 +55,5 @@ stage(
     outputs={"event": f"{FORECASTER}/flow_event.nc"},
     settings="FORECASTER OBSERVED case.test_series "
     "case.event_threshold washout_lt figures.flow_event",
-    cost="closed_loop",
+    cost="examples",
 )

@@ -1,7 +1,7 @@
 """Figures: one rule for all of them; each module of `burstcast.figures` says what it is made of."""
 
-from burstcast_workflow.figure_jobs import FigureJobs
-from burstcast_workflow.figure_registry import FIGURES, figure_names
+from burstcast_workflow.figures.jobs import FigureJobs
+from burstcast_workflow.figures.registry import FIGURES, figure_names
 
 PUBLISHED = os.path.relpath(PROJECT / "resources" / "published_percentiles.csv")
 drawn = FigureJobs(stages, sources, PUBLISHED)
@@ -28,7 +28,7 @@ rule figure:
         # nothing for the case that figures show by default
         of_case=r"(_[A-Za-z][A-Za-z0-9_.-]*)?",
     group:
-        "figures"
+        group_of("figures")
     conda:
         ENVIRONMENT
     resources:

@@ -1,11 +1,6 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
-from burstcast_workflow.alarm_sources import (
-    alarm_records,
-    committee_records,
-    shown_voters,
-    voter_records,
-)
+from burstcast_workflow.campaign.alarm_sources import shown_voters
 
 stage(
     "data/calibration_set",
@@ -37,7 +32,6 @@ stage(
     settings="TIME case.event_threshold classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt "
     "probability.prior_forecasts probability.threshold_factors",
-    alarms=of_case(alarm_records),
 )
 stage(
     # of those who are shown: members of the example's ensemble, and of other ensembles
@@ -52,8 +46,6 @@ stage(
     settings="SYSTEM TIME WINDOWS case.event_threshold case.training.series "
     "classification.prediction_times_lt",
     cost="gather",
-    committees=of_case(committee_records),
-    voters=of_case(voter_records),
 )
 
 # What tables of probabilities are made from.
@@ -66,32 +58,28 @@ table_stage(
     "probabilities/probability_scores",
     "score the probabilities",
     inputs=PROBABILITIES,
-    settings="SCORED case.event_threshold probability.bins",
+    settings="KEYS SCORED case.event_threshold probability.bins",
     cost="bootstrap",
-    alarms=of_case(alarm_records),
 )
 table_stage(
     "probabilities/probability_diagrams",
     "reliability, economic value, curves over all thresholds",
     inputs=PROBABILITIES,
-    settings="SCORED case.event_threshold probability.bins probability.cost_loss_ratios",
+    settings="KEYS SCORED case.event_threshold probability.bins probability.cost_loss_ratios",
     cost="bootstrap",
-    alarms=of_case(alarm_records),
 )
 table_stage(
     "probabilities/lead_times",
     "how early events were warned of",
     inputs={**files("ensemble"), **PROBABILITIES},
-    settings="SCORED case.event_threshold case.training.series "
+    settings="KEYS SCORED case.event_threshold case.training.series "
     "classification.start_spacing_lt",
     cost="bootstrap",
-    alarms=of_case(alarm_records),
 )
 table_stage(
     "probabilities/threshold_sweep",
     "score alarms for other event thresholds",
     inputs=PROBABILITIES,
-    settings="SCORED case.event_threshold probability.bins probability.threshold_factors",
+    settings="KEYS SCORED case.event_threshold probability.bins probability.threshold_factors",
     cost="bootstrap",
-    alarms=of_case(alarm_records),
 )

@@ -1,6 +1,5 @@
 """Tables: each case's, gathered from the files of many jobs; then those of all cases, and LaTeX."""
 
-from burstcast_workflow.setting_groups import listed
 from burstcast_workflow.tables.registry import (
     cases_of_tables,
     latex_names,
@@ -13,12 +12,11 @@ table_stage(
     inputs={
         **files("summary events_summary"),
         # a case that is a part of another one has that one's
-        "exponents": of_job(
-            lambda wildcards: f"{RESULTS}/{campaign.source_case(wildcards.case)}/lyapunov.json"
+        "exponents": of_case(
+            lambda campaign, case: f"{RESULTS}/{campaign.source_case(case)}/lyapunov.json"
         ),
     },
-    settings="TIME",
-    keys=of_case(Campaign.case_keys),
+    settings="KEYS TIME",
 )
 table_stage(
     "tables/hyperparameters_table",
@@ -28,22 +26,20 @@ table_stage(
             campaign.hyperparameters_file, campaign.networks
         )
     },
-    rows=in_case(campaign.networks, campaign.keys),
+    settings="KEYS",
 )
 table_stage(
     "tables/classification_table",
     "score the forecasts",
     inputs={"forecasts": files_in_case("forecast.nc"), **files("evaluation_set")},
-    settings="case.event_threshold SCORED",
+    settings="KEYS SCORED case.event_threshold",
     cost="bootstrap",
-    rows=in_case(campaign.forecasters, campaign.keys),
 )
 table_stage(
     "tables/horizon_table",
     "table of the prediction horizons",
     inputs={"horizons": files_in_case("horizon.nc")},
-    settings="random_seed bootstrap",
-    rows=in_case(campaign.forecasters, campaign.keys),
+    settings="KEYS random_seed bootstrap",
 )
 table_stage(
     "tables/statistics_table",
@@ -54,8 +50,6 @@ table_stage(
     },
     settings="SYSTEM random_seed bootstrap statistics.profile_points",
     cost="bootstrap_runs",
-    keys=of_case(Campaign.case_keys),
-    rows=in_case(campaign.long_term_forecasters, campaign.keys),
 )
 table_stage(
     "tables/survival_table",
@@ -64,85 +58,66 @@ table_stage(
         **files("ensemble"),
         "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
-    settings="case.ensemble.time_step case.ensemble.sampling_stride "
+    settings="KEYS case.ensemble.time_step case.ensemble.sampling_stride "
     "statistics.duration bootstrap.confidence",
-    keys=of_case(Campaign.case_keys),
-    rows=in_case(campaign.long_term_forecasters, campaign.keys),
 )
 table_stage(
     "tables/lyapunov_spectrum_table",
     "table of the Lyapunov exponents",
     inputs={
-        "spectrum": of_job(
-            lambda wildcards: (
-                f"{RESULTS}/{wildcards.case}/lyapunov_spectrum.nc"
-                if campaign.has_equations(wildcards.case)
-                else []
-            )
+        "spectrum": stages.file_of_case(
+            "lyapunov_spectrum.nc", campaign.simulated_cases
         ),
         "forecasters": files_in_case(
             "lyapunov_spectrum.nc", campaign.spectrum_forecasters
         ),
     },
-    settings="random_seed bootstrap",
-    keys=of_case(Campaign.case_keys),
-    rows=in_case(campaign.spectrum_forecasters, campaign.keys),
+    settings="KEYS random_seed bootstrap",
 )
 table_stage(
     "tables/control_table",
     "table of control",
     inputs={"counts": files_in_case("counts.json", campaign.control_runs)},
-    rows=in_case(campaign.control_runs, campaign.control_keys),
+    settings="KEYS",
 )
 table_stage(
     "tables/control_density_table",
     "densities with and without control",
     inputs={"histograms": files_in_case("histograms.nc", campaign.control_runs)},
-    rows=in_case(campaign.control_runs, campaign.control_keys),
+    settings="KEYS",
 )
 table_stage(
     "tables/control_strategies_table",
     "costs and gains of control",
     inputs={"flows": files_in_case("flows.nc", campaign.strategy_runs)},
-    settings="random_seed bootstrap",
-    rows=in_case(campaign.strategy_runs, campaign.strategy_keys),
+    settings="KEYS case.training.noise random_seed bootstrap",
 )
-table_of_spectra = stages.tables_in_case("lyapunov_spectrum")["lyapunov_spectrum"]
 table_stage(
     "tables/warnings_table",
     "look for warning signs",
     inputs={
         **files("ensemble data events_summary"),
-        **stages.tables_in_case("dataset classification hyperparameters statistics"),
+        **stages.tables_of_case("dataset classification hyperparameters statistics"),
         # where the unit of time is an estimate that it may contradict
-        "lyapunov_spectrum": of_job(
-            lambda wildcards: (
-                table_of_spectra(wildcards)
-                if campaign.estimates_time_unit(wildcards.case)
-                else []
-            )
+        "lyapunov_spectrum": stages.file_of_case(
+            "tables/lyapunov_spectrum.csv",
+            [
+                case
+                for case in cases_of(campaign, "lyapunov_spectrum")
+                if campaign.estimates_time_unit(case)
+            ],
         ),
     },
-    settings="case.event_threshold case.training.series case.training.noise horizon.events "
+    settings="KEYS case.event_threshold case.training.series case.training.noise horizon.events "
     "search.spectral_radius search.input_scaling search.tikhonov",
-    keys=of_case(Campaign.case_keys),
 )
-
-
-def parameter_stage(name, does, **arguments):
-    """A stage that writes a table of parameters, and typesets it: no case has one of its own."""
-    outputs = {"table": in_report(name), "latex": f"{TABLES}/{name}.tex"}
-    caption = typeset([name])[name]["caption"]
-    stage(f"tables/{name}", does, outputs, caption=caption, **arguments)
-
-
 parameter_stage(
     "data_generation_parameters",
     "table of the parameters of the data",
     inputs={"summaries": of_cases("dataset.json", campaign.simulated_cases)},
-    cases=campaign.of_each_case(
-        *listed("SYSTEM case.ensemble.time_step case.ensemble.duration"),
-        *listed("case.training.series case.laminarisation_threshold"),
+    cases=campaign.settings_of_cases(
+        *("SYSTEM", "case.ensemble.time_step", "case.ensemble.duration"),
+        *("case.training.series", "case.laminarisation_threshold"),
         "case.event_threshold",
         cases=campaign.simulated_cases,
     ),
@@ -152,7 +127,7 @@ parameter_stage(
     "table of the networks' hyperparameters",
     settings="forecasters.esn.connectivity forecasters.esn.input_bias "
     "search.spectral_radius search.input_scaling search.tikhonov",
-    cases=campaign.of_each_case("case.training.noise"),
+    cases=campaign.settings_of_cases("case.training.noise"),
 )
 # the tables whose scatter over seeds is told apart from that over training sets
 scattered = [
@@ -167,7 +142,6 @@ stage(
     outputs={"tables": [in_report("training_realisations")]},
     tables=written(["training_realisations"]),
     scattered=written(scattered),
-    families=campaign.families(),
     kinds=sorted({one.name.kind for one in campaign.forecasters}),
 )
 

@@ -6,13 +6,15 @@ Source: section "Control of extreme events" of the paper. Its control raises the
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from burstcast import durations
-from burstcast.arrays import FloatArray
+from burstcast.arrays import BoolArray, FloatArray
 from burstcast.control.timing import Timing
 from burstcast.systems.base import DynamicalSystem, EnergyBudget, has_own
+from burstcast.systems.parameters import Parameters
 
 
 def actuation_interval(timing: Timing, start_lt: float, duration_lt: float) -> tuple[int, int]:
@@ -81,10 +83,7 @@ def actuated_system(
         raise ValueError("an actuation changes a parameter of the equations or adds a force")
     if not strength > 0:
         raise ValueError(f"the strength of an actuator must be positive, not {strength}")
-    changed = _with_parameters(system, parameters, strength) if parameters else system
-    if force is None:
-        return changed
-    return ForcedSystem(changed, [strength * component for component in force])
+    return _under_share(system, parameters, force, strength)
 
 
 def _with_parameters(
@@ -104,6 +103,103 @@ def _with_parameters(
         own = getattr(system, name)
         changed[name] = value if strength == 1 else own + strength * (value - own)
     return dataclasses.replace(system, **changed)
+
+
+@dataclass(frozen=True)
+class ActuationValues:
+    """Values of the parameters that forecasters are told with the actuator off, and on.
+
+    Attributes
+    ----------
+    off, on
+        One value for each parameter.
+    """
+
+    off: tuple[float, ...]
+    on: tuple[float, ...]
+
+    def schedule(self, acting: BoolArray) -> FloatArray:
+        """Schedule ``(steps, parameters, batch)`` of an actuator that is on or off.
+
+        Parameters
+        ----------
+        acting
+            Whether it is on during each step, ``(steps, batch)``.
+        """
+        off, on = (np.array(values)[:, np.newaxis] for values in (self.off, self.on))
+        return np.where(acting[:, np.newaxis], on, off)
+
+
+@dataclass(frozen=True)
+class ActuatorShare(Parameters):
+    """The share of an actuator that is in force, as the one parameter of a schedule.
+
+    At a share of 0 the flow is free; 1 is the whole actuation, whatever it consists of: changed
+    parameters, a force, or both. Shares may lie between and beyond; a negative one reverses a
+    force.
+
+    Attributes
+    ----------
+    free
+        The equations without actuation.
+    changed
+        Parameters that the actuation changes, and their values at a share of 1.
+    force
+        Force that is added at a share of 1, one number per component; None: there is none.
+    """
+
+    free: DynamicalSystem = field(kw_only=True)
+    changed: Mapping[str, float] = field(kw_only=True)
+    force: Sequence[float] | None = field(kw_only=True)
+    _made: dict[float, DynamicalSystem] = field(
+        init=False, repr=False, compare=False, default_factory=dict
+    )
+
+    @classmethod
+    def of(
+        cls,
+        system: DynamicalSystem,
+        changed: Mapping[str, float],
+        force: Sequence[float] | None = None,
+    ) -> "ActuatorShare":
+        """Share of an actuator that is described as in `actuated_system`.
+
+        Raises
+        ------
+        ValueError
+            As of `actuated_system`.
+        """
+        actuated_system(system, changed, force)
+        return cls(("share",), (0.0,), free=system, changed=changed, force=force)
+
+    def system(self, values: Sequence[float]) -> DynamicalSystem:
+        """Equations under a share of the actuation."""
+        (share,) = (float(value) for value in values)
+        # systems with a force are equal only to themselves: one for each share is compiled once
+        if share not in self._made:
+            self._made[share] = _under_share(self.free, self.changed, self.force, share)
+        return self._made[share]
+
+
+def reversed_actuation(
+    system: DynamicalSystem, force: Sequence[float], strength: float = 1.0
+) -> DynamicalSystem:
+    """Equations under the opposite force (parameters as of `actuated_system`)."""
+    return ForcedSystem(system, [-strength * component for component in force])
+
+
+def _under_share(
+    system: DynamicalSystem,
+    parameters: Mapping[str, float],
+    force: Sequence[float] | None,
+    share: float,
+) -> DynamicalSystem:
+    if share == 0:
+        return system
+    changed = _with_parameters(system, parameters, share) if parameters else system
+    if force is None:
+        return changed
+    return ForcedSystem(changed, [share * component for component in force])
 
 
 class ForcedSystem(DynamicalSystem):

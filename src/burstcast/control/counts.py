@@ -74,27 +74,27 @@ class FlowCounts:
     @property
     def exceedance_uncontrolled(self) -> float:
         """Probability that the observable is at or above the threshold, without control."""
-        return ratio(self.exceeding_uncontrolled, self.steps)
+        return share(self.exceeding_uncontrolled, self.steps)
 
     @property
     def exceedance_controlled(self) -> float:
         """The same with control, time under actuation included."""
-        return ratio(self.exceeding_controlled, self.steps)
+        return share(self.exceeding_controlled, self.steps)
 
     @property
     def exceedance_free(self) -> float:
         """The same with control, time under actuation left out."""
-        return ratio(self.exceeding_free, self.steps_free)
+        return share(self.exceeding_free, self.steps_free)
 
     @property
     def reduction(self) -> float:
         """Share of the exceedance that control removes; NaN if there is none."""
-        return 1.0 - ratio(self.exceeding_controlled, self.exceeding_uncontrolled)
+        return 1.0 - share(self.exceeding_controlled, self.exceeding_uncontrolled)
 
     @property
     def control_fraction(self) -> float:
         """Share of the time that counts under actuation."""
-        return ratio(self.actuated_integration_steps, self.integration_steps)
+        return share(self.actuated_integration_steps, self.integration_steps)
 
 
 @dataclass(frozen=True)
@@ -175,6 +175,6 @@ def count_flows(
     }
 
 
-def ratio(numerator: int, denominator: int) -> float:
+def share(numerator: int, denominator: int) -> float:
     """Quotient of two counts; NaN where there is nothing to divide by."""
     return numerator / denominator if denominator else float("nan")

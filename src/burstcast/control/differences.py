@@ -12,7 +12,7 @@ import numpy as np
 
 from burstcast.arrays import IntArray
 from burstcast.control.records import Span
-from burstcast.resampled_score import ResampledScore
+from burstcast.statistics.resampled_score import ResampledScore
 
 COMPARED = ("relative_exceedance", "control_fraction")
 """Scores whose differences are told: what is left, and what it costs."""

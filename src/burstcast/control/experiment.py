@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.dataset import Scales, observe
+from burstcast.control.actuation import ActuationValues
+from burstcast.data.dataset import Scales, observe
 from burstcast.systems.base import DynamicalSystem
 
 
@@ -76,6 +77,11 @@ class ControlExperiment:
         Durations.
     root_seed, case
         Names of random streams.
+    values
+        What forecasters that know the parameters are told; None: there is nothing to tell.
+    reversed_system
+        The equations under the reversed actuation, that is with the opposite force; None: there is
+        none.
     """
 
     system: DynamicalSystem
@@ -87,6 +93,8 @@ class ControlExperiment:
     schedule: Schedule
     root_seed: int
     case: str
+    values: ActuationValues | None = None
+    reversed_system: DynamicalSystem | None = None
 
 
 def controlled_series(kept: int, training: int, wanted: int) -> range:
@@ -108,7 +116,7 @@ def controlled_series(kept: int, training: int, wanted: int) -> range:
     return range(training, training + min(wanted, kept - training))
 
 
-def observation_noise(
+def noise_of_flows(
     series: range, steps: int, noise: float, scales: Scales, root_seed: int, case: str
 ) -> FloatArray:
     """Observation noise of each flow at each step, with and without control.
@@ -123,7 +131,7 @@ def observation_noise(
     steps
         Steps of each flow.
     noise, scales, root_seed
-        As in `burstcast.dataset.observe`.
+        As in `burstcast.data.dataset.observe`.
     case
         Name of the case; the random stream is called after it.
 

@@ -21,8 +21,8 @@ from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.simulation import ControlSimulation, EnergyMeans
 from burstcast.events import upward_crossings
 from burstcast.laminarisation import first_laminar_step
-from burstcast.resampled_score import ResampledScore
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.resampled_score import ResampledScore
+from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class Interval:
     high: float
 
 
-SCORES = (
+FLOW_SCORES = (
     "exceedance_uncontrolled",
     "exceedance_controlled",
     "relative_exceedance",
@@ -186,14 +186,14 @@ def score_flows(
 
     Returns
     -------
-    By the names in `SCORES`.
+    By the names in `FLOW_SCORES`.
     """
     flows = len(records.row)
     weights = np.ones((resamples + 1, flows))
     if flows:
         weights[1:] = bootstrap_weights(flows, resamples, generator)
     values = _scores(records, span, weights)
-    return {name: ResampledScore(float(values[name][0]), values[name][1:]) for name in SCORES}
+    return {name: ResampledScore(float(values[name][0]), values[name][1:]) for name in FLOW_SCORES}
 
 
 def flow_intervals(

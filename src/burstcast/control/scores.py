@@ -1,6 +1,6 @@
 """Names of the scores of control: properties of what is counted (`burstcast.control`)."""
 
-SCORES = (
+COUNT_SCORES = (
     "exceedance_uncontrolled",
     "exceedance_controlled",
     "exceedance_free",

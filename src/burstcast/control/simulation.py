@@ -7,13 +7,15 @@ looks are, how long that interval is and what is recorded of an alarm is the str
 
 import abc
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.monitors.base import Monitor
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from burstcast.control.cost import ActuationCost, actuation_cost
+from burstcast.control.monitors.base import Decision, Monitor
 from burstcast.control.timing import Clock
 from burstcast.systems.base import DynamicalSystem, EnergyBudget
 from burstcast.systems.integration import integrate, integrate_switched
@@ -21,8 +23,12 @@ from burstcast.systems.integration import integrate, integrate_switched
 FLOWS_PER_BATCH = 1024
 """Flows that are simulated side by side: bounds the memory, changes no result."""
 
+REVERSED = 2
+"""Number of the reversed actuation among `Stepper.systems`."""
+
 Timed = TypeVar("Timed", bound=Clock)
 Decided = TypeVar("Decided")
+Entry = TypeVar("Entry", bound=np.generic)
 
 
 @dataclass(frozen=True)
@@ -70,6 +76,8 @@ class ControlSimulation(Generic[Timed, Decided]):
         States, ``(flows, timing.length, dimension)``; None unless they were asked for.
     decisions
         What the monitor said at each look, and what came of it (`Stepper.decisions`).
+    cost
+        Effort and power of the actuation; None for a system without a right-hand side.
     """
 
     timing: Timed
@@ -86,6 +94,7 @@ class ControlSimulation(Generic[Timed, Decided]):
     uncontrolled_states: FloatArray | None
     controlled_states: FloatArray | None
     decisions: Decided
+    cost: ActuationCost | None = None
 
     def __len__(self) -> int:
         """Return the number of flows."""
@@ -106,6 +115,8 @@ class Stepper(abc.ABC, Generic[Timed, Decided]):
         When the first look is, and which steps count.
     threshold
         The event threshold, k_e.
+    reversed_system
+        The equations under the reversed actuation; None: there is none.
     """
 
     system: DynamicalSystem
@@ -113,6 +124,13 @@ class Stepper(abc.ABC, Generic[Timed, Decided]):
     monitor: Monitor
     timing: Timed
     threshold: float
+    reversed_system: DynamicalSystem | None = field(default=None, kw_only=True)
+
+    @property
+    def systems(self) -> tuple[DynamicalSystem, ...]:
+        """The equations without actuation, under it, and under the reversed one if there is one."""
+        further = () if self.reversed_system is None else (self.reversed_system,)
+        return self.system, self.actuated_system, *further
 
     judgements: ClassVar[tuple[str, ...]]
     """Names of what `judge` returns."""
@@ -131,7 +149,9 @@ class Stepper(abc.ABC, Generic[Timed, Decided]):
         """Steps from a look to the next one: without an alarm, and after one, which is no less."""
 
     @abc.abstractmethod
-    def judge(self, flows: "RunningFlows", due: IntArray, alarm: BoolArray) -> dict[str, BoolArray]:
+    def judge(
+        self, flows: "RunningFlows", due: IntArray, decision: Decision
+    ) -> dict[str, BoolArray]:
         """Compare what the monitor said with the truth, before its alarms are acted on.
 
         Parameters
@@ -140,8 +160,8 @@ class Stepper(abc.ABC, Generic[Timed, Decided]):
             The flows of the batch, known up to their clocks.
         due
             Positions of the flows at which the monitor looked, ``(due,)``.
-        alarm
-            Whether it raised an alarm, ``(due,)``.
+        decision
+            What it said.
 
         Returns
         -------
@@ -172,8 +192,8 @@ class RunningFlows:
     states
         ``(flows, steps, dimension)``; known up to each flow's clock.
     acting
-        Whether the integration step from i to i + 1 time steps after step 0 is under actuation,
-        ``(flows, integration steps)``.
+        Which actuation the integration step from i to i + 1 time steps after step 0 is under:
+        0 is none, 1 the actuation, 2 the reversed one; ``(flows, integration steps)``.
     clock
         Step that each flow has reached, ``(flows,)``.
     looks
@@ -195,7 +215,7 @@ class RunningFlows:
         steps = max(timing.counted_until, self._last_look + longest) + self._shortest + 1
         self.states = np.empty((flows, steps, stepper.system.dimension))
         self.states[:, : timing.washout] = washouts
-        self.acting = np.zeros((flows, steps * self._stride), dtype=bool)
+        self.acting: ByteArray = np.zeros((flows, steps * self._stride), dtype=np.uint8)
         self.clock = np.full(flows, timing.first_forecast, dtype=np.int64)
         self._stop = self.clock.copy()
         entries = (flows, timing.most_forecasts)
@@ -221,25 +241,37 @@ class RunningFlows:
         observed = ending_at(self.states, due, now, washout)
         if noise is not None:
             observed = observed + ending_at(noise, rows, now, washout)
-        alarm = stepper.monitor.alarms(
-            rows, number, np.ascontiguousarray(observed.transpose(1, 2, 0))
+        decision = stepper.monitor.decide(
+            rows, number, np.ascontiguousarray(observed.transpose(1, 2, 0)), self._known(due, now)
         )
+        alarm, mode = decision.alarm, np.ones(len(due), dtype=np.uint8)
+        if decision.reverse is not None:
+            mode[decision.reverse] = REVERSED
         self.step[due, number], self.alarm[due, number] = now, alarm
-        for name, values in stepper.judge(self, due, alarm).items():
+        for name, values in stepper.judge(self, due, decision).items():
             self.judged[name][due, number] = values
         self.looks[due] += 1
         self._stop[due] = now + np.where(alarm, stepper.pauses[1], stepper.pauses[0])
         start, stop = stepper.effect
-        for flow, step in zip(due[alarm], now[alarm] * self._stride, strict=True):
-            self.acting[flow, step + start : step + stop] = True
+        begins = now[alarm] * self._stride
+        for flow, step, as_told in zip(due[alarm], begins, mode[alarm], strict=True):
+            self.acting[flow, step + start : step + stop] = as_told
+
+    def _known(self, due: IntArray, now: IntArray) -> BoolArray:
+        """Whether the actuator was on over the washout, and will be until an alarm takes effect."""
+        pending = self.stepper.effect[0] // self._stride
+        steps = self.stepper.timing.washout - 1 + pending
+        last = (now + pending) * self._stride - 1
+        behind = ending_at(self.acting, due, last, steps * self._stride)
+        return np.asarray((behind[:, self._stride - 1 :: self._stride] != 0).T)
 
     def _advance(self, flows: IntArray) -> None:
         """Move flows on by the shortest pause, each up to its next stop at most."""
         stride, now = self._stride, self.clock[flows]
         ahead = np.arange(self._shortest * stride)
         samples = integrate_switched(
-            (self.stepper.system, self.stepper.actuated_system),
-            self.acting[flows[:, np.newaxis], now[:, np.newaxis] * stride + ahead].T.view(np.uint8),
+            self.stepper.systems,
+            self.acting[flows[:, np.newaxis], now[:, np.newaxis] * stride + ahead].T,
             self.states[flows, now].T,
             self.stepper.timing.time_step,
             stride,
@@ -251,8 +283,8 @@ class RunningFlows:
         over = (self.clock == self._stop) & (self.clock > self._last_look)
         self._stop[over] = np.maximum(self.clock[over], self.stepper.timing.counted_until)
 
-    def actuated(self) -> BoolArray:
-        """Whether flows came to each step under actuation, ``(flows, timing.length)``."""
+    def actuation(self) -> ByteArray:
+        """Actuation under which flows came to each step, ``(flows, timing.length)``."""
         into_step = self.acting[:, self._stride - 1 :: self._stride]
         length = self.stepper.timing.length
         return np.pad(into_step[:, : length - 1], ((0, 0), (1, 0)))
@@ -260,7 +292,7 @@ class RunningFlows:
     def counted_actuation(self) -> tuple[IntArray, IntArray]:
         """Integration steps under actuation that count, and how often it was switched on."""
         timing, stride = self.stepper.timing, self._stride
-        acting = self.acting[:, timing.counted_from * stride : timing.counted_until * stride]
+        acting = self.acting[:, timing.counted_from * stride : timing.counted_until * stride] != 0
         switched_on = acting.copy()
         switched_on[:, 1:] &= ~acting[:, :-1]
         return acting.sum(axis=1, dtype=np.int64), switched_on.sum(axis=1, dtype=np.int64)
@@ -324,21 +356,22 @@ def simulate(
         del free_states
         flows = RunningFlows(stepper, washouts[rows])
         flows.run(rows, noise)
-        states, actuated = flows.states[:, : timing.length], flows.actuated()
+        states, actuation = flows.states[:, : timing.length], flows.actuation()
         acting_steps, switchings = flows.counted_actuation()
         parts.append(
             {
                 **part,
                 "controlled": observable_of(stepper.system, states),
-                "actuated": actuated,
+                "actuated": actuation != 0,
                 "actuated_integration_steps": acting_steps,
                 "switchings": switchings,
                 "controlled_energy": energy_means(
                     stepper.system,
                     states[:, counted],
-                    stepper.actuated_system,
-                    actuated[:, counted],
+                    stepper.systems[1:],
+                    actuation[:, counted],
                 ),
+                "cost": actuation_cost(stepper.systems, states[:, counted], actuation[:, counted]),
                 "controlled_states": states.copy() if keep_states else None,
                 "decisions": stepper.decisions(flows, simulated),
             }
@@ -356,14 +389,16 @@ def _joined(parts: Sequence[Any]) -> Any:
     """Join arrays, or dataclasses of arrays, along their first axis; None where there are none."""
     first = parts[0]
     if is_dataclass(first) and not isinstance(first, type):
-        names = [field.name for field in fields(first)]
+        names = [one.name for one in fields(first)]
         return type(first)(
             **{name: _joined([getattr(part, name) for part in parts]) for name in names}
         )
     return None if first is None else np.concatenate(parts)
 
 
-def ending_at(series: FloatArray, rows: IntArray, ends: IntArray, length: int) -> FloatArray:
+def ending_at(
+    series: npt.NDArray[Entry], rows: IntArray, ends: IntArray, length: int
+) -> npt.NDArray[Entry]:
     """Sections of series that end at each row's own step, ``(rows, length, ...)``."""
     steps = ends[:, np.newaxis] + np.arange(1 - length, 1)
     return np.asarray(series[rows[:, np.newaxis], steps])
@@ -411,8 +446,8 @@ def _check_given(
 def energy_means(
     system: DynamicalSystem,
     states: FloatArray,
-    actuated_system: DynamicalSystem | None = None,
-    actuated: BoolArray | None = None,
+    actuated_systems: Sequence[DynamicalSystem] = (),
+    actuation: ByteArray | None = None,
 ) -> EnergyMeans | None:
     """Energy input and dissipation of flows, averaged over their steps.
 
@@ -424,9 +459,9 @@ def energy_means(
         The equations.
     states
         At the steps that count, ``(flows, steps, dimension)``.
-    actuated_system, actuated
-        The equations under actuation, and whether the flows came to these steps under it,
-        ``(flows, steps)``; None for flows without control.
+    actuated_systems, actuation
+        The equations under each actuation, and under which of them, counted from 1, the flows came
+        to these steps, ``(flows, steps)``, 0 for none; neither for flows without control.
 
     Returns
     -------
@@ -436,13 +471,13 @@ def energy_means(
     budget = system.energy_budget(components)
     if budget is None:
         return None
-    if actuated_system is not None and actuated is not None:
+    for number, actuated_system in enumerate(actuated_systems, start=1):
         under_actuation = actuated_system.energy_budget(components)
         if under_actuation is None:
             return None
         budget = EnergyBudget(
             *(
-                np.where(actuated, there, here)
+                np.where(actuation == number, there, here)
                 for there, here in zip(under_actuation, budget, strict=True)
             )
         )

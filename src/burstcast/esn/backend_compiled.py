@@ -6,8 +6,8 @@ a neuron (its row of the matrix, its input, the hyperbolic tangent, its share of
 happens while it is in the registers or the nearest cache. This is several times faster than a
 sparse product followed by ``numpy.tanh``, which `burstcast.esn.backend_scipy` does.
 
-The arithmetic is spelt out in vectors of 16 numbers (`burstcast.machine_code`) with explicit fused
-multiply-adds rather than left to a vectorising compiler. Hence every trajectory goes through the
+The arithmetic is spelt out in vectors of 16 numbers (`burstcast.compiled.machine_code`) with
+explicit fused multiply-adds, not left to a vectorising compiler. Every trajectory goes through the
 same operations in the same order wherever it stands in a tile or a batch, whatever the processor:
 the same bits. A processor without fused multiply-add instructions is slow, not wrong.
 """
@@ -18,7 +18,7 @@ import numpy as np
 import scipy.sparse
 
 from burstcast.arrays import FloatArray, Int32Array
-from burstcast.machine_code import ALIGNMENT, Lanes, MachineCode
+from burstcast.compiled.machine_code import ALIGNMENT, Lanes, MachineCode
 
 # Trajectories in a tile. Eight leave the processor waiting for results, 32 do not fit its
 # registers.

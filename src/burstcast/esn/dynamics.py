@@ -19,7 +19,7 @@ from burstcast.esn.backend_scipy import ScipyBackend
 from burstcast.esn.reservoir import Reservoir
 
 
-class Backend(Protocol):
+class DynamicsBackend(Protocol):
     """What an implementation of the dynamics provides (see `backend_scipy.ScipyBackend`)."""
 
     def open_loop(
@@ -215,7 +215,7 @@ class Dynamics:
         return self._implementation.closed_loop(weights, input_range, states, steps)
 
     @cached_property
-    def _implementation(self) -> Backend:
+    def _implementation(self) -> DynamicsBackend:
         recurrent = self.reservoir.recurrent * self.spectral_radius
         weight = self.reservoir.input_weight * self.input_scaling
         arguments = (recurrent, self.reservoir.input_column, weight, self.reservoir.input_bias)

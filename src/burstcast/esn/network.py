@@ -1,11 +1,12 @@
 """A trained echo state network: dynamics, normalisation and readout."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.factored import FactoredStates, factored_closed_loop
 from burstcast.esn.readout import Readout
 
 
@@ -18,7 +19,8 @@ class EchoStateNetwork:
     dynamics
         The reservoir with its hyperparameters.
     readout
-        The trained output weights.
+        The trained output weights. Those of a network that was trained with factors of parameters
+        are linear in them (`burstcast.esn.factored`).
     input_range
         Range of each component over the training data, which the inputs are divided by, shape
         ``(dimension,)``.
@@ -60,7 +62,9 @@ class EchoStateNetwork:
         """
         return self.dynamics.open_loop(inputs / self.input_range[:, np.newaxis], states)
 
-    def forecast(self, states: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def forecast(
+        self, states: FloatArray, steps: int, factors: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Autonomous forecast from the states after a washout.
 
         Parameters
@@ -69,6 +73,9 @@ class EchoStateNetwork:
             Shape ``(neurons, batch)``; not changed.
         steps
             Length of the forecast.
+        factors
+            Factors in force during each step, ``(steps, factors, batch)``, of a network that was
+            trained with factors.
 
         Returns
         -------
@@ -83,7 +90,22 @@ class EchoStateNetwork:
         ValueError
             If a shape does not fit or a state is not finite.
         """
-        return self.dynamics.closed_loop(self.readout.weights, self.input_range, states, steps)
+        weights = self.readout.weights
+        if factors is not None:
+            return factored_closed_loop(self.dynamics, weights, self.input_range, states, factors)
+        return self.dynamics.closed_loop(weights, self.input_range, states, steps)
+
+    def under(self, factors: FloatArray) -> "EchoStateNetwork":
+        """Plain network that a network trained with factors is under constant ones.
+
+        Parameters
+        ----------
+        factors
+            ``(factors,)``.
+        """
+        layout = FactoredStates.of(self.dynamics.reservoir, len(factors))
+        weights = layout.weights_at(self.readout.weights, factors)
+        return replace(self, readout=replace(self.readout, weights=weights))
 
     def diverged(self, outputs: FloatArray, bound: float) -> BoolArray:
         """Which forecasts of a batch have diverged.

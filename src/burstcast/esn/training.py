@@ -12,6 +12,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.factored import FactoredStates
 from burstcast.esn.readout import Moments, MomentsAccumulator, Readout, solve_ridge
 
 
@@ -25,10 +26,35 @@ class TrainingSeries:
         States with their observation noise, ``(series, time, dimension)``: inputs and targets.
     input_range
         What the inputs are divided by, ``(dimension,)``.
+    factors
+        Factors of parameters in force from each sample to the next, ``(series, time - 1,
+        factors)``, in which the readout is linear (`burstcast.esn.factored`); None: a plain
+        readout.
     """
 
     observed: FloatArray
     input_range: FloatArray
+    factors: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        """Check the factors.
+
+        Raises
+        ------
+        ValueError
+            If they do not fit the series.
+        """
+        expected = (self.series, self.length - 1)
+        if self.factors is not None and self.factors.shape[:2] != expected:
+            raise ValueError(
+                f"{self.series} series of {self.length} samples need factors of the shape "
+                f"({self.series}, {self.length - 1}, factors), not {self.factors.shape}"
+            )
+
+    def part(self, rows: slice) -> "TrainingSeries":
+        """Some of the series."""
+        factors = None if self.factors is None else self.factors[rows]
+        return TrainingSeries(self.observed[rows], self.input_range, factors)
 
     @property
     def series(self) -> int:
@@ -39,6 +65,11 @@ class TrainingSeries:
     def length(self) -> int:
         """Samples of each series."""
         return int(self.observed.shape[1])
+
+    @property
+    def dimension(self) -> int:
+        """Components of an observed state."""
+        return int(self.observed.shape[2])
 
 
 @dataclass(frozen=True)
@@ -108,7 +139,9 @@ def collect(
     # a copy always: for a single series the transpose is contiguous as it is
     inputs = np.array(training.observed[:, :end].transpose(1, 2, 0), order="C")
     inputs /= training.input_range[:, np.newaxis]
-    accumulator = MomentsAccumulator(dynamics.reservoir.neurons, training.observed.shape[2])
+    factors = training.factors
+    layout = FactoredStates.of(dynamics.reservoir, 0 if factors is None else factors.shape[2])
+    accumulator = MomentsAccumulator(layout.size, training.observed.shape[2])
     taken: dict[int, Moments] = {}
     states: dict[int, FloatArray] = {}
     breakpoints = [washout - 1, *(step - 1 for step in snapshots)]
@@ -122,7 +155,12 @@ def collect(
         if first in snapshots and first not in taken:
             taken[first] = accumulator.moments()
         targets = training.observed[:, first:stop].transpose(2, 1, 0)
-        accumulator.add(panel.columns, targets.reshape(len(targets), -1))
+        columns = panel.columns
+        if factors is not None:
+            # a state at step j predicts step j: what counts is in force from step j - 1 on
+            in_force = factors[:, first - 1 : stop - 1].transpose(2, 1, 0)
+            columns = layout.features(columns, in_force.reshape(layout.factors, columns.shape[1]))
+        accumulator.add(columns, targets.reshape(len(targets), -1))
     return Collected(moments=accumulator.moments(), snapshots=taken, states=states)
 
 
@@ -152,7 +190,7 @@ def train_leaving_one_out(
     moments = [
         collect(
             dynamics,
-            TrainingSeries(training.observed[row : row + 1], training.input_range),
+            training.part(slice(row, row + 1)),
             washout=washout,
         ).moments
         for row in range(training.series)

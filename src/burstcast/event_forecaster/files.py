@@ -47,7 +47,7 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
     The file replaces one that is there.
     """
     # the NetCDF library takes a moment to load, which other forecasters need not wait for
-    from burstcast.netcdf import Variable, write_netcdf
+    from burstcast.files.netcdf import Variable, write_netcdf
 
     variables: dict[str, Variable] = {}
     for number, member in enumerate(saved.members):
@@ -87,13 +87,16 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
         If the file holds no such forecaster or is damaged, or its observable is needed and not
         given.
     """
-    from burstcast.netcdf import read_attributes, read_netcdf
+    from burstcast.files.netcdf import read_attributes, read_netcdf
 
     try:
         attributes, arrays = read_attributes(path), read_netcdf(path)
-    except RuntimeError as error:  # of the NetCDF library, which names no file
+    except (FileNotFoundError, PermissionError):
+        raise
+    except (OSError, RuntimeError) as error:  # of the NetCDF library
         raise ValueError(f"{path} is damaged ({error}): save the forecaster again") from error
-    if attributes.get("event_forecaster") != _FORMAT:
+    known = attributes.get("event_forecaster") == _FORMAT
+    if not (known and {"parameters", "fitted"} <= attributes.keys()):
         raise ValueError(f"{path} holds no event forecaster that this version can read")
     if attributes.pop("digest", None) != _digest(attributes, arrays):
         raise ValueError(f"{path} is not what was saved: it is damaged; save the forecaster again")

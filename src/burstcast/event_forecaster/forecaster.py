@@ -12,19 +12,19 @@ from typing import Any, Self
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
-from burstcast.backends import usable_backend
-from burstcast.dataset import component_scales, observed_series
+from burstcast.compiled.backends import usable_backend
+from burstcast.data.dataset import component_scales, observed_series
+from burstcast.data.event_threshold import threshold_at
 from burstcast.discovery import suggestion
 from burstcast.event_forecaster import files
 from burstcast.event_forecaster.committee import Committee
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.observed_states import Observable, state_space
 from burstcast.event_forecaster.series_layout import as_series
-from burstcast.event_forecaster.timing import Timing
-from burstcast.event_threshold import threshold_at
+from burstcast.event_forecaster.timing import EventTiming
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
 from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.forecaster_options import options_of_kind
+from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.probability.alarm_rule import AlarmRule
@@ -104,7 +104,7 @@ class EventForecaster(Estimator):
     sampling_stride
         Integration steps in a sample, for kinds that integrate equations.
     options
-        Of the kind, laid over its defaults (`burstcast.forecaster_options`).
+        Of the kind, laid over its defaults (`burstcast.forecasters._options`).
     random_seed, case
         Root of all random numbers, and the name of the case in their streams: a case of the
         workflow with the same settings has the same networks, bit for bit.
@@ -413,8 +413,8 @@ class EventForecaster(Estimator):
     # -- what parameters mean ----------------------------------------------------------------------
 
     @property
-    def _timing(self) -> Timing:
-        return Timing(
+    def _timing(self) -> EventTiming:
+        return EventTiming(
             self.lyapunov_time, self.sampling_interval, self.prediction_times, self.window
         )
 

@@ -11,13 +11,14 @@ from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters.base import Forecaster, ForecastingCase
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.tuning.hyperparameters import SearchSpace
-from burstcast.tuning.network_search import NetworkSearch, optimiser_seed, trained
+from burstcast.tuning.network_search import best, optimiser_seed, search
+from burstcast.tuning.scan import scan
 from burstcast.tuning.strategies.base import ValidationPlan
-from burstcast.tuning.strategies.registry import make_strategy
+from burstcast.tuning.strategies.registry import make_strategy, scanned_with
 from burstcast.tuning.validation import PointValidator
 
-# What is validated on one open loop in the workflow, too: the sums then have the same bits.
-_VALIDATED_TOGETHER = ("RV", "SSV")
+# What is told of the search for each network.
+_FOUND = ("spectral_radius", "input_scaling", "tikhonov", "objective")
 # Validation intervals in more series take longer, and the paper has no more.
 _MOST_VALIDATION_SERIES = 4
 
@@ -28,7 +29,7 @@ def networks(
     parameters: Mapping[str, Any],
     washout: int,
     interval: int,
-) -> tuple[list[Forecaster], list[dict[str, float]]]:
+) -> tuple[list[Forecaster], list[dict[str, Any]]]:
     """Make all networks of a committee.
 
     Parameters
@@ -55,8 +56,7 @@ def networks(
     if members < 1:
         raise ValueError(f"members must be 1 at least, not {members}")
     strategy = make_strategy(parameters["validation"])
-    shared = strategy.name in _VALIDATED_TOGETHER
-    together = [make_strategy(name) for name in _VALIDATED_TOGETHER] if shared else [strategy]
+    together = [make_strategy(name) for name in scanned_with(strategy.name)]
     series, length, dimension = training.observed.shape
     plan = ValidationPlan(
         washout=washout,
@@ -67,7 +67,6 @@ def networks(
     space = SearchSpace(
         _bounds(parameters["spectral_radius"]), _bounds(parameters["input_scaling"])
     )
-    search = NetworkSearch(space, parameters["grid"], parameters["bayesian_points"])
     options = case.options
     made: list[Forecaster] = []
     found = []
@@ -83,11 +82,21 @@ def networks(
             list(parameters["tikhonov"]),
             options["backend"],
         )
-        optimiser = optimiser_seed(root, parameters["case"], neurons, strategy.name, number)
-        chosen = search.best(validator, strategy, together, optimiser)
-        network = trained(validator, chosen, washout)
-        made.append(NetworkForecaster(network, seed, options["divergence_bound"]))
-        found.append(vars(chosen))
+        scanned = scan(validator, space, together, parameters["grid"])
+        optimiser = optimiser_seed(seed, parameters["case"], strategy.name)
+        points = parameters["bayesian_points"]
+        chosen = best(search(validator, space, strategy, scanned, points, optimiser))
+        made.append(
+            NetworkForecaster.trained(
+                validator.dynamics(chosen.point),
+                seed,
+                training,
+                washout=washout,
+                tikhonov=chosen.validation.tikhonov,
+                divergence_bound=options["divergence_bound"],
+            )
+        )
+        found.append({name: chosen.record()[name] for name in _FOUND})
     return made, found
 
 

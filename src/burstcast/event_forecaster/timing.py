@@ -8,7 +8,7 @@ from burstcast import durations
 
 
 @dataclass(frozen=True)
-class Timing:
+class EventTiming:
     """What durations mean, and which windows are forecast.
 
     Parameters

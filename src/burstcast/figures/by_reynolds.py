@@ -32,7 +32,7 @@ from burstcast.figures.parts.style import (
     validation_style,
 )
 from burstcast.figures.registry import Declaration
-from burstcast.published import published_beside
+from burstcast.tables.published import published_beside
 
 FIGURE = Declaration(
     section="horizon",

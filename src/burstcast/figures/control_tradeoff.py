@@ -36,7 +36,7 @@ from burstcast.figures.parts.style import (
     styled,
 )
 from burstcast.figures.registry import Declaration
-from burstcast.published import published_beside, published_reductions
+from burstcast.tables.published import published_beside, published_reductions
 
 FIGURE = Declaration(
     section="control",

@@ -30,8 +30,8 @@ from burstcast.figures.parts.style import (
     styled,
 )
 from burstcast.figures.registry import Declaration
-from burstcast.published import published_beside
 from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.tables.published import published_beside
 
 FIGURE = Declaration(
     section="long_term",
@@ -44,7 +44,6 @@ FIGURE = Declaration(
         "intervals": "case/tables/statistics_intervals.csv",
     },
     settings={
-        "networks": "shown.long_term_networks",
         "threshold": "case.event_threshold",
         "symbol": "shown.symbol",
         "observable_name": "shown.observable_name",
@@ -61,18 +60,14 @@ def draw(
     long_term: Sequence[Mapping[str, Any]],
     percentiles: pd.DataFrame,
     intervals: pd.DataFrame,
-    networks: Sequence[Mapping[str, Any]],
     threshold: float,
     symbol: str,
     observable_name: str,
     published: pd.DataFrame | None = None,
 ) -> Figure:
-    """Draw the data, the training set and the best network, and the measures of all networks.
-
-    ``networks`` are the records of the networks whose statistics are in ``long_term``.
-    """
+    """Draw the data, the training set and the best network, and the measures of all networks."""
     true = LongTermStatistics.from_arrays(data).histogram
-    best = best_of(data, long_term, networks)
+    best = best_of(data, long_term)
     return long_term_density(
         true.edges,
         true.density,

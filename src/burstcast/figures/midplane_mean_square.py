@@ -19,9 +19,9 @@ from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.planes import draw_plane
 from burstcast.figures.parts.style import DOUBLE_COLUMN, letter_panels, new_figure, styled
 from burstcast.figures.registry import Declaration
-from burstcast.flow_grid import make_flow_grid
 from burstcast.statistics import profiles
 from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
 
 FIGURE = Declaration(
@@ -33,7 +33,6 @@ FIGURE = Declaration(
         "long_term": "long_term_networks/long_term.nc",
     },
     settings={
-        "networks": "shown.long_term_networks",
         "system": "case.system",
         "parameters": "case.parameters",
         "flow_points": "figures.flow_points",
@@ -48,17 +47,13 @@ def draw(
     data: Mapping[str, Any],
     training: Mapping[str, Any],
     long_term: Sequence[Mapping[str, Any]],
-    networks: Sequence[Mapping[str, Any]],
     system: str,
     parameters: Mapping[str, float],
     flow_points: Sequence[int],
 ) -> Figure:
-    """Draw the data, and how far the best network and the training set are from them.
-
-    ``networks`` are the records of the networks whose statistics are in ``long_term``.
-    """
+    """Draw the data, and how far the best network and the training set are from them."""
     grid = make_flow_grid(make_system(system, parameters), flow_points)
-    best = best_of(data, long_term, networks)
+    best = best_of(data, long_term)
     if best is None:
         return nothing_to_show("No network has any long-term statistics.")
     true, trained = map(LongTermStatistics.from_arrays, (data, training))

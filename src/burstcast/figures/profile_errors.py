@@ -32,10 +32,10 @@ from burstcast.figures.parts.style import (
     styled,
 )
 from burstcast.figures.registry import Declaration
-from burstcast.published import published_beside
 from burstcast.statistics.profiles import flow_modes, velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.systems.registry import make_system
+from burstcast.tables.published import published_beside
 
 FIGURE = Declaration(
     section="long_term",
@@ -48,7 +48,6 @@ FIGURE = Declaration(
         "intervals": "case/tables/statistics_intervals.csv",
     },
     settings={
-        "networks": "shown.long_term_networks",
         "points": "statistics.profile_points",
         "system": "case.system",
         "parameters": "case.parameters",
@@ -72,7 +71,6 @@ def draw(
     long_term: Sequence[Mapping[str, Any]],
     percentiles: pd.DataFrame,
     intervals: pd.DataFrame,
-    networks: Sequence[Mapping[str, Any]],
     points: int,
     system: str,
     parameters: Mapping[str, float],
@@ -80,8 +78,7 @@ def draw(
 ) -> Figure:
     """Draw the data, the training set and the best network, and the errors of all networks.
 
-    ``networks`` are the records of the networks whose statistics are in ``long_term``; profiles
-    have so many ``points``.
+    Profiles have so many ``points``.
     """
     y = np.linspace(-1.0, 1.0, points)
     modes = flow_modes(make_system(system, parameters))
@@ -92,7 +89,7 @@ def draw(
         found = velocity_profiles(matrices, statistics.moments)
         return np.stack([found.u, found.uu, found.uv])
 
-    best = best_of(data, long_term, networks)
+    best = best_of(data, long_term)
     return profile_errors(
         y,
         profiles(LongTermStatistics.from_arrays(data)),

@@ -29,7 +29,7 @@ from burstcast.figures.parts.style import (
     styled,
 )
 from burstcast.figures.registry import Declaration
-from burstcast.flow_grid import make_flow_grid
+from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
 
 FIGURE = Declaration(

@@ -24,7 +24,7 @@ from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.planes import symmetric_norm
 from burstcast.figures.parts.style import BLUE, DOUBLE_COLUMN, VERMILLION, new_figure, styled
 from burstcast.figures.registry import Declaration
-from burstcast.flow_grid import make_flow_grid
+from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
 
 FIGURE = Declaration(

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 SCORES = ("precision", "recall", "f_score")
 """Names of the scores: properties of `Counts`."""

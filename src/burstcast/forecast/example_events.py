@@ -11,12 +11,12 @@ from typing import Annotated
 import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.described import Described
 from burstcast.events import upward_crossings
+from burstcast.files.described import Described
+from burstcast.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 from burstcast.forecast.starting_points import SeriesPoints, segments
 from burstcast.forecasters.base import Forecaster
 from burstcast.systems.state_space import StateSpace
-from burstcast.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 CANDIDATES_PER_BATCH = 64
 """Events that are forecast side by side: bounds the time and memory, changes no result."""

@@ -8,12 +8,12 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.described import Described
+from burstcast.files.described import Described
+from burstcast.files.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps
 from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.forecasters.base import Forecaster
-from burstcast.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 OUTCOMES = ("true positive", "false positive", "false negative")
 

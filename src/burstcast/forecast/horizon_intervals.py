@@ -14,7 +14,7 @@ def resampled_averages(horizons_lt: FloatArray, weights: IntArray) -> tuple[Floa
         Of each event, ``(events,)``.
     weights
         How often each event is in each sample, ``(resamples, events)``
-        (`burstcast.resampling.bootstrap_weights`).
+        (`burstcast.statistics.resampling.bootstrap_weights`).
 
     Returns
     -------

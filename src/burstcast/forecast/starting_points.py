@@ -104,6 +104,29 @@ def horizon_events(
     return SeriesPoints(series=crossings.series[rows], step=crossings.step[rows])
 
 
+def steps_before_events(length: int, longest_lead_time: int, washout: int) -> int:
+    """Steps that a prediction horizon needs before an event: the longest lead time and its washout.
+
+    Parameters
+    ----------
+    length
+        Samples in each series.
+    longest_lead_time, washout
+        In steps; the last input of the washout is the starting point itself.
+
+    Raises
+    ------
+    ValueError
+        If the series are too short for any event to have so many before it.
+    """
+    if washout + longest_lead_time > length:
+        raise ValueError(
+            f"series of {length} samples leave no room for a washout of {washout} steps and a "
+            f"start {longest_lead_time} steps before an event"
+        )
+    return longest_lead_time + washout - 1
+
+
 def segments(series: FloatArray, points: SeriesPoints, before: int, after: int) -> FloatArray:
     """Stretches of series around points, ``(points, before + 1 + after, ...)``.
 

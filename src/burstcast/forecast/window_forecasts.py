@@ -6,7 +6,7 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.forecast.windows import WindowForecasts, WindowSummaries, summarise
-from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.base import Forecaster, for_members
 
 POINTS_PER_BATCH = 1024
 """Washouts that a forecaster takes in side by side: bounds the memory, changes no result."""
@@ -20,6 +20,7 @@ def window_forecasts(
     observable: Callable[[FloatArray], FloatArray],
     washouts: FloatArray,
     boundaries: tuple[int, ...],
+    parameters: FloatArray | None = None,
 ) -> WindowForecasts:
     """Forecast from many starting points and keep the window summaries.
 
@@ -35,18 +36,25 @@ def window_forecasts(
         Observed states up to each starting point, ``(points, steps, dimension)``.
     boundaries
         Boundaries of the windows (`burstcast.forecast.windows.window_boundaries`).
+    parameters
+        Schedule over washout and forecast, from each state to the next, ``(points, steps - 1 +
+        boundaries[-1], parameters)``; None: the case's own values.
     """
     batches = []
     for start in range(0, len(washouts), POINTS_PER_BATCH):
         batch = washouts[start : start + POINTS_PER_BATCH].transpose(1, 2, 0)
-        ensemble = forecaster.ensemble(np.ascontiguousarray(batch))
+        past, ahead = _schedules(parameters, start, washouts.shape[1] - 1)
+        ensemble = forecaster.ensemble(np.ascontiguousarray(batch), past)
         single, diverged = _summaries(
-            forecaster, observable, forecaster.combined(ensemble), boundaries
+            forecaster, observable, forecaster.combined(ensemble), boundaries, ahead
         )
         members, points = ensemble.shape[-2:]
         by_member = np.empty((2, 0, points, len(boundaries) - 1))
         if members > 1:
-            found, _ = _summaries(forecaster, observable, side_by_side(ensemble), boundaries)
+            of_members = for_members(ahead, members)
+            found, _ = _summaries(
+                forecaster, observable, side_by_side(ensemble), boundaries, of_members
+            )
             by_member = np.stack([found.first, found.largest]).reshape(2, members, points, -1)
         batches.append(
             WindowForecasts(single.first, single.largest, diverged, *by_member.swapaxes(1, 2))
@@ -89,17 +97,30 @@ def side_by_side(ensemble: FloatArray) -> FloatArray:
     return np.ascontiguousarray(ensemble.reshape(*ensemble.shape[:-2], -1))
 
 
+def _schedules(
+    parameters: FloatArray | None, first: int, washout: int
+) -> tuple[FloatArray | None, FloatArray | None]:
+    """Schedules of a batch of points over its washouts, and over its forecasts."""
+    if parameters is None:
+        return None, None
+    batch = parameters[first : first + POINTS_PER_BATCH].transpose(1, 2, 0)
+    return batch[:washout], batch[washout:]
+
+
 def _summaries(
     forecaster: Forecaster,
     observable: Callable[[FloatArray], FloatArray],
     memory: FloatArray,
     boundaries: tuple[int, ...],
+    parameters: FloatArray | None,
 ) -> tuple[WindowSummaries, BoolArray]:
     """Summaries of the forecasts that memories go on to, and which of them have diverged."""
     first, largest, diverged = [], [], []
     for start in range(0, memory.shape[-1], TRAJECTORIES_PER_BATCH):
-        some = np.ascontiguousarray(memory[..., start : start + TRAJECTORIES_PER_BATCH])
-        outputs, _ = forecaster.advance(some, boundaries[-1])
+        batch = slice(start, start + TRAJECTORIES_PER_BATCH)
+        in_force = None if parameters is None else parameters[..., batch]
+        some = np.ascontiguousarray(memory[..., batch])
+        outputs, _ = forecaster.advance(some, boundaries[-1], in_force)
         found = summarise(observable(outputs.transpose(1, 0, 2)), boundaries)
         first.append(found.first)
         largest.append(found.largest)

@@ -71,7 +71,13 @@ def window_boundaries(
         Number of windows.
     steps_per_lyapunov_time
         Steps of a forecast in a Lyapunov time.
+
+    Raises
+    ------
+    ValueError
+        If a window is shorter than one step.
     """
+    durations.positive_steps(resolution_lt, steps_per_lyapunov_time, "the resolution of windows")
     return tuple(
         durations.steps((index + 1) * resolution_lt, steps_per_lyapunov_time)
         for index in range(windows + 1)

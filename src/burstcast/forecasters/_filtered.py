@@ -10,9 +10,14 @@ from typing import ClassVar, Self
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
+from burstcast.data.observation_noise import observation_noise
 from burstcast.filters.square_root import assimilate, mean, symmetric_members
-from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
-from burstcast.observation_noise import observation_noise
+from burstcast.forecasters.base import (
+    Forecaster,
+    ForecasterRecord,
+    ForecastingCase,
+    for_members,
+)
 
 
 @dataclass(frozen=True)
@@ -45,10 +50,12 @@ class FilteredForecaster(Forecaster):
     inflation: float
 
     @classmethod
-    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+    def fit(
+        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
+    ) -> Self:
         """Fit the model; estimate the noise unless it is known (see `Forecaster.fit`)."""
         noise = observation_noise(training, case.options["noise"])
-        return cls._of(cls.model_class.fit(training, case), noise, case)
+        return cls._of(cls.model_class.fit(training, case, parameters), noise, case)
 
     def record(self) -> ForecasterRecord:
         """What the model has learnt, and the noise."""
@@ -64,13 +71,14 @@ class FilteredForecaster(Forecaster):
     def _of(cls, model: Forecaster, noise: FloatArray, case: ForecastingCase) -> Self:
         return cls(model, noise, case.options["members"], case.options["inflation"])
 
-    def ensemble(self, washout: FloatArray) -> FloatArray:
+    def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Memories of the filter's members after a washout (see `Forecaster.ensemble`)."""
         batch = washout.shape[2]
         states = symmetric_members(washout[0], self.noise, self.members)
         memory = self.model.start(states.reshape(1, -1, self.members * batch))
-        for observation in washout[1:]:
-            outputs, memory = self.model.advance(memory, 1)
+        for step, observation in enumerate(washout[1:]):
+            in_force = None if parameters is None else parameters[step : step + 1]
+            outputs, memory = self.model.advance(memory, 1, for_members(in_force, self.members))
             # the forecast of what is observed, and below it all that goes on from there
             rows = np.concatenate([outputs[0], memory.reshape(-1, memory.shape[-1])])
             updated = assimilate(
@@ -79,18 +87,20 @@ class FilteredForecaster(Forecaster):
             memory = updated[outputs.shape[1] :].reshape(memory.shape)
         return memory.reshape(*memory.shape[:-1], self.members, batch)
 
-    def start(self, washout: FloatArray) -> FloatArray:
+    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Mean of the members' memories (see `Forecaster.start`)."""
-        return self.combined(self.ensemble(washout))
+        return self.combined(self.ensemble(washout, parameters))
 
     def combined(self, ensemble: FloatArray) -> FloatArray:
         """Mean of the members' memories (see `Forecaster.combined`)."""
         shape = (*ensemble.shape[:-2], ensemble.shape[-1])
         return mean(ensemble.reshape(-1, *ensemble.shape[-2:])).reshape(shape)
 
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Let the model forecast (see `Forecaster.advance`)."""
-        return self.model.advance(memory, steps)
+        return self.model.advance(memory, steps, parameters)
 
     def diverged(self, outputs: FloatArray) -> BoolArray:
         """Tell which forecasts have diverged, by the model's own measure."""

@@ -31,11 +31,13 @@ class IntegratedForecaster(Forecaster):
     time_step: float
     sampling_stride: int
 
-    def start(self, washout: FloatArray) -> FloatArray:
+    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Last state of the washout, ``(dimension, batch)``."""
         return np.ascontiguousarray(washout[-1])
 
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Integrate the equations (see `Forecaster.advance`)."""
         samples = integrate(
             self.system,

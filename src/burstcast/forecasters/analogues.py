@@ -42,7 +42,9 @@ class Analogues(Forecaster):
         return f"Analogues({self.neighbours} of {series} series of {samples} samples)"
 
     @classmethod
-    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+    def fit(
+        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
+    ) -> Self:
         """Remember the series (see `Forecaster.fit`)."""
         return cls(training, case.options["neighbours"])
 
@@ -66,7 +68,7 @@ class Analogues(Forecaster):
         candidates = self.training[:, :-1] / self._scale
         return KDTree(candidates.reshape(-1, candidates.shape[2]))
 
-    def ensemble(self, washout: FloatArray) -> FloatArray:
+    def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Memories of one analogue each, ``(1, neighbours, batch)`` (see `Forecaster.ensemble`)."""
         return self.start(washout)[np.newaxis]
 
@@ -75,7 +77,7 @@ class Analogues(Forecaster):
         memory: FloatArray = ensemble[0]
         return memory
 
-    def start(self, washout: FloatArray) -> FloatArray:
+    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Analogues of the last observed state, ``(neighbours, batch)``.
 
         They are numbers of steps, counted through all series.
@@ -87,7 +89,9 @@ class Analogues(Forecaster):
         steps: FloatArray = (found + found // (length - 1)).astype(np.float64)
         return steps
 
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Follow the analogues (see `Forecaster.advance`); one that has ended is not a number."""
         length, dimension = self.training.shape[1:]
         states = self.training.reshape(-1, dimension)

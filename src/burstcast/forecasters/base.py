@@ -4,6 +4,12 @@ Scoring, prediction horizon, long-term runs and control know only this interface
 memory is an array whose last axis is the batch, so that forecasts can be picked out and put aside
 at any step. A new kind of forecaster is one new module of this package with one concrete subclass
 of `Forecaster` in it; its name is the module's.
+
+Parameters of the equations may differ between series, and change in time: those that the system has
+itself, such as a Reynolds number, or the share of an actuator that is in force
+(`burstcast.systems.parameters`). A *schedule* is an array of their values, each in force from one
+state to the next; like states, it has the parameters in the middle and the batch last. Kinds that
+are `aware` use schedules. All others ignore them.
 """
 
 import abc
@@ -14,6 +20,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
+from burstcast.systems.parameters import Parameters
 from burstcast.systems.state_space import StateSpace
 
 
@@ -33,6 +40,8 @@ class ForecastingCase:
         Steps of a forecast in a Lyapunov time.
     options
         Settings of the kind itself.
+    parameters
+        Parameters that schedules are about, and their values in this case; None: there are none.
     """
 
     system: StateSpace
@@ -40,6 +49,7 @@ class ForecastingCase:
     sampling_stride: int
     steps_per_lyapunov_time: int
     options: Mapping[str, Any]
+    parameters: Parameters | None = None
 
 
 @dataclass(frozen=True)
@@ -69,10 +79,15 @@ class Forecaster(abc.ABC):
     """Whether `ensemble` has several members, whose forecasts are equally likely."""
     has_filter: ClassVar[bool] = False
     """Whether an ensemble filter estimates the present state from the whole washout."""
+    aware: ClassVar[bool] = False
+    """Whether it uses schedules of parameters. Without a schedule, an aware forecaster assumes the
+    case's own values."""
 
     @classmethod
     @abc.abstractmethod
-    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+    def fit(
+        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
+    ) -> Self:
         """Learn from series.
 
         Parameters
@@ -81,6 +96,9 @@ class Forecaster(abc.ABC):
             Observed training series, ``(series, time, dimension)``.
         case
             What may be known beside them.
+        parameters
+            Schedules of the training series, ``(series, time - 1, parameters)``; None: the case's
+            own values throughout.
 
         Raises
         ------
@@ -89,7 +107,11 @@ class Forecaster(abc.ABC):
         """
 
     def leave_one_out(
-        self, training: FloatArray, case: ForecastingCase, washout: int
+        self,
+        training: FloatArray,
+        case: ForecastingCase,
+        washout: int,
+        parameters: FloatArray | None = None,
     ) -> Iterator[Self]:
         """Forecasters that have learnt from all training series but one, for each one in turn.
 
@@ -101,6 +123,8 @@ class Forecaster(abc.ABC):
             As `fit` was given them.
         washout
             Steps at the beginning of each series that training leaves out.
+        parameters
+            As `fit` was given them.
 
         Raises
         ------
@@ -110,7 +134,8 @@ class Forecaster(abc.ABC):
         if len(training) < 2:
             raise ValueError("leaving one series out takes two training series at least")
         for row in range(len(training)):
-            yield self.fit(np.delete(training, row, axis=0), case)
+            others = None if parameters is None else np.delete(parameters, row, axis=0)
+            yield self.fit(np.delete(training, row, axis=0), case, others)
 
     @abc.abstractmethod
     def record(self) -> ForecasterRecord:
@@ -122,20 +147,23 @@ class Forecaster(abc.ABC):
         """Make a forecaster from its record."""
 
     @abc.abstractmethod
-    def start(self, washout: FloatArray) -> FloatArray:
+    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Memory after an observed washout.
 
         Parameters
         ----------
         washout
             Observed states up to and including the starting point, ``(steps, dimension, batch)``.
+        parameters
+            Values in force from each of them to the next, ``(steps - 1, parameters, batch)``; None:
+            the case's own.
 
         Returns
         -------
         Memory, ``(..., batch)``.
         """
 
-    def ensemble(self, washout: FloatArray) -> FloatArray:
+    def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Memories of all members of an ensemble after an observed washout, equally likely.
 
         By default, the memory of `start` is the only member. A kind with several overrides this
@@ -144,22 +172,34 @@ class Forecaster(abc.ABC):
 
         Parameters
         ----------
-        washout
+        washout, parameters
             As for `start`.
 
         Returns
         -------
         ``(..., members, batch)``. With its last two axes flattened it is a memory of `advance`.
         """
-        return self.start(washout)[..., np.newaxis, :]
+        return self.start(washout, parameters)[..., np.newaxis, :]
 
     def combined(self, ensemble: FloatArray) -> FloatArray:
         """Memory of the single forecast that an ensemble stands for: `start` of its washout."""
         return ensemble[..., 0, :]
 
     @abc.abstractmethod
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Forecast the next steps.
+
+        Parameters
+        ----------
+        memory
+            Of `start`, of an `ensemble` side by side, or of an earlier call.
+        steps
+            Steps of the forecast.
+        parameters
+            Values that will be in force during each of them, ``(steps, parameters, batch)``; None:
+            the case's own.
 
         Returns
         -------
@@ -198,3 +238,20 @@ class Forecaster(abc.ABC):
     def diverged(self, outputs: FloatArray) -> BoolArray:
         """Tell which forecasts ``(steps, dimension, batch)`` have left the finite numbers."""
         return np.asarray(~np.isfinite(outputs).all(axis=(0, 1)))
+
+
+def for_members(parameters: FloatArray | None, members: int) -> FloatArray | None:
+    """Schedule of the members of an ensemble that forecast side by side.
+
+    Parameters
+    ----------
+    parameters
+        Schedule of a batch, ``(steps, parameters, batch)``; None: there is none.
+    members
+        How many members each trajectory of the batch has.
+
+    Returns
+    -------
+    ``(steps, parameters, members * batch)``, in the order of `Forecaster.ensemble`.
+    """
+    return None if parameters is None else np.tile(parameters, (1, 1, members))

@@ -16,4 +16,5 @@ class FilteredEquations(FilteredForecaster):
     """Integrates the equations from the estimate of an ensemble filter."""
 
     needs_equations: ClassVar[bool] = True
+    aware: ClassVar[bool] = True
     model_class: ClassVar[type[Forecaster]] = EquationsFromObservation

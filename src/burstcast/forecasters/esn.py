@@ -13,7 +13,7 @@ from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.tangent import ClosedLoopTangent
-from burstcast.esn.training import TrainingSeries, train_leaving_one_out
+from burstcast.esn.training import TrainingSeries, train, train_leaving_one_out
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 
 
@@ -41,7 +41,9 @@ class NetworkForecaster(Forecaster):
         return f"NetworkForecaster(seed {self.seed.seed}: {self.network!r})"
 
     @classmethod
-    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+    def fit(
+        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
+    ) -> Self:
         """Refuse: a network needs hyperparameters, which a search finds.
 
         Raises
@@ -51,19 +53,61 @@ class NetworkForecaster(Forecaster):
         """
         raise NotImplementedError("networks are trained with hyperparameters that a search finds")
 
+    @classmethod
+    def trained(
+        cls,
+        dynamics: Dynamics,
+        seed: ReservoirSeed,
+        training: TrainingSeries,
+        *,
+        washout: int,
+        tikhonov: float,
+        divergence_bound: float | None,
+    ) -> Self:
+        """Train a network on all series.
+
+        Parameters
+        ----------
+        dynamics
+            Reservoir with its hyperparameters.
+        seed
+            What the reservoir is made from.
+        training
+            Training series.
+        washout
+            Steps at the beginning of each series that training leaves out.
+        tikhonov
+            Tikhonov parameter.
+        divergence_bound
+            See the class.
+        """
+        readout = train(dynamics, training, washout=washout, tikhonov=tikhonov)
+        network = EchoStateNetwork(dynamics, readout, training.input_range)
+        return cls(network, seed, divergence_bound)
+
     def leave_one_out(
-        self, training: FloatArray, case: ForecastingCase, washout: int
+        self,
+        training: FloatArray,
+        case: ForecastingCase,
+        washout: int,
+        parameters: FloatArray | None = None,
     ) -> Iterator[Self]:
         """Train the readout again without each series (see `Forecaster.leave_one_out`)."""
         network = self.network
         readouts = train_leaving_one_out(
             network.dynamics,
-            TrainingSeries(training, network.input_range),
+            self._training_series(training, parameters),
             washout=washout,
             tikhonov=network.readout.tikhonov,
         )
         for readout in readouts:
             yield replace(self, network=replace(network, readout=readout))
+
+    def _training_series(
+        self, training: FloatArray, parameters: FloatArray | None
+    ) -> TrainingSeries:
+        """Series that the network is trained on."""
+        return TrainingSeries(training, self.network.input_range)
 
     def record(self) -> ForecasterRecord:
         """Readout, normalisation, and what the reservoir is made from: no big matrices."""
@@ -104,13 +148,25 @@ class NetworkForecaster(Forecaster):
             reciprocal_condition=float(attributes["reciprocal_condition"]),
         )
         network = EchoStateNetwork(dynamics, readout, input_range)
+        return cls._restored(network, seed, record, case)
+
+    @classmethod
+    def _restored(
+        cls,
+        network: EchoStateNetwork,
+        seed: ReservoirSeed,
+        record: ForecasterRecord,
+        case: ForecastingCase,
+    ) -> Self:
         return cls(network, seed, case.options["divergence_bound"])
 
-    def start(self, washout: FloatArray) -> FloatArray:
+    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Reservoir states after the washout, ``(neurons, batch)``."""
         return self.network.washout(washout)
 
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Closed loop (see `Forecaster.advance`)."""
         return self.network.forecast(memory, steps)
 

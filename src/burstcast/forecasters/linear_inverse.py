@@ -34,7 +34,9 @@ class LinearInverseModel(Forecaster):
         return f"LinearInverseModel({len(self.constant)} components)"
 
     @classmethod
-    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+    def fit(
+        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
+    ) -> Self:
         """Fit the map by least squares over all steps of all series (see `Forecaster.fit`)."""
         dimension = training.shape[2]
         now = training[:, :-1].reshape(-1, dimension)
@@ -52,11 +54,13 @@ class LinearInverseModel(Forecaster):
         """Put propagator and constant together again."""
         return cls(record.arrays["propagator"], record.arrays["constant"])
 
-    def start(self, washout: FloatArray) -> FloatArray:
+    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Last observed state, ``(dimension, batch)``."""
         return np.ascontiguousarray(washout[-1])
 
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Apply the map again and again (see `Forecaster.advance`)."""
         outputs = np.empty((steps, *memory.shape))
         state = memory

@@ -18,7 +18,9 @@ class Persistence(Forecaster):
     """Repeats the last state of the washout."""
 
     @classmethod
-    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+    def fit(
+        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
+    ) -> Self:
         """Nothing is learnt."""
         return cls()
 
@@ -31,10 +33,12 @@ class Persistence(Forecaster):
         """There is nothing to restore."""
         return cls()
 
-    def start(self, washout: FloatArray) -> FloatArray:
+    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Last observed state, ``(dimension, batch)``."""
         return np.ascontiguousarray(washout[-1])
 
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Repeat the state (see `Forecaster.advance`)."""
         return np.repeat(memory[np.newaxis], steps, axis=0), memory

@@ -9,11 +9,26 @@ from typing import ClassVar, Self
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
+from burstcast.data.observation_noise import observation_noise
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
-from burstcast.observation_noise import observation_noise
 from burstcast.polynomials.regression import polynomial_coefficients
 from burstcast.polynomials.system import PolynomialSystem
+
+
+def window_steps(window_lt: float, steps_per_lyapunov_time: int, length: int) -> int:
+    """Steps of the window that equations are learnt from, in series of ``length`` samples.
+
+    Raises
+    ------
+    ValueError
+        If it is shorter than one step, or no series has a sample after it.
+    """
+    name = "forecasters.quadratic.window_lt"
+    window = durations.positive_steps(window_lt, steps_per_lyapunov_time, name)
+    if window >= length:
+        raise ValueError(f"{name} is {window} steps, but a series has {length} samples")
+    return window
 
 
 @dataclass(frozen=True)
@@ -36,21 +51,19 @@ class QuadraticModel(IntegratedForecaster):
         return f"QuadraticModel({terms} terms of {components} components)"
 
     @classmethod
-    def fit(cls, training: FloatArray, case: ForecastingCase) -> Self:
+    def fit(
+        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
+    ) -> Self:
         """Learn the equations (see `Forecaster.fit`).
 
         Raises
         ------
         ValueError
-            If the window is shorter than a step, or the series do not determine the equations.
+            If the window does not fit the series (`window_steps`), or they do not determine the
+            equations.
         """
         options = case.options
-        window = durations.steps(options["window_lt"], case.steps_per_lyapunov_time)
-        if window < 1:
-            raise ValueError(
-                f"forecasters.quadratic.window_lt is {options['window_lt']}; it must be at least "
-                f"one step: a Lyapunov time has {case.steps_per_lyapunov_time}"
-            )
+        window = window_steps(options["window_lt"], case.steps_per_lyapunov_time, training.shape[1])
         coefficients = polynomial_coefficients(
             training,
             observation_noise(training, options["noise"]),

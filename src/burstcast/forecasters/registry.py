@@ -9,11 +9,15 @@ from burstcast.discovery import concrete_classes, module_names, suggestion
 from burstcast.forecasters.base import Forecaster
 
 _OTHERS = ("base", "registry")
+AWARE_KINDS = ("esn_aware", "quadratic_aware", "quadratic_aware_filtered")
+"""Kinds that learn from schedules, which a case's training series do not have yet: configs do not
+offer them."""
 
 
 def available_kinds() -> list[str]:
-    """Names of all the kinds, sorted."""
-    return [name for name in module_names(burstcast.forecasters) if name not in _OTHERS]
+    """Names of all the kinds that learn from series alone, sorted."""
+    others = (*_OTHERS, *AWARE_KINDS)
+    return [name for name in module_names(burstcast.forecasters) if name not in others]
 
 
 def linearises(kind: str) -> bool:
@@ -31,8 +35,8 @@ def forecaster_class(kind: str) -> type[Forecaster]:
     TypeError
         If its module does not define just one.
     """
-    if kind not in available_kinds():
-        available = available_kinds()
+    available = [*available_kinds(), *AWARE_KINDS]
+    if kind not in available:
         raise ValueError(
             f"unknown kind of forecaster {kind!r}{suggestion(kind, available)}; "
             f"the available kinds are {', '.join(available)}"

@@ -9,6 +9,10 @@ Schneeweiss, Journal of the Royal Statistical Society B 60, 1998). Terms whose c
 significant are left out one after the other (sparse regression as in Brunton, Proctor & Kutz,
 "Discovering governing equations from data", PNAS 113, 2016, with a threshold in standard errors, so
 that it has no unit and fits any amount of noise).
+
+Coefficients may depend on parameters: each is then a constant plus a linear combination of factors
+that are known at all times (`burstcast.data.parameter_factors`). Windows within which a factor
+changes are left out.
 """
 
 import math
@@ -17,7 +21,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.polynomials.basis import denoised, monomials
 
 # Coefficients of Gregory's formula: corrections of the trapezoidal rule by differences at the ends.
@@ -100,9 +104,51 @@ def polynomial_coefficients(
     ValueError
         If the series have fewer windows than there are monomials, or a component is constant.
     """
-    windows = series.shape[0] * (series.shape[1] - window)
-    count = len(monomials(series.shape[2], degree))
-    if windows < count or series.shape[1] <= window:
+    none = np.empty((series.shape[0], max(0, series.shape[1] - 1), 0))
+    coefficients: FloatArray = factored_coefficients(
+        series, noise, interval, degree, window, significance, none
+    )[0]
+    return coefficients
+
+
+def factored_coefficients(
+    series: FloatArray,
+    noise: FloatArray,
+    interval: float,
+    degree: int,
+    window: int,
+    significance: float,
+    factors: FloatArray,
+) -> FloatArray:
+    """Coefficients of the equations that observed series obey, linear in factors.
+
+    The equations are dx/dt = sum_m (c[0, m] + sum_f factor_f c[f, m]) monomial_m(x).
+
+    Parameters
+    ----------
+    series, noise, interval, degree, window, significance
+        As in `polynomial_coefficients`.
+    factors
+        Factors in force from each sample to the next, ``(series, time - 1, factors)``.
+
+    Returns
+    -------
+    ``(1 + factors, monomials, dimension)``, the constant part first.
+
+    Raises
+    ------
+    ValueError
+        If the series have fewer windows without a change than there are coefficients, a component
+        is constant, or the factors have another shape.
+    """
+    if factors.shape[:2] != (series.shape[0], max(0, series.shape[1] - 1)):
+        raise ValueError(
+            f"series of shape {series.shape} need factors of the shape "
+            f"({series.shape[0]}, {series.shape[1] - 1}, factors), not {factors.shape}"
+        )
+    count = (1 + factors.shape[2]) * len(monomials(series.shape[2], degree))
+    windows = int(sum(_unchanged(of_series, window).sum() for of_series in factors))
+    if windows < count:
         raise ValueError(
             f"{series.shape[0]} series of {series.shape[1]} samples are too few for {count} "
             f"coefficients of each equation from windows of {window} intervals"
@@ -111,7 +157,7 @@ def polynomial_coefficients(
     scale = series.std(axis=(0, 1))
     if not (scale > 0).all():
         raise ValueError(f"component {int(np.argmin(scale > 0)) + 1} is constant in all series")
-    moments = _moments(series / scale, noise / scale, degree, window)
+    moments = _moments(series / scale, noise / scale, degree, window, factors)
     columns = [
         _significant(moments.gram, moments.cross[:, :, component], significance)
         for component in range(series.shape[2])
@@ -120,11 +166,46 @@ def polynomial_coefficients(
     units = np.array(
         [math.prod(scale[list(factors)]) for factors in monomials(series.shape[2], degree)]
     )
-    coefficients: FloatArray = scaled * scale / units[:, np.newaxis] / interval
+    blocks = scaled.reshape(1 + factors.shape[2], len(units), series.shape[2])
+    coefficients: FloatArray = blocks * scale / units[:, np.newaxis] / interval
     return coefficients
 
 
-def _moments(series: FloatArray, noise: FloatArray, degree: int, window: int) -> _Moments:
+def _unchanged(factors: FloatArray, window: int) -> BoolArray:
+    """Whether no factor changes within the window from each sample, ``(windows,)``.
+
+    ``factors`` are those of one series, ``(time - 1, factors)``.
+    """
+    windows = max(0, len(factors) + 1 - window)
+    changes = np.zeros(len(factors) + 1, dtype=np.int64)
+    changes[2:] = np.cumsum((factors[1:] != factors[:-1]).any(axis=1))
+    # the changes so far at the window's first interval and at its last
+    first = np.arange(windows)
+    return np.asarray(changes[first + window] == changes[first + 1])
+
+
+def _groups(
+    factors: FloatArray, window: int, bounds: list[tuple[int, int]]
+) -> list[tuple[int, FloatArray, IntArray]]:
+    """Windows of a series by stretch and by the factors in force.
+
+    Each group has the number of its stretch, the factors with a 1 before them, and the first
+    samples of its windows.
+    """
+    usable = _unchanged(factors, window)
+    values, which = np.unique(factors, axis=0, return_inverse=True)
+    groups = []
+    for stretch, (start, stop) in enumerate(bounds):
+        here = start + np.flatnonzero(usable[start:stop])
+        for number in np.unique(which.reshape(-1)[here]):
+            of_value = here[which.reshape(-1)[here] == number]
+            groups.append((stretch, np.concatenate([[1.0], values[number]]), of_value))
+    return groups
+
+
+def _moments(
+    series: FloatArray, noise: FloatArray, degree: int, window: int, factors: FloatArray
+) -> _Moments:
     basis, variance = monomials(series.shape[2], degree), np.square(noise)
     weights = gregory_weights(window)
     windows = series.shape[1] - window
@@ -133,13 +214,15 @@ def _moments(series: FloatArray, noise: FloatArray, degree: int, window: int) ->
         max(1, windows // (_WINDOWS_PER_STRETCH * window)),
     )
     bounds = list(pairwise(np.linspace(0, windows, stretches + 1).astype(int)))
-    # by how much the noise of each sample is in the squares of a stretch's integrals
-    shares = np.zeros((stretches, series.shape[1]))
-    for point, weight in enumerate(weights):
-        for share, (start, stop) in zip(shares, bounds, strict=True):
-            share[start + point : stop + point] += weight**2
+    size = (1 + factors.shape[2]) * len(basis)
     gram, cross = [], []
-    for states in series:
+    for states, of_series in zip(series, factors, strict=True):
+        groups = _groups(of_series, window, bounds)
+        # by how much the noise of each sample is in the squares of a group's integrals
+        shares = np.zeros((len(groups), series.shape[1]))
+        for point, weight in enumerate(weights):
+            for share, (_, _, starts) in zip(shares, groups, strict=True):
+                share[starts + point] += weight**2
         values = denoised(states, variance, basis)
         integrals = sum(
             weight * values[:, point : point + windows] for point, weight in enumerate(weights)
@@ -147,12 +230,15 @@ def _moments(series: FloatArray, noise: FloatArray, degree: int, window: int) ->
         # the noise of an increment is in its integral, too, with one sign at its beginning and the
         # other at its end: over a stretch it cancels
         increments = states[window:] - states[:-window]
-        parts = [np.ascontiguousarray(integrals[:, start:stop]) for start, stop in bounds]
-        gram += list(
-            np.array([part @ part.T for part in parts])
-            - _squared_noise(states, variance, degree, values, shares)
-        )
-        cross += [part @ increments[slice(*ends)] for part, ends in zip(parts, bounds, strict=True)]
+        added = _squared_noise(states, variance, degree, values, shares)
+        of_gram = np.zeros((stretches, size, size))
+        of_cross = np.zeros((stretches, size, series.shape[2]))
+        for (stretch, multiples, starts), from_noise in zip(groups, added, strict=True):
+            part = np.ascontiguousarray(integrals[:, starts])
+            of_gram[stretch] += np.kron(np.outer(multiples, multiples), part @ part.T - from_noise)
+            of_cross[stretch] += np.kron(multiples[:, np.newaxis], part @ increments[starts])
+        gram += list(of_gram)
+        cross += list(of_cross)
     return _Moments(np.array(gram), np.array(cross))
 
 

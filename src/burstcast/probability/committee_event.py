@@ -7,10 +7,10 @@ from typing import Annotated
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.described import Described
+from burstcast.files.described import Described
+from burstcast.files.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 from burstcast.forecast.window_forecasts import member_forecasts
 from burstcast.forecasters.base import Forecaster
-from burstcast.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.forecast.classification import ratio
-from burstcast.resampling import percentile_interval
+from burstcast.statistics.resampling import percentile_interval
 
 
 def ratio_with_interval(
@@ -17,7 +17,7 @@ def ratio_with_interval(
     numerator, denominator
         By series, ``(series,)``.
     weights
-        Of the series in each resample (`burstcast.resampling.bootstrap_weights`).
+        Of the series in each resample (`burstcast.statistics.resampling.bootstrap_weights`).
     confidence
         Share inside the interval, in (0, 1).
 

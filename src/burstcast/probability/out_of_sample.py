@@ -22,6 +22,8 @@ def out_of_sample_forecasts(
     washouts: FloatArray,
     series: IntArray,
     boundaries: tuple[int, ...],
+    parameters: FloatArray | None = None,
+    schedules: FloatArray | None = None,
 ) -> WindowForecasts:
     """Forecast from starting points in the training series, refitted without the point's series.
 
@@ -40,13 +42,22 @@ def out_of_sample_forecasts(
         Row of each point's series, ``(points,)``.
     boundaries
         Boundaries of the windows (`burstcast.forecast.windows.window_boundaries`).
+    parameters
+        Schedules that the forecaster was trained with, ``(series, time - 1, parameters)``; None:
+        none.
+    schedules
+        Schedule of each point, as of `burstcast.forecast.window_forecasts.window_forecasts`.
     """
     rows, parts = [], []
-    for row, refitted in enumerate(forecaster.leave_one_out(training, case, washout)):
+    refitted_without = forecaster.leave_one_out(training, case, washout, parameters)
+    for row, refitted in enumerate(refitted_without):
         here = np.flatnonzero(series == row)
         if here.size:
+            in_force = None if schedules is None else schedules[here]
             rows.append(here)
-            parts.append(window_forecasts(refitted, observable, washouts[here], boundaries))
+            parts.append(
+                window_forecasts(refitted, observable, washouts[here], boundaries, in_force)
+            )
     order = np.argsort(np.concatenate(rows))
     found = joined(parts)
     return WindowForecasts(**{name: values[order] for name, values in vars(found).items()})

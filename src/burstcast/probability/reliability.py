@@ -12,7 +12,7 @@ import numpy as np
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.probability.brier import Binned, binned
 from burstcast.probability.outcomes import Outcomes
-from burstcast.resampling import percentile_interval
+from burstcast.statistics.resampling import percentile_interval
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def reliability_diagram(
     bins
         Number of equally wide bins of the probability.
     weights
-        Of the series in each resample (`burstcast.resampling.bootstrap_weights`).
+        Of the series in each resample (`burstcast.statistics.resampling.bootstrap_weights`).
     confidence
         Probability that a bar covers.
     generator

@@ -10,7 +10,7 @@ from burstcast.probability.brier import (
     decomposition,
 )
 from burstcast.probability.outcomes import Outcomes
-from burstcast.resampled_score import ResampledScore
+from burstcast.statistics.resampled_score import ResampledScore
 
 
 def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[str, FloatArray]:

@@ -30,7 +30,7 @@ def resampled_measures(
         Runs that count, ``(runs,)``; those that are discarded are drawn, too, and left out.
     weights
         How often each run is in each sample, ``(resamples, runs)``
-        (`burstcast.resampling.bootstrap_weights`).
+        (`burstcast.statistics.resampling.bootstrap_weights`).
 
     Returns
     -------

@@ -11,7 +11,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.forecasters.base import Forecaster
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 from burstcast.systems.lyapunov import (
     LyapunovSpectrum,
     alignment_of,

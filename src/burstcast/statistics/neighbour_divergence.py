@@ -35,7 +35,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from burstcast.arrays import FloatArray, IntArray, float_array
-from burstcast.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 FITTED = (0.15, 0.45)
 """Part of its way to saturation over which the mean logarithm of the distances is fitted."""

@@ -6,7 +6,8 @@ whatever its age. The lifetimes are then exponential. A forecaster with another 
 another flow, however good its forecasts are (Pershin, Beaume, Li & Tobias, arXiv:2111.06783).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from scipy.special import betaincinv, gammaincinv
@@ -32,6 +33,39 @@ class Lifetimes:
     steps: IntArray
     escaped: BoolArray
     length: int
+
+    @classmethod
+    def of_ensemble(cls, steps: IntArray, kept: IntArray, length: int) -> Self:
+        """Lifetimes of all series that were generated; those that are not kept have escaped.
+
+        Parameters
+        ----------
+        steps, length
+            See the class.
+        kept
+            Numbers of the kept series.
+        """
+        escaped = np.ones(len(steps), dtype=bool)
+        escaped[kept] = False
+        return cls(steps, escaped, length)
+
+    def of_training(self, kept: IntArray, training: int) -> Self:
+        """Lifetimes of the series that were generated for the training series, and of these.
+
+        Series are kept in the order in which they were generated: all were generated after the last
+        one kept before the training series, and up to the last of these.
+
+        Parameters
+        ----------
+        kept
+            Numbers of the kept series.
+        training
+            Number of training series, the first that were kept.
+        """
+        own = kept[:training]
+        first = max(kept[kept < own.min()], default=-1) + 1
+        generated = slice(first, own.max() + 1)
+        return replace(self, steps=self.steps[generated], escaped=self.escaped[generated])
 
 
 @dataclass(frozen=True)

@@ -33,13 +33,15 @@ class DynamicalSystem(abc.ABC):
     States are arrays with the components first: ``(dimension, ...)``. All methods act on each
     trailing index independently, bit for bit.
 
-    Methods that are made of sums, differences, products, quotients, squares and square roots of
-    components are compiled, without any further ado, and many times faster than numpy
-    (`burstcast.systems.compiled`); arrays that take results are to be made like the state
-    (``np.empty_like(state)``, ``dtype=state.dtype``). All others are as right, but slower.
+    Methods that are made of sums, differences, products, quotients, whole powers up to 16 and
+    square roots of components are compiled by themselves, and many times faster than numpy
+    (`burstcast.systems.compiled`); arrays that take results must be made like the state
+    (``np.empty_like(state)``, ``dtype=state.dtype``). All others are integrated by numpy, which is
+    slower; ``burstcast check-system`` names the line that hinders compilation.
     """
 
     dimension: ClassVar[int]
+    """Number of components; a property where it follows from the parameters."""
     observable_name: ClassVar[str]
     """What the observable is, for axes and tables: "kinetic energy"."""
     observable_symbol: ClassVar[str]

@@ -9,13 +9,13 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem, has_own
-from burstcast.systems.compiled import compiled_steps
+from burstcast.systems.compiled import compiled_steps, hindrance
 from burstcast.systems.differentiation import derivative_method
 from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.integration import integrate
@@ -29,12 +29,17 @@ from burstcast.systems.lyapunov import (
 )
 from burstcast.systems.sampling import sampled_initial_states
 
+Verdict = Literal["chaotic", "regular", "undecided"]
+
 _TRAJECTORIES = 16
 _STEPS = 20_000  # of each trajectory; fewer where a step takes long
 _SECONDS = 4.0  # for each of three integrations
 _SAMPLES_PER_PERIOD = 40
+_FEWEST_SAMPLES_PER_PERIOD = 10
+_MOST_SAMPLES_PER_LYAPUNOV_TIME = 200
 _STEP_ERROR = 1e-6  # of a sampling interval, in standard deviations
 _QUANTILE = 0.95
+_EXPONENTS = 10  # leading ones, of systems with more dimensions
 _TRANSIENT_LT, _DURATION_LT = 20.0, 70.0
 
 
@@ -65,8 +70,10 @@ class SystemCheck:
         Of the component that changes fastest, in time units.
     by_qr, by_growth
         Leading Lyapunov exponent with its 95 % interval, by both methods, in inverse time units.
+    duration
+        Time that the exponents are averaged over, of each of 16 trajectories, in time units.
     spectrum
-        All exponents, ``(dimension,)``.
+        The leading exponents, at most ten.
     observable_quantiles
         Of the observable on the attractor, by their share: 0, 0.5, 0.9, 0.95, 0.99, 1.
     events_per_lyapunov_time
@@ -83,15 +90,20 @@ class SystemCheck:
     fastest_period: float
     by_qr: Estimate
     by_growth: Estimate
+    duration: float
     spectrum: FloatArray
     observable_quantiles: Mapping[float, float]
     events_per_lyapunov_time: float
     case: Mapping[str, Any]
 
     @property
-    def is_chaotic(self) -> bool:
-        """Whether the leading exponent is positive, beyond its interval, by both methods."""
-        return bool(self.by_qr.low > 0 and self.by_growth.low > 0)
+    def verdict(self) -> Verdict:
+        """Whether the leading exponent is positive, by the intervals of both methods.
+
+        Regular: both intervals lie below zero, as do those of a limit cycle that is approached.
+        Undecided: anything else.
+        """
+        return _verdict(self.by_qr, self.by_growth)
 
     @property
     def steps_per_lyapunov_time(self) -> float:
@@ -101,8 +113,10 @@ class SystemCheck:
         return 1.0 / (exponent * interval) if exponent > 0 else math.inf
 
 
-def check_system(system: DynamicalSystem, generator: np.random.Generator) -> SystemCheck:
-    """Try a system out.
+def check_system(
+    system: DynamicalSystem, generator: np.random.Generator, longest: float = 60.0
+) -> SystemCheck:
+    """Examine a system.
 
     Parameters
     ----------
@@ -110,6 +124,9 @@ def check_system(system: DynamicalSystem, generator: np.random.Generator) -> Sys
         The system, with its parameters.
     generator
         Draws initial states and perturbations.
+    longest
+        Seconds after which no longer runs are made where the sign of the leading exponent is still
+        undecided.
 
     Raises
     ------
@@ -138,19 +155,41 @@ def check_system(system: DynamicalSystem, generator: np.random.Generator) -> Sys
     every = max(1, min(stride * 5, steps // 20))
     # the linearised equations are several trajectories for each
     tangent_steps = max(20 * every, steps // (1 if _is_compiled(system, time_step) else 4))
-    spectrum = lyapunov_spectrum(
-        system, samples[-1], time_step, tangent_steps, every, tangent_steps // 4
-    ).exponents
-    growth = perturbation_growth(
-        system, samples[-1], time_step, steps, 1e-8 * size, 1e-2 * size, generator, steps // 4
-    ).exponents
+    began, longer = time.perf_counter(), 1
+    while True:
+        spectrum = lyapunov_spectrum(
+            system,
+            samples[-1],
+            time_step,
+            longer * tangent_steps,
+            every,
+            longer * tangent_steps // 4,
+            min(system.dimension, _EXPONENTS),
+        ).exponents
+        growth = perturbation_growth(
+            system,
+            samples[-1],
+            time_step,
+            longer * steps,
+            1e-8 * size,
+            1e-2 * size,
+            generator,
+            longer * steps // 4,
+        ).exponents
+        by_qr, by_growth = mean_with_interval(spectrum[:, 0]), mean_with_interval(growth)
+        passed = time.perf_counter() - began
+        # a run that is four times as long takes three times what all have taken so far
+        if _verdict(by_qr, by_growth) != "undecided" or 4.0 * passed > longest:
+            break
+        longer *= 4
     observable = system.observable(samples.transpose(1, 0, 2))
     shares = (0.0, 0.5, 0.9, _QUANTILE, 0.99, 1.0)
     quantiles = dict(zip(shares, map(float, np.quantile(observable, shares)), strict=True))
     threshold = quantiles[_QUANTILE]
     crossings = (observable[:-1] < threshold) & (observable[1:] >= threshold)
-    by_qr = mean_with_interval(spectrum[:, 0])
     exponent = float(by_qr.mean)
+    if exponent > 0 and not said.get("sampling_stride"):
+        stride = _coarser(stride, time_step, period, 1.0 / exponent)
     per_time = crossings.sum() / (_TRAJECTORIES * steps * time_step)
     return SystemCheck(
         name=type(system).__name__,
@@ -160,7 +199,8 @@ def check_system(system: DynamicalSystem, generator: np.random.Generator) -> Sys
         sampling_stride=stride,
         fastest_period=period,
         by_qr=by_qr,
-        by_growth=mean_with_interval(growth),
+        by_growth=by_growth,
+        duration=longer * steps * time_step,
         spectrum=np.asarray(spectrum.mean(axis=0)),
         observable_quantiles=quantiles,
         events_per_lyapunov_time=per_time / exponent if exponent > 0 else 0.0,
@@ -343,6 +383,18 @@ def _stride(system: DynamicalSystem, states: FloatArray, interval: float) -> int
     return stride
 
 
+def _coarser(stride: int, time_step: float, period: float, lyapunov_time: float) -> int:
+    """Integration steps in a sampling interval, so that forecasts need no more steps than needed.
+
+    Where a Lyapunov time has many samples, ten in the fastest period are enough.
+    """
+    wanted = lyapunov_time / _MOST_SAMPLES_PER_LYAPUNOV_TIME
+    longest = period / _FEWEST_SAMPLES_PER_PERIOD
+    if stride * time_step >= min(wanted, longest):
+        return stride
+    return max(stride, math.floor(_round(min(wanted, longest)) / time_step + 0.5))
+
+
 def _round(value: float) -> float:
     """The nearest of 1, 2, 5, 10, ... that is not larger than it by much."""
     power = 10.0 ** math.floor(math.log10(value))
@@ -351,6 +403,12 @@ def _round(value: float) -> float:
 
 
 # -- in words, and as a case -----------------------------------------------------------------------
+
+
+def _verdict(*estimates: Estimate) -> Verdict:
+    if all(estimate.low > 0 for estimate in estimates):
+        return "chaotic"
+    return "regular" if all(estimate.high < 0 for estimate in estimates) else "undecided"
 
 
 def _is_compiled(system: DynamicalSystem, time_step: float) -> bool:
@@ -364,7 +422,9 @@ def _integrator(system: DynamicalSystem, time_step: float) -> str:
     compiled = _is_compiled(system, time_step)
     if has_own(system, "flow_map"):
         return "its own integrator" + (", compiled" if compiled else "")
-    return "Runge-Kutta scheme, " + ("compiled" if compiled else "in numpy (not compiled)")
+    if compiled:
+        return "Runge-Kutta scheme, compiled"
+    return f"Runge-Kutta scheme, in numpy; not compiled: {hindrance(system, time_step)}"
 
 
 def _derivatives(system: DynamicalSystem, states: FloatArray) -> str:

@@ -3,17 +3,20 @@
 A system is written down once, in numpy (`burstcast.systems.base.DynamicalSystem`). Here one
 Runge-Kutta step of it is taken with symbols instead of numbers: each operation on a symbol is noted
 down as an instruction on eight numbers, one per trajectory. LLVM makes machine code of the notes
-(`burstcast.machine_code`), in which a step's temporaries stay in registers or the nearest cache.
+(`burstcast.compiled.machine_code`), in which a step's temporaries stay in registers or the
+nearest cache.
 
 It does the operations that numpy does, in numpy's order, and none is fused or reordered: sums,
 differences, products, quotients and square roots are exactly rounded in both, so that the results
-are the same bits, in any batch, on any processor. What cannot be noted down (another function, a
-decision that depends on a state, a matrix product, thousands of components) is left to numpy, and
-so is a system whose compiled step and numpy step differ in a single bit.
+are the same bits, in any batch, on any processor. Small whole powers are products in both. What
+cannot be noted down (another function, a decision that depends on a state, a matrix product,
+thousands of components) is left to numpy, and so is a system whose compiled step and numpy step
+differ in a single bit.
 """
 
 import logging
 import numbers
+import traceback
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
@@ -21,9 +24,9 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import ByteArray, FloatArray
-from burstcast.machine_code import MachineCode, hexadecimal
+from burstcast.compiled.machine_code import MachineCode, hexadecimal
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.runge_kutta import step
+from burstcast.systems.runge_kutta import step, whole_power
 
 logger = logging.getLogger(__name__)
 
@@ -93,8 +96,7 @@ class _Symbol:
         return _noted("fdiv", other, self)
 
     def __pow__(self, exponent: object) -> Any:
-        # numpy squares by a product; other powers are functions
-        return self * self if exponent == 2 else NotImplemented
+        return whole_power(self, exponent)
 
     def __neg__(self) -> "_Symbol":
         return self.notes.add(f"fneg {_VECTOR} {self.name}")
@@ -374,7 +376,6 @@ class CompiledSteps:
         )
 
 
-@lru_cache(maxsize=64)
 def compiled_steps(
     systems: tuple[DynamicalSystem, ...], time_step: float, observed: bool
 ) -> CompiledSteps | None:
@@ -394,17 +395,47 @@ def compiled_steps(
     TypeError
         If a system has no hash: one of its parameters is an array over the batch.
     """
+    return _attempt(systems, time_step, observed)[0]
+
+
+def hindrance(system: DynamicalSystem, time_step: float) -> str | None:
+    """Why a system is integrated by numpy: the operation that cannot be compiled, with its line.
+
+    None if the system is compiled.
+    """
+    try:
+        return _attempt((system,), time_step, False)[1]
+    except TypeError:  # no hash
+        return "a parameter is an array"
+
+
+@lru_cache(maxsize=64)
+def _attempt(
+    systems: tuple[DynamicalSystem, ...], time_step: float, observed: bool
+) -> tuple[CompiledSteps | None, str | None]:
+    """Compiled steps, or the reason why there are none."""
     # Numpy takes over whatever the reason. Should the system be in error, numpy will say so.
     try:
         steps = CompiledSteps(_program(systems, time_step, observed))
         if _same_as_numpy(steps, systems, time_step, observed):
-            return steps
-        reason = "the order of its operations depends on the number of trajectories"
-        logger.info("%s is integrated by numpy (%s)", type(systems[0]).__name__, reason)
+            return steps, None
+        reason = "compiled and numpy steps differ in their last bits"
     except Exception as error:
-        name, kind = type(systems[0]).__name__, type(error).__name__
-        logger.info("%s is integrated by numpy (%s: %s)", name, kind, error)
-    return None
+        reason = f"{_place(error)}{type(error).__name__}: {error}"
+    logger.info("%s is integrated by numpy (%s)", type(systems[0]).__name__, reason)
+    return None, reason
+
+
+def _place(error: Exception) -> str:
+    """Line of a system that raised an error while its operations were noted down."""
+    frames = traceback.extract_tb(error.__traceback__)
+    step_calls = [number for number, frame in enumerate(frames) if frame.filename == _STEP]
+    for frame in frames[step_calls[-1] + 1 :] if step_calls else []:
+        return f"{frame.filename}:{frame.lineno}, {frame.line}: "
+    return ""
+
+
+_STEP = step.__code__.co_filename
 
 
 def _same_as_numpy(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import ByteArray, FloatArray
+from burstcast.arrays import ByteArray, FloatArray, IntArray
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.compiled import CompiledSteps, compiled_steps
 from burstcast.systems.runge_kutta import step
@@ -19,6 +19,8 @@ from burstcast.systems.runge_kutta import step
 # Trajectories that numpy integrates together. So many that the cost of a numpy call is spread over
 # many numbers, so few that the states and slopes of a nine-dimensional system stay in the cache.
 _TILE = 2048
+# Systems that are compiled into one program; more would take seconds to compile.
+_MOST_COMPILED = 16
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ def integrate(
 
 def integrate_switched(
     systems: Sequence[DynamicalSystem],
-    choice: ByteArray,
+    choice: ByteArray | IntArray,
     state: FloatArray,
     time_step: float,
     stride: int = 1,
@@ -106,7 +108,8 @@ def integrate_switched(
     Parameters
     ----------
     systems
-        The equations, at most 128 of them, of one dimension. Their parameters are numbers.
+        The equations, of one dimension. Their parameters are numbers. Up to 16 are compiled, more
+        are integrated by numpy.
     choice
         Number of the system that each step obeys, ``(steps, batch)``.
     state, time_step, stride
@@ -132,7 +135,7 @@ def integrate_switched(
         raise ValueError(f"the choice must be between systems 0 to {len(systems) - 1}")
     _check_steps(len(choice), stride)
     states = _room(state, len(choice), stride)
-    compiled = _compiled(systems, time_step)
+    compiled = _compiled(systems, time_step) if len(systems) <= _MOST_COMPILED else None
     if compiled is not None:
         compiled.run(states, stride, choice=np.ascontiguousarray(choice, dtype=np.uint8))
     else:
@@ -222,7 +225,7 @@ def _fill(
 
 def _fill_switched(
     systems: Sequence[DynamicalSystem],
-    choice: ByteArray,
+    choice: ByteArray | IntArray,
     states: FloatArray,
     time_step: float,
     stride: int,

@@ -13,12 +13,14 @@ the very same trajectories, bit for bit, and stay in the chaotic phase.
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from scipy.special import stdtrit
 
 from burstcast.arrays import FloatArray, IntArray
+from burstcast.files.described import Described
+from burstcast.files.units import RATE, TIME
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.differentiation import Method, derivative, derivative_method, jacobian
 from burstcast.systems.integration import check_batch, integrate
@@ -45,8 +47,10 @@ class LyapunovSpectrum:
         Time that they are averaged over, in time units.
     """
 
-    exponents: FloatArray
-    duration: float
+    exponents: Annotated[
+        FloatArray, Described("run exponent", RATE, "Lyapunov exponents of each run")
+    ]
+    duration: Annotated[float, Described("", TIME, "time that they are averaged over")]
 
 
 @dataclass(frozen=True)
@@ -133,10 +137,11 @@ def lyapunov_spectrum(
     steps: int,
     orthonormalisation_steps: int,
     alignment_steps: int = 0,
+    exponents: int | None = None,
 ) -> LyapunovSpectrum:
-    """All Lyapunov exponents by repeated QR factorisation of the tangent propagator.
+    """Lyapunov exponents by repeated QR factorisation of the tangent propagator.
 
-    As many perturbations as the system has dimensions evolve under the linearised equations, and
+    As many perturbations as there are exponents evolve under the linearised equations, and
     are orthonormalised at regular intervals before they all line up with the fastest one
     (Ginelli et al., Phys. Rev. Lett. 99 (2007) 130601, which the paper follows). The exponents are
     the mean growth rates, the logarithms of the diagonal of R over time. The linear equations are
@@ -160,11 +165,14 @@ def lyapunov_spectrum(
         Number of steps before growth counts, so that the perturbations forget the unit vectors
         that they start from; rounded up to whole intervals. This takes a few times the inverse of
         the gap between neighbouring exponents: about 1000 time units in the shear flow.
+    exponents
+        Number of leading exponents; None: as many as the system has dimensions.
 
     Raises
     ------
     ValueError
-        If an argument has the wrong shape or sign, if there is no complete interval, or if the
+        If an argument has the wrong shape or sign, if there is no complete interval, if the system
+        has fewer dimensions than exponents are asked for, or if the
         interval is so long that the weakest direction is lost to rounding.
     FloatingPointError
         If a trajectory leaves the range of floating-point numbers.
@@ -183,6 +191,9 @@ def lyapunov_spectrum(
             "between two factorisations"
         )
     dimension, batch = state.shape
+    number = dimension if exponents is None else exponents
+    if not 1 <= number <= dimension:
+        raise ValueError(f"a system of {dimension} dimensions does not have {number} exponents")
     flow = tangent_flow(system)
 
     def advance(state: FloatArray, tangent: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -191,7 +202,7 @@ def lyapunov_spectrum(
     log_growth = tangent_growth(
         advance,
         state,
-        np.broadcast_to(np.eye(dimension), (batch, dimension, dimension)),
+        np.broadcast_to(np.eye(dimension, number), (batch, dimension, number)),
         intervals,
         alignment_intervals=-(-alignment_steps // orthonormalisation_steps),
     )

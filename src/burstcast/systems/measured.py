@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.expressions import Expression
+from burstcast.systems.expressions import Expression
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import burstcast.systems
 from burstcast.discovery import (
-    checked_numbers,
+    checked_values,
     classes_in,
     concrete_classes,
     imported,
@@ -48,7 +48,7 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
         If the module defines more than one system, or the class is no dataclass.
     """
     found = system_class(name)
-    values = checked_numbers(f"system {name!r}", "parameter", found, parameters)
+    values = checked_values(f"system {name!r}", "parameter", found, parameters)
     try:
         return found(**values)
     except (ValueError, ArithmeticError):
@@ -99,7 +99,7 @@ def parameters_of(system: DynamicalSystem) -> dict[str, float]:
     }
 
 
-def module_of(name: str) -> str:
+def system_module(name: str) -> str:
     """Full name of the module that the system ``name`` lies in."""
     module, colon, _ = name.partition(":")
     return module if colon else f"burstcast.systems.{name}"

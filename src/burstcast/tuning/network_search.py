@@ -1,127 +1,74 @@
-"""A network from its training series: the search for its hyperparameters, then its training.
+"""The search for a network's hyperparameters: from the scan of a grid on, by Bayesian optimisation.
 
-The workflow does the same in three jobs (scan, search, train), where networks share what they can.
+The workflow runs the scan and the search as jobs of their own, where networks share what they can;
+`burstcast.EventForecaster` runs one after the other.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from burstcast import random_streams
-from burstcast.esn import training
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.network import EchoStateNetwork
+from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
+from burstcast.tuning.scan import Evaluation
 from burstcast.tuning.strategies.base import ValidationStrategy
-from burstcast.tuning.validation import PointValidator, Validation, best
+from burstcast.tuning.validation import PointValidator
 
 
-@dataclass(frozen=True)
-class Hyperparameters:
-    """What a search has found.
-
-    Attributes
-    ----------
-    spectral_radius, input_scaling, tikhonov
-        The best ones.
-    objective
-        What the strategy makes of them: mean log10 of the mean square error of the observable.
-    """
-
-    spectral_radius: float
-    input_scaling: float
-    tikhonov: float
-    objective: float
-
-
-@dataclass(frozen=True)
-class NetworkSearch:
-    """A grid in the space of the hyperparameters, and points of Bayesian optimisation after it.
-
-    Attributes
-    ----------
-    space
-        Bounds.
-    grid
-        Points of the grid in each direction.
-    bayesian_points
-        Points after it.
-    """
-
-    space: SearchSpace
-    grid: int
-    bayesian_points: int
-
-    def best(
-        self,
-        validator: PointValidator,
-        strategy: ValidationStrategy,
-        together: Sequence[ValidationStrategy],
-        seed: int,
-    ) -> Hyperparameters:
-        """Search the hyperparameters of one network.
-
-        Parameters
-        ----------
-        validator
-            Of its reservoir.
-        strategy
-            Whose objective is minimised.
-        together
-            Strategies that are validated in one go on the grid, ``strategy`` among them. Others
-            change where sums over the training series are cut, and with it their rounding only.
-        seed
-            Of the optimiser (`optimiser_seed`).
-        """
-        tried: list[tuple[HyperparameterPoint, Validation]] = []
-        on_grid: list[tuple[HyperparameterPoint, float]] = []
-
-        def objective(
-            point: HyperparameterPoint, strategies: Sequence[ValidationStrategy]
-        ) -> float:
-            validations = validator(point, strategies)
-            tried.extend((point, one) for one in validations if one.strategy == strategy.name)
-            return best(validations, strategy.name).objective
-
-        for point in self.space.grid(self.grid):
-            on_grid.append((point, objective(point, together)))
-        if self.bayesian_points:
-            # loaded here only: it takes longer than all the rest of the library
-            from burstcast.tuning.search import bayesian_search
-
-            bayesian_search(
-                self.space,
-                on_grid,
-                self.bayesian_points,
-                lambda point: objective(point, [strategy]),
-                seed,
-            )
-        point, chosen = min(tried, key=lambda one: one[1].objective)
-        return Hyperparameters(
-            point.spectral_radius, point.input_scaling, chosen.tikhonov, chosen.objective
-        )
-
-
-def optimiser_seed(random_seed: int, case: str, neurons: int, strategy: str, seed: int) -> int:
-    """Seed of the optimiser of one network, as the workflow has it."""
-    names = ("optimiser", case, neurons, strategy, seed)
-    sequence = random_streams.seed_sequence(random_seed, *names)
-    return int(sequence.generate_state(1)[0] % 2**31)
-
-
-def trained(validator: PointValidator, found: Hyperparameters, washout: int) -> EchoStateNetwork:
-    """Network trained on all of the training series with the hyperparameters that were found.
+def search(
+    validator: PointValidator,
+    space: SearchSpace,
+    strategy: ValidationStrategy,
+    scanned: Sequence[Evaluation],
+    points: int,
+    seed: int,
+) -> list[Evaluation]:
+    """Evaluate more points, where a Gaussian process expects most of them.
 
     Parameters
     ----------
     validator
-        With reservoir, training series and backend.
-    found
-        The hyperparameters.
-    washout
-        Steps at the beginning of each series that training leaves out.
+        Of the reservoir.
+    space
+        Bounds of the search.
+    strategy
+        Whose objective is minimised.
+    scanned
+        Evaluations of the grid (`burstcast.tuning.scan`); those by other strategies are left out.
+    points
+        How many points to add.
+    seed
+        Of the optimiser (`optimiser_seed`).
+
+    Returns
+    -------
+    All evaluations by the strategy, those of the grid first.
     """
-    dynamics = Dynamics(
-        validator.reservoir, found.spectral_radius, found.input_scaling, validator.backend
-    )
-    readout = training.train(dynamics, validator.training, washout=washout, tikhonov=found.tikhonov)
-    return EchoStateNetwork(dynamics, readout, validator.training.input_range)
+    trace = [one for one in scanned if one.validation.strategy == strategy.name]
+    on_grid: dict[HyperparameterPoint, float] = {}
+    for one in trace:
+        on_grid[one.point] = min(one.objective, on_grid.get(one.point, float("inf")))
+
+    def objective(point: HyperparameterPoint) -> float:
+        number = trace[-1].number + 1
+        found = [Evaluation(number, "bayesian", point, one) for one in validator(point, [strategy])]
+        trace.extend(found)
+        return best(found).objective
+
+    if points:
+        # loaded here only: it takes longer than all the rest of the library
+        from burstcast.tuning.search import bayesian_search
+
+        bayesian_search(space, list(on_grid.items()), points, objective, seed)
+    return trace
+
+
+def best(evaluations: Sequence[Evaluation]) -> Evaluation:
+    """Evaluation with the smallest objective; the first of equals."""
+    return min(evaluations, key=lambda one: one.objective)
+
+
+def optimiser_seed(reservoir: ReservoirSeed, case: str, strategy: str) -> int:
+    """Seed of the optimiser of one network: of its reservoir, case and validation strategy."""
+    names = ("optimiser", case, reservoir.neurons, strategy, reservoir.seed)
+    sequence = random_streams.seed_sequence(reservoir.random_seed, *names)
+    return int(sequence.generate_state(1)[0] % 2**31)

@@ -15,6 +15,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Moments, Readout, solve_ridge
 from burstcast.esn.reservoir import Reservoir
 from burstcast.esn.training import Collected, TrainingSeries, collect
@@ -99,11 +100,12 @@ def validate(
             moments = loops.moments(fold)
             states = loops.states(fold)
             truth = _truth(training, observable, fold, plan.interval)
+            factors = _factors(training, fold, plan.interval)
             for number, beta in enumerate(tikhonov):
                 readout = solve_ridge(moments, beta)
                 readouts[number].append(readout)
                 errors[number].append(
-                    _log_errors(dynamics, training, observable, readout, states, truth)
+                    _log_errors(dynamics, training, observable, readout, states, factors, truth)
                 )
         for number, beta in enumerate(tikhonov):
             worst = min(readouts[number], key=lambda readout: readout.reciprocal_condition)
@@ -144,20 +146,18 @@ class PointValidator:
         self, point: HyperparameterPoint, strategies: Sequence[ValidationStrategy]
     ) -> list[Validation]:
         """Validate a point by each strategy with each Tikhonov parameter (see `validate`)."""
-        dynamics = Dynamics(
-            self.reservoir, point.spectral_radius, point.input_scaling, self.backend
-        )
         return validate(
-            dynamics, self.training, self.observable, self.plan, self.tikhonov, strategies
+            self.dynamics(point),
+            self.training,
+            self.observable,
+            self.plan,
+            self.tikhonov,
+            strategies,
         )
 
-
-def best(validations: Sequence[Validation], strategy: str) -> Validation:
-    """Validation of a strategy with the smallest objective; the first of equals."""
-    return min(
-        (validation for validation in validations if validation.strategy == strategy),
-        key=lambda validation: validation.objective,
-    )
+    def dynamics(self, point: HyperparameterPoint) -> Dynamics:
+        """Reservoir at a point of the search."""
+        return Dynamics(self.reservoir, point.spectral_radius, point.input_scaling, self.backend)
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,7 @@ def _open_loops(
         last = max(stops | starts)
         by_rows[rows] = collect(
             dynamics,
-            TrainingSeries(training.observed[rows.start : rows.stop], training.input_range),
+            training.part(slice(rows.start, rows.stop)),
             washout=washout,
             # moments of all the steps are there anyway
             snapshots=sorted(stops - {training.length}),
@@ -235,18 +235,33 @@ def _truth(
     )
 
 
+def _factors(training: TrainingSeries, fold: Fold, interval: int) -> FloatArray | None:
+    """Factors in force during a fold's intervals, ``(interval, factors, intervals)``."""
+    if training.factors is None:
+        return None
+    of_series = training.factors[fold.series.start : fold.series.stop]
+    return np.concatenate(
+        [
+            # the step to the interval's first sample is the first that is forecast
+            of_series[:, start - 1 : start - 1 + interval].transpose(1, 2, 0)
+            for start in fold.starts
+        ],
+        axis=2,
+    )
+
+
 def _log_errors(
     dynamics: Dynamics,
     training: TrainingSeries,
     observable: Callable[[FloatArray], FloatArray],
     readout: Readout,
     states: FloatArray,
+    factors: FloatArray | None,
     truth: FloatArray,
 ) -> FloatArray:
     """log10 of the mean square error of the observable over each interval, ``(intervals,)``."""
-    outputs, _ = dynamics.closed_loop(
-        readout.weights, training.input_range, states, steps=truth.shape[0]
-    )
+    network = EchoStateNetwork(dynamics, readout, training.input_range)
+    outputs, _ = network.forecast(states, truth.shape[0], factors)
     with np.errstate(over="ignore", invalid="ignore"):
         error = np.mean((observable(outputs.transpose(1, 0, 2)) - truth) ** 2, axis=0)
     # a comparison with NaN is False: a forecast that is lost counts as the largest error

@@ -2,15 +2,29 @@
 
 import math
 import posixpath
-from typing import Annotated, Any, TypeVar
+import re
+from collections.abc import Callable, Mapping
+from copy import copy
+from functools import cache, partial
+from types import UnionType
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    create_model,
+)
 from pydantic_core import PydanticCustomError
 
 from burstcast.control.strategies.registry import available_strategies as control_strategies
 from burstcast.tuning.strategies.registry import available_strategies
+from burstcast_workflow.stages.canonical import canonical
 
 T = TypeVar("T")
+S = TypeVar("S", bound="Section")
 
 
 class Words(str):
@@ -37,17 +51,19 @@ def _rising(ends: list[float]) -> list[float]:
 
 
 def _threshold(value: Any) -> Any:
+    if isinstance(value, Quantile):
+        return value
     number = value.get("quantile") if isinstance(value, dict) else value
     known = not isinstance(value, dict) or list(value) == ["quantile"]
     if not known or not isinstance(number, int | float) or isinstance(number, bool):
         shown = f"the text {value!r}" if isinstance(value, str) else f"{value}"
         raise PydanticCustomError("between", f"is {shown}; it must be {_THRESHOLD}")
-    if not math.isfinite(number):
+    if not abs(number) < math.inf:
         raise PydanticCustomError("between", f"is {number}; it must be a finite number")
     if isinstance(value, dict) and not 0 < number < 1:
         text = f"is the quantile {number}; a quantile lies between 0 and 1"
         raise PydanticCustomError("between", text)
-    return value
+    return Quantile(quantile=number) if isinstance(value, dict) else value
 
 
 def _among(several: str, names: list[str]) -> AfterValidator:
@@ -64,7 +80,8 @@ def _named(path: str) -> str:
     if posixpath.basename(posixpath.normpath(path)) in ("", ".", ".."):
         text = f"is {path}: results need a directory of their own, such as results/mine"
         raise PydanticCustomError("between", text)
-    return path
+    # POSIX keeps two slashes at the beginning, which Snakemake does not
+    return posixpath.normpath(re.sub("^//+", "/", path))
 
 
 _THRESHOLD = "a number, or {quantile: <a number between 0 and 1>}"
@@ -79,13 +96,16 @@ CountOrNull = Annotated[Count | None, Words("a whole number above 0, or null")]
 PositiveOrNull = Annotated[Positive | None, Words("a number above 0, or null")]
 Distinct = Annotated[list[T], AfterValidator(_distinct)]
 Some = Annotated[list[T], Field(min_length=1), AfterValidator(_distinct)]
+# lists in which the order means nothing: everything that is made of them is the same in any order
+Rising = Annotated[Distinct[T], AfterValidator(sorted)]
+SomeRising = Annotated[Some[T], AfterValidator(sorted)]
+SomeFalling = Annotated[Some[T], AfterValidator(partial(sorted, reverse=True))]
 Range = Annotated[
     list[float], _PAIR, Words("[low, high], two rising numbers"), AfterValidator(_rising)
 ]
 PositiveRange = Annotated[
     list[Positive], _PAIR, Words("[low, high], two rising numbers above 0"), AfterValidator(_rising)
 ]
-Threshold = Annotated[Any, AfterValidator(_threshold), Words(_THRESHOLD)]
 Strategy = Annotated[
     str,
     _among("validation strategies", available_strategies()),
@@ -135,6 +155,63 @@ class Section(BaseModel):
         regex_engine="python-re",
         defer_build=True,  # only the outermost one validates
     )
+
+    def dump(self) -> dict[str, Any]:
+        """All settings with their defaults, in canonical form."""
+        plain: dict[str, Any] = canonical(self.model_dump())
+        return plain
+
+
+def with_defaults(values: Mapping[str, Any]) -> Callable[[type[S]], type[S]]:
+    """A decorator of a section whose settings have these defaults, one for each."""
+
+    def given(section: type[S]) -> type[S]:
+        for name, field in section.model_fields.items():
+            field.default = values[name]
+        return section
+
+    return given
+
+
+class Quantile(Section):
+    """An event threshold as the share of the training series' values that are below it."""
+
+    quantile: float
+
+
+Threshold = Annotated[float | Quantile, BeforeValidator(_threshold), Words(_THRESHOLD)]
+
+
+class Part(Section):
+    """A part of a section."""
+
+    def dump(self) -> dict[str, Any]:
+        """Settings that were said, in canonical form."""
+        plain: dict[str, Any] = canonical(self.model_dump(exclude_unset=True))
+        return plain
+
+
+@cache
+def part_of(section: type[S]) -> type[S]:
+    """A section with the same settings, any of which may be left out: it is laid over another.
+
+    Settings that are left out have their default, or are null.
+    """
+    fields: dict[str, Any] = {}
+    for name, known in section.model_fields.items():
+        field = copy(known)
+        if field.is_required():
+            field.default = None
+        fields[name] = (_part_of(known.annotation), field)
+    name, words = section.__name__, section.__doc__
+    part: Any = create_model(name, __base__=Part, __doc__=words, **fields)
+    return part  # type: ignore[no-any-return]
+
+
+def _part_of(kind: Any) -> Any:
+    if get_origin(kind) is UnionType or get_origin(kind) is Union:
+        return Union[tuple(map(_part_of, get_args(kind)))]  # noqa: UP007
+    return part_of(kind) if is_section(kind) and kind is not Quantile else kind
 
 
 # what can be asked of a setting relative to another: names of arguments of `setting`, in words

@@ -4,7 +4,6 @@ Everything that can be wrong is told at once, before any job, in messages that n
 """
 
 import os
-import posixpath
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
@@ -12,11 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from pydantic import ValidationError
 from snakemake.utils import update_config
 
-from burstcast.backends import usable_backend
-from burstcast_workflow.canonical import canonical
-from burstcast_workflow.config.cases import Config
 from burstcast_workflow.config.checks import contradictions
 from burstcast_workflow.config.messages import model_problems
 from burstcast_workflow.config.model import Configuration
@@ -50,8 +47,10 @@ def load(
     files: Iterable[str | Path] = (),
     *,
     defaults: str | Path | None = None,
-) -> Config:
+) -> dict[str, Any]:
     """Check a configuration as Snakemake merged it, and put it in canonical form.
+
+    The result has all defaults; `burstcast_workflow.config.model.Configuration` reads it.
 
     Parameters
     ----------
@@ -75,16 +74,14 @@ def load(
         update_config(whole, config)
         config = whole
     problems = misread(files)
-    problems += model_problems(config, Configuration) or contradictions(config)
+    try:
+        parsed = Configuration.model_validate(config)
+        problems += contradictions(parsed)
+    except ValidationError as error:
+        problems += model_problems(error, Configuration)
     if problems:
         raise ConfigError(problems)
-    loaded: Config = canonical(config, "config")
-    # POSIX keeps two slashes at the beginning, which Snakemake does not
-    loaded["results"] = posixpath.normpath(re.sub("^//+", "/", loaded["results"]))
-    # a platform that cannot compile says so once, here, and every file says what it was made with
-    networks = loaded["forecasters"]["esn"]
-    networks["backend"] = usable_backend(networks["backend"])
-    return loaded
+    return parsed.dump()
 
 
 def misread(paths: Iterable[str | Path]) -> list[str]:

@@ -14,25 +14,13 @@ from burstcast_workflow.config.places import Place
 _NUMBER_AS_TEXT = re.compile(r"([+-]?)(\d*)(?:\.(\d*))?(?:[eE]([+-]?)(\d+))?")
 
 
-def model_problems(settings: Any, model: type[Section], *, partial: bool = False) -> list[str]:
-    """Check settings against their model; one message for each that is wrong.
-
-    The entries of ``cases`` may leave settings out, and so may ``partial`` settings.
-    """
-    try:
-        model.model_validate(settings)
-    except ValidationError as error:
-        messages = [
-            _message(
-                Place(model), problem["type"], problem["loc"], problem["input"], problem["msg"]
-            )
-            for problem in error.errors(include_url=False)
-            if not (
-                problem["type"] == "missing" and (partial or problem["loc"][:-1][:1] == ("cases",))
-            )
-        ]
-        return list(dict.fromkeys(messages))
-    return []
+def model_problems(error: ValidationError, model: type[Section]) -> list[str]:
+    """What a model has found wrong with settings; one message for each that is wrong."""
+    messages = [
+        _message(Place(model), problem["type"], problem["loc"], problem["input"], problem["msg"])
+        for problem in error.errors(include_url=False)
+    ]
+    return list(dict.fromkeys(messages))
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:

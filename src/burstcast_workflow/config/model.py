@@ -4,10 +4,12 @@ Messages about mistakes are made from it, and docs/settings.md. A bound may be a
 `burstcast_workflow.config.checks` has what else must hold between settings.
 """
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
+from burstcast.compiled.backends import usable_backend
+from burstcast.forecasters._options import DEFAULTS
 from burstcast_workflow.config.kinds import (
     CaseName,
     ControlStrategyName,
@@ -21,16 +23,22 @@ from burstcast_workflow.config.kinds import (
     PositiveOrNull,
     PositiveRange,
     Range,
+    Rising,
     Section,
     Size,
     Some,
+    SomeFalling,
+    SomeRising,
     Strategy,
     SystemName,
     Threshold,
     Whole,
     Words,
+    part_of,
     setting,
+    with_defaults,
 )
+from burstcast_workflow.stages.canonical import canonical
 
 TIME = "time units"
 OBSERVABLE = "units of the observable"
@@ -48,6 +56,15 @@ class NoAxes(Section):
 Alone = Annotated[NoAxes | None, Words("{}, or null for none")]
 
 
+class Chosen(Section):
+    """Kinds of forecasters, each with what tells those of a kind apart."""
+
+    @property
+    def kinds(self) -> dict[str, Any]:
+        """Axes by kind, of kinds that are not null."""
+        return {kind: axes for kind, axes in self if axes is not None}
+
+
 class NetworkAxes(Section):
     """Echo state networks of a block: neurons x validation strategies x seeds."""
 
@@ -58,7 +75,7 @@ class NetworkAxes(Section):
     seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1")
 
 
-class SingleKinds(Section):
+class SingleKinds(Chosen):
     """Kinds with one forecaster for each case; null for none of a kind."""
 
     equations: Alone = setting("the equations, started from the true state", default=None)
@@ -101,10 +118,10 @@ class Choice(SingleKinds):
 class Block(Section):
     """Block of the campaign: cases x forecasters."""
 
-    reynolds: Some[Positive] = setting(
+    reynolds: Distinct[Positive] = setting(
         "Reynolds numbers; each names the case Re<value> of the shear flow", default=[]
     )
-    cases: Some[CaseName] = setting("names of entries of `cases`", default=[])
+    cases: Distinct[CaseName] = setting("names of entries of `cases`", default=[])
     realisations: Count = setting(
         "choices of the training series: each case, and as cases `<case>-training<k>` those that "
         "differ from it by their training series only",
@@ -113,7 +130,19 @@ class Block(Section):
     forecasters: BlockForecasters
 
 
-class Ensemble(Section):
+class Steps(Section):
+    """Steps of the time series of a case."""
+
+    time_step: Positive = setting("time step of the Runge-Kutta scheme", TIME)
+    sampling_stride: Count = setting("integration steps in one step of a forecast")
+
+    @property
+    def sampling_interval(self) -> float:
+        """Time between two steps of a forecast, in time units."""
+        return self.time_step * self.sampling_stride
+
+
+class Ensemble(Steps):
     """The time series that all data come from."""
 
     series: Whole = setting("number of series that are generated", ge=2)
@@ -127,8 +156,6 @@ class Ensemble(Section):
         "largest perturbation; each series draws its own from [0, perturbation]",
         "units of the component",
     )
-    time_step: Positive = setting("time step of the Runge-Kutta scheme", TIME)
-    sampling_stride: Count = setting("integration steps in one step of a forecast")
     transient: Positive = setting(
         "beginning of each series that is dropped", TIME, multiple_of="ensemble.time_step"
     )
@@ -139,19 +166,32 @@ class Ensemble(Section):
     )
 
 
-class Lyapunov(Section):
+class TimeUnit(Section):
     """The Lyapunov exponents."""
 
     time_unit: Literal["published", "computed"] = setting(
         "the exponent that sets the Lyapunov time"
     )
     published_exponent: float | None = setting(
-        "published leading exponent; null if there is none", "inverse time units", gt=0
+        "published leading exponent; null if there is none",
+        "inverse time units",
+        gt=0,
+        default=None,
     )
-    series: Whole = setting("trajectories that the exponents are averaged over", ge=2)
     orthonormalisation_interval: Positive = setting(
         "time between two QR factorisations", TIME, multiple_of="ensemble.time_step"
     )
+
+    @property
+    def known_exponent(self) -> float | None:
+        """Exponent that the unit of time follows from; None where it is computed."""
+        return self.published_exponent if self.time_unit == "published" else None
+
+
+class Lyapunov(TimeUnit):
+    """The Lyapunov exponents."""
+
+    series: Whole = setting("trajectories that the exponents are averaged over", ge=2)
     perturbation: Positive = setting(
         "initial distance of neighbouring trajectories",
         "attractor sizes",
@@ -192,10 +232,10 @@ class Actuation(Section):
     """What an alarm sets off; null where the case is not controlled."""
 
     parameters: dict[ParameterName, float] = setting(
-        "parameters of the equations during an actuation"
+        "parameters of the equations during an actuation", default={}
     )
     force: Annotated[list[float] | None, Words("a list of numbers, or null")] = setting(
-        "constant force on each component of the state; null for none"
+        "constant force on each component of the state; null for none", default=None
     )
     start_lt: float = setting("start of the actuation, from the start of the alarm's window")
     duration_lt: Positive = setting("how long the actuation lasts")
@@ -271,14 +311,8 @@ class Data(Section):
 class Case(Section):
     """A dynamical system with its dataset: what every case starts from."""
 
-    system: SystemName = setting(
-        "the equations: a module of burstcast.systems, or module and class of your own, from the "
-        "working directory, that of a config, or what is installed"
-    )
-    files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = setting(
-        "files that a module of your own reads, from the directory of the module; [] if none"
-    )
-    parameters: dict[ParameterName, float] = setting("parameters of the equations")
+    system: str
+    parameters: dict[str, Any] = setting("parameters of the equations", default={})
     event_threshold: Threshold = setting(
         "value of the observable that an extreme event reaches, k_e, or the share of its values in "
         "the training series that are below it",
@@ -288,68 +322,61 @@ class Case(Section):
     laminarisation_threshold: float | None = setting(
         "value of the observable beyond which a series is discarded, k_l; null keeps all",
         OBSERVABLE,
+        default=None,
     )
-    ensemble: Ensemble
-    lyapunov: Lyapunov
+    ensemble: Steps
+    lyapunov: TimeUnit
     training: Training
     density: Density
     fixed_point: FixedPoint
-    controlled_density: Density = setting("bins of the observable's density under control")
-    actuation: Actuation | None
+    actuation: Actuation | None = setting("", default=None)
     test_series: Count = setting("number of series that forecasts are classified on")
     recycle_validation: RecycleValidation
     data: Data | None = setting(
-        "measured series instead of equations; null: the series are simulated"
+        "measured series instead of equations; null: the series are simulated", default=None
     )
 
 
-class MeasuredSteps(Section):
+class Simulated(Case):
+    """A dynamical system with its dataset: what every case starts from."""
+
+    system: SystemName = setting(
+        "the equations: a module of burstcast.systems, or module and class of your own, from the "
+        "working directory, that of a config, or what is installed"
+    )
+    files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = setting(
+        "files that a module of your own reads, from the directory of the module; [] if none",
+        default=None,
+    )
+    parameters: dict[ParameterName, float] = setting("parameters of the equations", default={})
+    ensemble: Ensemble
+    lyapunov: Lyapunov
+    controlled_density: Density = setting("bins of the observable's density under control")
+
+
+class MeasuredSteps(Steps):
     """Steps of measured series."""
 
-    time_step: Positive = setting("time step of the Runge-Kutta scheme, for learnt equations", TIME)
-    sampling_stride: Count = setting("integration steps in one step of a forecast")
     duration: Positive | None = setting("of each series, where it is known", TIME, default=None)
 
 
-class MeasuredLyapunov(Section):
-    """The unit of time of measured series."""
+class Measured(Case):
+    """A case of measured series, or of a part of another case's state."""
 
-    time_unit: Literal["published", "computed"]
-    published_exponent: float | None = setting("", gt=0)
-    orthonormalisation_interval: Positive = setting("", TIME)
-
-
-class MeasuredParameters(Section):
-    """What was measured."""
-
-    components: list[str]
-    observable_of: str
-    observable_name: str
-    observable_symbol: str
-
-
-class MeasuredCase(Section):
-    """Complete record of a case of measured series."""
-
-    data: Data
-    system: str
-    parameters: MeasuredParameters
-    event_threshold: Threshold = setting(
-        "value of the observable that an extreme event reaches",
-        OBSERVABLE,
-        below="laminarisation_threshold",
-    )
-    laminarisation_threshold: float | None = setting("", OBSERVABLE)
+    system: Literal["measured"]
     ensemble: MeasuredSteps
-    lyapunov: MeasuredLyapunov
-    training: Training
-    density: Density
-    fixed_point: FixedPoint
-    actuation: None
-    test_series: Count
-    recycle_validation: RecycleValidation
+    actuation: None = None
+    data: Data
 
 
+# an entry of `cases`: what differs from case_defaults, or from what a class says
+if TYPE_CHECKING:
+    CasePart = Simulated
+else:
+    CasePart = part_of(Simulated)
+
+
+@with_defaults(DEFAULTS["esn"])
 class EchoStateNetwork(Section):
     """Echo state networks."""
 
@@ -358,9 +385,13 @@ class EchoStateNetwork(Section):
     divergence_bound: float = setting(
         "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
     )
-    backend: Literal["compiled", "scipy"] = setting("implementation of the reservoir's dynamics")
+    # a platform that cannot compile says so once, and every file says what it was made with
+    backend: Annotated[Literal["compiled", "scipy"], AfterValidator(usable_backend)] = setting(
+        "implementation of the reservoir's dynamics", validate_default=True
+    )
 
 
+@with_defaults(DEFAULTS["observation"])
 class Observation(Section):
     """What learnt equations and filters know of the observations."""
 
@@ -371,6 +402,7 @@ class Observation(Section):
     )
 
 
+@with_defaults(DEFAULTS["filter"])
 class Filter(Section):
     """The filter of `equations_filtered` and `quadratic_filtered`."""
 
@@ -380,6 +412,7 @@ class Filter(Section):
     inflation: float = setting("factor of the ensemble's scatter before each observation", ge=1)
 
 
+@with_defaults(DEFAULTS["quadratic"])
 class Quadratic(Section):
     """Learnt equations, of `quadratic` and `quadratic_filtered`."""
 
@@ -392,6 +425,7 @@ class Quadratic(Section):
     )
 
 
+@with_defaults(DEFAULTS["analogues"])
 class AnalogueForecasters(Section):
     """Analogues."""
 
@@ -401,11 +435,11 @@ class AnalogueForecasters(Section):
 class Forecasters(Section):
     """Settings of the kinds of forecasters that have any."""
 
-    esn: EchoStateNetwork
-    observation: Observation
-    filter: Filter
-    quadratic: Quadratic
-    analogues: AnalogueForecasters
+    esn: EchoStateNetwork = setting("", default_factory=EchoStateNetwork)
+    observation: Observation = setting("", default_factory=Observation)
+    filter: Filter = setting("", default_factory=Filter)
+    quadratic: Quadratic = setting("", default_factory=Quadratic)
+    analogues: AnalogueForecasters = setting("", default_factory=AnalogueForecasters)
 
 
 class Search(Section):
@@ -413,7 +447,8 @@ class Search(Section):
 
     spectral_radius: PositiveRange = setting("range of the spectral radius, on a logarithmic scale")
     input_scaling: PositiveRange = setting("range of the input scaling, on a logarithmic scale")
-    tikhonov: Some[Positive] = setting("Tikhonov parameters, the best of which is taken")
+    # from the largest, as in the paper
+    tikhonov: SomeFalling[Positive] = setting("Tikhonov parameters, the best of which is taken")
     grid: Whole = setting("grid points per direction, corners included", ge=2, le=100)
     bayesian_points: Whole = setting(
         "points of Bayesian optimisation after the grid", ge=0, le=1000
@@ -435,7 +470,7 @@ class Classification(Section):
     longest_prediction_time_lt: Positive = setting(
         "how far forecasts reach, plus one window", multiple_of=RESOLUTION
     )
-    prediction_times_lt: Some[Positive] = setting(
+    prediction_times_lt: SomeRising[Positive] = setting(
         "times from a starting point to the window",
         multiple_of=RESOLUTION,
         not_beyond="classification.longest_prediction_time_lt",
@@ -519,8 +554,8 @@ class StrategyBlock(Section):
         "actuations",
         default=[1],
     )
-    noise: Some[Annotated[float, Field(ge=0)]] = setting(
-        "of what is observed; that of the training series if left out",
+    noise: Distinct[Annotated[float, Field(ge=0)]] = setting(
+        "of what is observed; that of the training series if left out or empty",
         "standard deviations of each component",
         default=[],
     )
@@ -530,7 +565,7 @@ class Control(Section):
     """Prediction-triggered control, and strategies beyond the paper's."""
 
     forecasters: Choice = setting("forecasters that control")
-    prediction_times_lt: Distinct[Positive] = setting("prediction times")
+    prediction_times_lt: Rising[Positive] = setting("prediction times")
     window_lt: Positive = setting("length of the window that a forecast is judged in")
     flows: Count = setting("series that each forecaster controls, taken after the training series")
     span_lt: Positive = setting("how long each flow counts")
@@ -558,10 +593,10 @@ class Probability(Section):
         "as how many forecasts each share of votes counts that came true as it says; 0: none", ge=0
     )
     bins: Whole = setting("equally wide bins of the probability", ge=2, le=1000)
-    threshold_factors: Some[Positive] = setting(
+    threshold_factors: SomeRising[Positive] = setting(
         "event thresholds that alarms are scored for, too", "event thresholds of the case"
     )
-    cost_loss_ratios: Some[Annotated[Positive, Field(lt=1)]] = setting(
+    cost_loss_ratios: SomeRising[Annotated[Positive, Field(lt=1)]] = setting(
         "ratios of cost and loss of users that the economic value is told for"
     )
 
@@ -596,7 +631,7 @@ class Figures(Section):
     example_horizon_lt: Positive = setting("horizon of the example event; the nearest one is shown")
     fixed_neurons: Size = setting("size of the reservoir where panels hold it fixed", one_of=SIZES)
     fixed_prediction_time_lt: Positive = setting("prediction time that panels share", one_of=TIMES)
-    reynolds_prediction_times_lt: Some[Positive] = setting(
+    reynolds_prediction_times_lt: SomeRising[Positive] = setting(
         "prediction times of the figure over the Reynolds number", one_of=TIMES
     )
     flow_event: FlowEvent
@@ -624,13 +659,12 @@ class Configuration(Section):
     campaign: list[Block] = setting(
         "who forecasts what, cases x forecasters: the union of these blocks", min_length=1
     )
-    case_defaults: Case
-    # an entry is a part of a case: `burstcast_workflow.config.messages` lets it leave settings out
-    cases: dict[CaseName, Case] = setting("what differs from case_defaults, by case")
+    case_defaults: Simulated
+    cases: dict[CaseName, CasePart] = setting("what differs from case_defaults, by case")
     washout_lt: Positive = setting(
         "observed stretch that a forecaster is given before it starts; training leaves it out"
     )
-    forecasters: Forecasters
+    forecasters: Forecasters = setting("", default_factory=Forecasters)
     search: Search
     classification: Classification
     horizon: Horizon
@@ -639,3 +673,10 @@ class Configuration(Section):
     probability: Probability
     bootstrap: Bootstrap
     figures: Figures
+
+    def dump(self) -> dict[str, Any]:
+        """All settings with their defaults, in canonical form; entries of ``cases`` as said."""
+        plain = self.model_dump(exclude={"cases"})
+        plain["cases"] = {name: entry.dump() for name, entry in self.cases.items()}
+        whole: dict[str, Any] = canonical(plain)
+        return whole

@@ -24,30 +24,21 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
-from burstcast.atomic_files import remove_partial
-from burstcast_workflow import code_hash
-from burstcast_workflow.canonical import canonical, canonical_json
-from burstcast_workflow.harness.cache import (
+from burstcast_workflow.harness.environment import (
     LIBRARIES,
     blas_kernels,
-    entry_key,
     library_version,
-    location,
-    restore,
-    store,
+    shared_results,
 )
-from burstcast_workflow.harness.code_check import check_code, script_of
-from burstcast_workflow.harness.records import Inputs, Records
-from burstcast_workflow.harness.run import Run
-from burstcast_workflow.harness.search_path import make_importable
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import THRESHOLDS, Settings, with_thresholds
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.thresholds import INPUT, with_thresholds
+from burstcast_workflow.stages.canonical import canonical, canonical_json
+from snaketrust import job as trust
+from snaketrust.fingerprint import script_of
 
 logger = logging.getLogger(__name__)
 _told = logger.getChild("told")
@@ -118,51 +109,25 @@ def tell(message: str) -> None:
 
 def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     """Compute a job's outputs, or take them from the cache, and record what made them."""
-    start = time.monotonic()
-    run = Run.current()
-    records = None if run is None else Records(run.results)
-    script, code = script_of(snakemake), list(snakemake.params.code)
-    identity = job_identity(script.stem, snakemake.wildcards)
+    identity = job_identity(script_of(snakemake).stem, snakemake.wildcards)
     declared = canonical(dict(snakemake.params.settings), "params.settings")
     logger.info("%s starts with settings %s", label, canonical_json(declared))
-    plan: dict[str, Any] = {"code": code, "directories": []} if run is None else run.plan()
-    planned = plan["code"]
-    make_importable(plan["directories"])
-    if run is not None:
-        code_hash.recall(run.results)
-    check_code(script, code, planned)
-    for path in snakemake.output:
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        remove_partial(path)
 
-    inputs, directory = Inputs.read(snakemake.input, records), location()
-    files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
-    settings = Settings(_known(declared, files.pop(INPUT, [])), identity)
-    given = {**files, "settings": settings, "provenance": provenance(identity, declared)}
-    arguments = arguments_for(function, given)
-    if directory is None or not snakemake.resources.get("cached", 0):
-        cached, keep = False, None
-    else:
-        outputs = {name: Path(path) for name, path in snakemake.output.items()}
-        key = entry_key(identity, declared, code, inputs.by_name, list(outputs))
-        cached = restore(directory, key, outputs)
-        keep = partial(store, directory, key, identity["rule"], outputs)
-    if not cached:
-        function(**arguments)
+    def compute() -> None:
+        files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
+        settings = Settings(_known(declared, files.pop(THRESHOLDS, [])), identity)
+        given = {**files, "settings": settings, "provenance": provenance(identity, declared)}
+        function(**arguments_for(function, given))
         if unread := settings.unread():
             logger.info("settings not read: %s", ", ".join(unread))
 
-    # what was edited meanwhile may have taken part
-    check_code(script, code, planned)
-    inputs.check()
-    seconds = time.monotonic() - start
-    if records is not None:
-        made_by = identity, dict(snakemake.params.items()), inputs.by_path
-        revision = plan.get("revision", "")
-        about = (seconds, revision, blas_kernels())
-        records.write(snakemake.output, *made_by, snakemake.log[0], *about)
-    if keep is not None and not cached:
-        keep(seconds)
+    trust.run_job(
+        snakemake,
+        compute,
+        identity=identity,
+        cache=shared_results if snakemake.resources.get("cached", 0) else lambda: None,
+        environment=blas_kernels,
+    )
 
 
 def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Provenance:
@@ -188,8 +153,8 @@ def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
 
 def _known(settings: Any, thresholds: list[str]) -> Any:
     """Settings with the event thresholds of these files, where the config gives quantiles."""
-    found = map(read_json, thresholds)
-    return with_thresholds(settings, {one["case"]: one["event_threshold"] for one in found})
+    values = {one["case"]: one["event_threshold"] for one in map(read_json, thresholds)}
+    return with_thresholds(settings, values.__getitem__)
 
 
 def _by_name(files: Any) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """The settings of a job, by the names that they have in the config."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 
@@ -44,8 +44,8 @@ class Settings(Mapping[str, Any]):
                     value = value[part]
                 return value
         raise UndeclaredSettingError(
-            f"{self._identity['rule']} reads the setting {path}, which its rule does not declare; "
-            f"it declares: {', '.join(sorted(self._declared)) or 'none'}"
+            f"{self._identity.get('rule', 'this')} reads the setting {path}, which its rule does "
+            f"not declare; it declares: {', '.join(sorted(self._declared)) or 'none'}"
         )
 
     def __iter__(self) -> Iterator[str]:
@@ -71,3 +71,38 @@ def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
             yield from leaves(below, f"{path}.{key}".removeprefix("."))
     else:
         yield path, value
+
+
+THRESHOLDS = "event_thresholds"
+"""Input of jobs whose config gives event thresholds as quantiles: files of their values."""
+
+
+def with_thresholds(settings: Any, value_of: Callable[[str], Any], name: str = "") -> Any:
+    """Copy settings with values of event thresholds, where the config gives quantiles.
+
+    The config of a job has the quantile and its case; the value is known when the training series
+    are. Scripts are given the value.
+
+    Parameters
+    ----------
+    settings
+        Nested mappings and lists.
+    value_of
+        Finds the threshold of a case.
+    name
+        What the settings are called.
+    """
+    if isinstance(settings, Mapping):
+        if name.endswith("event_threshold"):
+            return value_of(settings["case"])
+        return {key: with_thresholds(value, value_of, key) for key, value in settings.items()}
+    if isinstance(settings, list):
+        return [with_thresholds(value, value_of, name) for value in settings]
+    return settings
+
+
+def cases_of_thresholds(settings: Any) -> list[str]:
+    """Cases whose event thresholds some settings have as quantiles."""
+    cases: dict[str, None] = {}
+    with_thresholds(settings, cases.setdefault)
+    return list(cases)

@@ -1,7 +1,7 @@
 """Files of the workflow: NetCDF, JSON and text, written completely or not at all.
 
 A job whose results directory a newer run has claimed writes nothing. NetCDF files are read with
-`burstcast.netcdf`; tables are in `burstcast_workflow.harness.tables`.
+`burstcast.files.netcdf`; tables are in `burstcast_workflow.harness.tables`.
 """
 
 import json
@@ -10,15 +10,15 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from burstcast import atomic_files
-from burstcast_workflow.harness.run import check_ownership
+from burstcast.files import atomic_files
+from snaketrust.run import check_ownership
 
 if TYPE_CHECKING:
-    from burstcast.netcdf import Variable
+    from burstcast.files.netcdf import Variable
 
 
 def atomic(path: str | Path) -> AbstractContextManager[Path]:
-    """Yield a temporary path to write to, which becomes ``path`` (`burstcast.atomic_files.atomic`).
+    """Yield a temporary path to write to, which becomes ``path`` (`burstcast.files.atomic_files`).
 
     Raises
     ------
@@ -33,14 +33,14 @@ def write_netcdf(
     variables: Mapping[str, "Variable"],
     attributes: Mapping[str, str | int | float],
 ) -> None:
-    """Write a NetCDF file (`burstcast.netcdf.write_netcdf`).
+    """Write a NetCDF file (`burstcast.files.netcdf.write_netcdf`).
 
     Raises
     ------
     OvertakenError
         If a newer run of the workflow has claimed the results directory.
     """
-    from burstcast import netcdf  # planning and jobs of tables write none: it is slow to load
+    from burstcast.files import netcdf  # planning and jobs of tables write none: it is slow to load
 
     netcdf.write_netcdf(path, variables, attributes, check_ownership)
 

@@ -14,8 +14,12 @@ import pandas as pd
 from burstcast_workflow.harness.storage import write_text
 
 
-def write_table(path: str | Path, table: pd.DataFrame) -> None:
+def write_table(path: str | Path, table: pd.DataFrame) -> pd.DataFrame:
     """Write a table without its index; an undefined value (NaN, None, NA) is an empty cell.
+
+    Returns
+    -------
+    The table as `read_table` reads it.
 
     Raises
     ------
@@ -34,6 +38,7 @@ def write_table(path: str | Path, table: pd.DataFrame) -> None:
         ):
             raise ValueError(f"{path}: the text in column {column} would be read as numbers")
     write_text(path, text)
+    return read_back
 
 
 def read_table(path: str | Path) -> pd.DataFrame:

@@ -14,24 +14,23 @@ from burstcast.control.experiment import (
     ControlExperiment,
     Schedule,
     controlled_series,
-    observation_noise,
+    noise_of_flows,
 )
 from burstcast.control.records import Span, record_flows
-from burstcast.control.scores import SCORES
+from burstcast.control.scores import COUNT_SCORES
 from burstcast.control.simulation import ControlSimulation
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
-from burstcast.dataset import component_scales
+from burstcast.data.dataset import component_scales
+from burstcast.files.netcdf import Variable, read_rows
+from burstcast.files.units import NUMBER, OBSERVABLE, POWER
 from burstcast.forecasters.base import Forecaster
-from burstcast.netcdf import Variable, read_rows
-from burstcast.units import NUMBER, OBSERVABLE, POWER
+from burstcast.statistics.densities import bin_edges
+from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
-from burstcast_workflow.jobs.bins import edges_of
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.systems import equations_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
-
-Settings = Mapping[str, Any]
 
 # of `FlowRecords`: per unit of time; all others are counts
 _ENERGIES = ("input", "dissipation")
@@ -58,7 +57,7 @@ def control_setup(
     noise = None
     if not any(forecaster.sees_truth for forecaster in asked):
         training_states = read_rows(ensemble, "state", 0, settings["case.training.series"])
-        noise = observation_noise(
+        noise = noise_of_flows(
             experiment.series,
             strategy.timing(experiment.schedule).length,
             settings["control.run.noise"],
@@ -124,7 +123,9 @@ def write_control(
     """Write the outcome: counts (JSON), histograms and records of the flows (NetCDF)."""
     counts, histograms, flows = files
     laminarisation_threshold = settings["case.laminarisation_threshold"]
-    edges = edges_of(settings["case.controlled_density"])
+    density = settings["case.controlled_density"]
+    low, high = density["range"]
+    edges = bin_edges(low, high, density["bins"])
     outcome = strategy.outcome(simulation, laminarisation_threshold, edges)
     _write_counts(counts, outcome, provenance)
     _write_histograms(histograms, outcome, provenance)
@@ -164,7 +165,7 @@ def _write_counts(path: str, outcome: FlowCounts, provenance: Mapping[str, str])
         for field in dataclasses.fields(outcome)
         if isinstance(getattr(outcome, field.name), int)
     }
-    scores = {name: getattr(outcome, name) for name in SCORES}
+    scores = {name: getattr(outcome, name) for name in COUNT_SCORES}
     defined = {name: value if np.isfinite(value) else None for name, value in scores.items()}
     write_json(path, {**counts, **defined, "provenance": dict(provenance)})
 

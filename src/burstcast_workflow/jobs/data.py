@@ -4,19 +4,35 @@ It imports neither systems nor networks: what is observed does not depend on the
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 from burstcast.arrays import FloatArray
-from burstcast.dataset import component_scales, observed_series
-from burstcast.netcdf import read_netcdf, read_rows
-from burstcast_workflow.jobs.length_checks import check_kept_series
-
-Settings = Mapping[str, Any]
+from burstcast.data.dataset import component_scales, observed_series
+from burstcast.files.netcdf import read_netcdf, read_rows
+from burstcast_workflow.harness.settings import Settings
 
 
 def kept_series(ensemble: str) -> int:
     """Number of series of an ensemble that did not laminarise."""
     return int(read_netcdf(ensemble, "series")["series"].size)
+
+
+def check_kept_series(kept: int, needs: Mapping[str, int]) -> None:
+    """Check that an ensemble has as many series as are taken from it.
+
+    Parameters
+    ----------
+    kept
+        Series that did not laminarise.
+    needs
+        How many of them each setting asks for, by its name; no series is taken twice.
+    """
+    if sum(needs.values()) > kept:
+        listed = " and ".join(f"{name} is {count}" for name, count in needs.items())
+        raise ValueError(
+            f"{listed}, but only {kept} series did not laminarise and were kept: "
+            f"raise ensemble.series, or ask for at most {kept}"
+            f"{' in all' if len(needs) > 1 else ''}"
+        )
 
 
 def observed_rows(settings: Settings, ensemble: str, first: int, states: FloatArray) -> FloatArray:

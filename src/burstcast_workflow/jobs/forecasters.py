@@ -2,19 +2,17 @@
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from burstcast.arrays import FloatArray
+from burstcast.files.netcdf import Variable, read_attributes, read_netcdf
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import forecaster_class
-from burstcast.netcdf import Variable, read_attributes, read_netcdf
+from burstcast_workflow.campaign.identifiers import parsed
+from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
-from burstcast_workflow.identifiers import parsed
 from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
-
-Settings = Mapping[str, Any]
 
 
 def forecasting_case(settings: Settings, time_unit: str | Sequence[str]) -> ForecastingCase:

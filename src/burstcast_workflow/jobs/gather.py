@@ -1,85 +1,85 @@
-"""Gathering the files of many jobs: each is found by what it says it is, never by its place.
+"""Gathering the files of many jobs: each is what it says it is, whatever its place and order.
 
-Every NetCDF and JSON file that a job writes carries the job's identity: its rule and the values of
-its wildcards.
+Every NetCDF and JSON file that a job writes carries its origin: the job's rule and wildcards, and
+its settings.
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from burstcast.netcdf import read_attributes
-from burstcast_workflow.canonical import canonical_json
+from burstcast.files.netcdf import read_attributes
+from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
+from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 
-Record = Mapping[str, Any]
 
+@dataclass(frozen=True)
+class Origin:
+    """A file, and the job that wrote it.
 
-def identity(path: str | Path) -> dict[str, Any]:
-    """Rule and wildcards of the job that wrote a NetCDF or JSON file.
-
-    Raises
-    ------
-    ValueError
-        If the file does not say it.
-    """
-    if Path(path).suffix == ".json":
-        found = read_json(path).get("provenance", {}).get("identity")
-    else:
-        found = read_attributes(path).get("identity")
-    if not isinstance(found, str):
-        raise ValueError(f"{path} does not say which job wrote it: remove it, and run again")
-    result: dict[str, Any] = json.loads(found)
-    return result
-
-
-def gathered(records: Sequence[Record], paths: Iterable[str | Path]) -> list[tuple[Record, str]]:
-    """Pair each record with the one file of its identity.
-
-    Parameters
+    Attributes
     ----------
-    records
-        What is asked for, one for each file: ``identity`` has the values, by name, that a file's
-        identity must have. All have the same names.
-    paths
-        Files, in any order.
+    path
+        The file.
+    identity
+        Rule and wildcards of the job.
+    settings
+        Settings of the job by their paths in the config.
+    """
 
-    Returns
-    -------
-    Records, in their order, with their files.
+    path: str
+    identity: Mapping[str, Any]
+    settings: Settings
+
+    @property
+    def name(self) -> ForecasterName:
+        """Name of the job's forecaster or controller."""
+        return parsed(self.identity.get("forecaster") or self.identity["controller"])
+
+
+def origins(paths: Iterable[str | Path]) -> list[Origin]:
+    """Origins of files, in their order.
 
     Raises
     ------
     ValueError
-        If something that is asked for has no file, a file is not asked for, or two files or two
-        records have the same identity; the message names both sides.
+        If a file does not say which job wrote it, or if two files are of the same job.
     """
-    names = sorted(records[0]["identity"]) if records else []
-    wanted = _by_identity(((record["identity"], record) for record in records), names, "asked for")
-    found = _by_identity(((identity(path), path) for path in paths), names, "found")
-    lacking = [key for key in wanted if key not in found]
-    strange = [f"{key} ({path})" for key, path in found.items() if key not in wanted]
-    if lacking or strange:
-        raise ValueError(
-            f"what is asked for and what the files hold differ: asked for and not found: "
-            f"{_listed(lacking)}; found and not asked for: {_listed(strange)}"
-        )
-    return [(record, str(found[key])) for key, record in wanted.items()]
+    found: dict[str, Origin] = {}
+    for path in map(str, paths):
+        is_json = path.endswith(".json")
+        said = read_json(path).get("provenance", {}) if is_json else read_attributes(path)
+        identity = said.get("identity")
+        if not isinstance(identity, str):
+            raise ValueError(f"{path} does not say which job wrote it: remove it, and run again")
+        if identity in found:
+            raise ValueError(f"{path} and {found[identity].path} are both of the job {identity}")
+        of_job = json.loads(identity)
+        found[identity] = Origin(path, of_job, Settings(json.loads(str(said["settings"])), of_job))
+    return list(found.values())
 
 
-def _by_identity(
-    items: Iterable[tuple[Record, Any]], names: Sequence[str], verb: str
-) -> dict[str, Any]:
-    result: dict[str, Any] = {}
-    for record, value in items:
-        key = canonical_json({name: record.get(name) for name in names})
-        if key in result:
-            raise ValueError(f"{key} is {verb} twice: in {result[key]} and in {value}")
-        result[key] = value
-    return result
+def case_keys(settings: Settings) -> dict[str, Any]:
+    """Key columns of a job's case in tables."""
+    reynolds = settings["case.parameters"].get("reynolds")
+    return {"case": settings["case"], "reynolds": reynolds}
 
 
-def _listed(texts: Sequence[str]) -> str:
-    more = f" and {len(texts) - 5} more" if len(texts) > 5 else ""
-    return ", ".join(texts[:5]) + more or "nothing"
+def gathered(
+    settings: Settings, paths: Iterable[str | Path]
+) -> list[tuple[dict[str, Any], Origin]]:
+    """Origins of files of a job's case, each with the key columns of its forecaster.
+
+    Raises
+    ------
+    ValueError
+        If a file is of another case (see `origins` for others).
+    """
+    found, of_case = origins(paths), case_keys(settings)
+    for one in found:
+        if one.identity["case"] != of_case["case"]:
+            raise ValueError(f"{one.path} is of the case {one.identity['case']}, which is another")
+    return [({**of_case, **one.name.keys}, one) for one in found]

@@ -1,24 +1,21 @@
 """Long runs of a job's forecaster: where they start, and how they are made."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.forecast.starting_points import segments
 from burstcast.forecasters.base import Forecaster
+from burstcast.statistics.densities import bin_edges
 from burstcast.statistics.long_term import (
     FixedPointCriterion,
     LongTermSettings,
     long_term_starting_points,
 )
-from burstcast_workflow.jobs.bins import edges_of
+from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import seen_rows
-from burstcast_workflow.jobs.lifetimes import long_run_steps
-from burstcast_workflow.jobs.time_unit import lyapunov_time
-
-Settings = Mapping[str, Any]
+from burstcast_workflow.jobs.time_unit import long_run_steps, lyapunov_time
 
 
 def long_run_washouts(
@@ -61,13 +58,15 @@ def long_term_settings(settings: Settings, time_unit: str | Sequence[str]) -> Lo
     ValueError
         If the runs are shorter than what their ends are judged by.
     """
+    density = settings["case.density"]
+    low, high = density["range"]
     interval = durations.steps(
         settings["statistics.fixed_point_interval_lt"], lyapunov_time(settings, time_unit)
     )
     try:
         return LongTermSettings(
             steps=long_run_steps(settings),
-            edges=edges_of(settings["case.density"]),
+            edges=bin_edges(low, high, density["bins"]),
             laminarisation_threshold=settings["case.laminarisation_threshold"],
             fixed_point=FixedPointCriterion(
                 settings["case.fixed_point.variation"], settings["case.fixed_point.above"], interval

@@ -1,26 +1,24 @@
 """Measured series of a job's case: from the files that they come in to what forecasters see."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.dataset import component_scales, observed_series
-from burstcast.delay_coordinates import delay_coordinates
-from burstcast.measured_data import (
+from burstcast.data.dataset import component_scales, observed_series
+from burstcast.data.delay_coordinates import delay_coordinates
+from burstcast.data.measured_data import (
     Quantity,
     Run,
     blocks_of,
     check_equidistant,
     series_of_runs,
 )
-from burstcast.netcdf import read_netcdf
+from burstcast.data.series_files import read_runs
+from burstcast.files.netcdf import read_netcdf
 from burstcast.systems.measured import MeasuredSeries
-from burstcast_workflow.jobs.series_files import read_runs
+from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.time_unit import sampling_interval
-
-Settings = Mapping[str, Any]
 
 
 def present_space(settings: Settings) -> MeasuredSeries:
@@ -39,7 +37,7 @@ def with_past(settings: Settings, states: FloatArray) -> FloatArray:
     ----------
     settings
         With ``case.data`` and ``case.training.series``, and as ``noise`` what
-        `burstcast_workflow.campaign.Campaign.noise_of_data` says.
+        `burstcast_workflow.campaign.campaign.Campaign.noise_of_data` says.
     states
         Kept series, `measured_series`.
 

@@ -1,13 +1,9 @@
 """What a job's case has: a state with an observable, and equations, unless it was measured."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
 from burstcast.systems.state_space import MEASURED, StateSpace, make_measured
-
-Settings = Mapping[str, Any]
+from burstcast_workflow.harness.settings import Settings
 
 
 def system_of(settings: Settings) -> StateSpace:

@@ -1,19 +1,25 @@
 """The unit of time of a case, from the config or from the exponent that a job computed."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from burstcast import durations
+from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 
 
-def sampling_interval(settings: Mapping[str, Any]) -> float:
+def sampling_interval(settings: Settings) -> float:
     """Time between two steps of a forecast, in time units."""
     stride = settings["case.ensemble.sampling_stride"]
     return float(settings["case.ensemble.time_step"] * stride)
 
 
-def lyapunov_time(settings: Mapping[str, Any], time_unit: str | Sequence[str]) -> int:
+def long_run_steps(settings: Settings) -> int:
+    """Steps of each long run."""
+    duration: float = settings["statistics.duration"]
+    return round(duration / sampling_interval(settings))
+
+
+def lyapunov_time(settings: Settings, time_unit: str | Sequence[str]) -> int:
     """Network steps in a Lyapunov time.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Declarations of all tables and columns, as ``workflow/tables.yaml`` has and explains them."""
+"""Tables, columns and sections of the report, as ``workflow/tables.yaml`` declares them."""
 
 from dataclasses import field
 from typing import Annotated, Any
@@ -7,7 +7,7 @@ import yaml
 from pydantic import BeforeValidator, ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from burstcast_workflow.identifiers import KEYS
+from burstcast_workflow.campaign.identifiers import KEYS
 from burstcast_workflow.project import project_root
 
 OPTIONAL = "*"
@@ -72,6 +72,11 @@ class Table:
 with (project_root() / "workflow" / "tables.yaml").open(encoding="utf-8") as _file:
     # libyaml's loader, where there is one, takes a tenth of the time
     _read = yaml.load(_file, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+SECTIONS = {
+    name: f"{number} {title}" for number, (name, title) in enumerate(_read["sections"].items(), 1)
+}
+"""Numbered titles of the report's sections, by the names that figures and tables declare."""
+
 COLUMNS = TypeAdapter(dict[str, Column]).validate_python(_read["columns"])
 TABLES = TypeAdapter(dict[str, Table]).validate_python(_read["tables"])
 """Columns and metrics, and tables, by name; tables in the order of the report."""

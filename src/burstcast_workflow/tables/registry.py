@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-from burstcast_workflow.campaign import Campaign
-from burstcast_workflow.control_plans import CONDITIONS
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.control_plans import CONDITIONS
 from burstcast_workflow.tables.declarations import (
     COLUMNS,
     ENSEMBLE,
@@ -16,8 +16,6 @@ from burstcast_workflow.tables.declarations import (
     Layout,
     Table,
 )
-
-Settings = dict[str, Any]
 
 OVER_NETWORKS = (
     "25th, 50th and 75th percentiles over the networks of an ensemble, in long form: one row for "
@@ -91,25 +89,25 @@ def made_by(script: str) -> list[str]:
     return [name for name, table in TABLES.items() if table.script == script]
 
 
-def written(names: Iterable[str]) -> Settings:
+def written(names: Iterable[str]) -> dict[str, Any]:
     """What a job that writes tables is told: their columns, and what it takes percentiles of."""
     return {name: _written(TABLES[name]) for name in names}
 
 
-def _written(table: Table) -> Settings:
+def _written(table: Table) -> dict[str, Any]:
     columns = {"columns": [*table.keys, *table.columns]}
     if not table.percentiles:
         return columns
     return {**columns, "percentiles": table.percentiles, "by": plain([*ENSEMBLE, *table.over])}
 
 
-def joined(names: Iterable[str]) -> Settings:
+def joined(names: Iterable[str]) -> dict[str, Any]:
     """What a job that joins tables of cases is told: all columns that they may have."""
     tables = {name: table_of(name) for name in names}
     return {name: plain([*table.keys, *table.columns]) for name, table in tables.items()}
 
 
-def typeset(names: Iterable[str]) -> Settings:
+def typeset(names: Iterable[str]) -> dict[str, Any]:
     """What a job that typesets tables is told: the layouts, by the name of the LaTeX file."""
     return {
         name: _typeset(source, layout)
@@ -118,7 +116,7 @@ def typeset(names: Iterable[str]) -> Settings:
     }
 
 
-def _typeset(source: str, layout: Layout) -> Settings:
+def _typeset(source: str, layout: Layout) -> dict[str, Any]:
     percentiles = TABLES[source].percentiles
     metrics = layout.metrics or percentiles
     shown = {name: COLUMNS[name] for name in [*metrics, *layout.more_rows]}

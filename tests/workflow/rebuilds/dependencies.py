@@ -9,7 +9,9 @@ alarms at random beside it.
 
 from fnmatch import fnmatchcase
 
-_SYSTEM = "case.system case.parameters.*"
+# the Reynolds number, a column of tables
+_KEYS = "case.parameters.*"
+_SYSTEM = f"case.system {_KEYS}"
 _TIME = """case.ensemble.time_step case.ensemble.sampling_stride
     case.lyapunov.time_unit case.lyapunov.published_exponent"""
 _OBSERVED = "random_seed case.training.*"
@@ -38,8 +40,8 @@ _JUDGED = "forecasters.esn.divergence_bound"
 _LEARNT = "forecasters.observation.* forecasters.quadratic.* forecasters.filter.*"
 _TRUE = "random_seed case.training.series"
 
-_SCORED = """random_seed case.event_threshold bootstrap.* classification.prediction_times_lt
-    classification.window_lt classification.resolution_lt"""
+_SCORED = f"""{_KEYS} random_seed case.event_threshold bootstrap.*
+    classification.prediction_times_lt classification.window_lt classification.resolution_lt"""
 _CALIBRATION_FORECAST = f"""{_SYSTEM} {_TIME} {_WINDOWS} washout_lt
     probability.calibration_series"""
 
@@ -79,20 +81,18 @@ READS = {
     "control/esn-committee": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
     "control/quadratic_filtered-committee": f"{_OTHER_CONTROL} case.training.noise {_LEARNT}",
     "statistics_table": f"{_SYSTEM} random_seed bootstrap.* statistics.profile_points",
-    "survival_table": """case.ensemble.time_step case.ensemble.sampling_stride
+    "survival_table": f"""{_KEYS} case.ensemble.time_step case.ensemble.sampling_stride
         statistics.duration bootstrap.confidence""",
-    "lyapunov_spectrum_table": "random_seed bootstrap.*",
-    "control_table": "",
-    "control_density_table": "",
-    "warnings_table": """case.event_threshold case.training.series case.training.noise
+    "lyapunov_spectrum_table": f"{_KEYS} random_seed bootstrap.*",
+    "control_table": _KEYS,
+    "control_density_table": _KEYS,
+    "warnings_table": f"""{_KEYS} case.event_threshold case.training.series case.training.noise
         horizon.events search.spectral_radius search.input_scaling search.tikhonov""",
-    # the columns of the strategies' settings are in its rows
-    "control_strategies_table": """random_seed bootstrap.* case.training.noise
-        control.window_lt control.span_lt""",
-    "dataset_table": _TIME,
-    "hyperparameters_table": "",
-    "horizon_table": "random_seed bootstrap.*",
-    "classification_table": """random_seed case.event_threshold bootstrap.*
+    "control_strategies_table": f"{_KEYS} random_seed bootstrap.* case.training.noise",
+    "dataset_table": f"{_KEYS} {_TIME}",
+    "hyperparameters_table": _KEYS,
+    "horizon_table": f"{_KEYS} random_seed bootstrap.*",
+    "classification_table": f"""{_KEYS} random_seed case.event_threshold bootstrap.*
         classification.window_lt classification.resolution_lt classification.prediction_times_lt""",
     "calibration_set": f"""{_SYSTEM} {_TIME} {_OBSERVED} {_WINDOWS} case.test_series washout_lt
         probability.start_spacing_lt probability.calibration_series""",
@@ -244,5 +244,5 @@ STRATEGIES = {
 JOBS_OF_NETWORKS = ("scan", "search", "train")
 
 # The harness is in no fingerprint: its version stands for it, in all of them.
-HARNESS = "burstcast_workflow.harness"
+HARNESS = ("burstcast_workflow.harness.", "snaketrust.")
 VERSION_OF_HARNESS = "burstcast_workflow.harness.version"

@@ -11,6 +11,8 @@ import yaml
 from dependencies import ALL, and_what_follows, readers
 from helpers_rebuilds import ROOT, TINY
 
+from burstcast_workflow.config.model import Configuration
+
 # Jobs of each network, and of those networks that control; tables that have rows of forecasters.
 OF_LONG_RUNS = {"long_term/esn", "lyapunov_spectrum/esn"}
 OF_NETWORKS = {
@@ -88,9 +90,11 @@ def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
 
 
 def tiny_config() -> dict[str, Any]:
-    """The tiny preset laid over config.yaml."""
+    """The tiny preset laid over config.yaml, with the defaults of sections that have any."""
     texts = [(ROOT / name).read_text() for name in ("config.yaml", TINY)]
-    return merged(*(yaml.safe_load(text) for text in texts))
+    config = merged(*(yaml.safe_load(text) for text in texts))
+    whole = Configuration.model_validate(config).dump()
+    return config | {name: whole[name] for name in ("case_defaults", "forecasters")}
 
 
 def leaves(node: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 from snakemake.api import SnakemakeApi
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 
-from burstcast_workflow.campaign import Campaign
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.cost_report import jobs_of_plan
-from burstcast_workflow.costs import SECONDS_PER
-from burstcast_workflow.snakemake_plan import planned
+from burstcast_workflow.costs.model import SECONDS_PER
+from burstcast_workflow.costs.records import costs_of_plan
+from snaketrust.plan import planned
 
 ROOT = Path(__file__).parents[3]
 
@@ -31,13 +31,17 @@ def workflow():
 
 
 def predicted_jobs(arguments=(), seconds_per=SECONDS_PER):
-    """All jobs of the campaign that options of snakemake name, rule by rule, done or not."""
-    return jobs_of_plan(planned([*arguments, "--forceall"]), seconds_per)
+    """Costs of all jobs of the campaign that options of snakemake name, done or not."""
+    return costs_of_plan(planned([*arguments, "--forceall"]), seconds_per)
 
 
 def groups():
     """Groups of the rules that have a script: the others only name what to make."""
-    return {name: rule.ruleinfo.group for name, rule in workflow().rules.items() if rule.script}
+    found = {name: rule for name, rule in workflow().rules.items() if rule.script}
+    settings = SimpleNamespace(common_settings=SimpleNamespace(local_exec=False))
+    for rule in found.values():
+        rule.workflow._executor_plugin = settings  # as where jobs are submitted
+    return {name: rule.ruleinfo.group({}) for name, rule in found.items()}
 
 
 class Wildcards(dict):

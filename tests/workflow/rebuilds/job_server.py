@@ -107,8 +107,8 @@ def _pretend(script: str) -> None:
             pass
 
     from burstcast_workflow.harness.job import job_identity
-    from burstcast_workflow.harness.records import Records
-    from burstcast_workflow.harness.run import Run
+    from snaketrust.records import Records
+    from snaketrust.run import Run
 
     records = Records(Run.current().results)
     identity, inputs = job_identity(job.rule, job.wildcards), dict.fromkeys(job.input, EMPTY)

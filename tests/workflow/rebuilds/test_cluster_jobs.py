@@ -5,7 +5,7 @@ import json
 import pytest
 from helpers_rebuilds import RESULTS, Project
 
-from burstcast_workflow.harness.run import VARIABLE
+from snaketrust.run import VARIABLE
 
 EVENTS = f"{RESULTS}/Re400/events.json"
 # as Snakemake's executors call it on a node

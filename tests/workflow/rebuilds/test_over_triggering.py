@@ -113,7 +113,7 @@ from burstcast.control.monitors.base import Monitor
 class NeverMonitor(Monitor):
     """Raises no alarm."""
 
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray, acting=None):
         return np.zeros(len(rows), dtype=bool)
 '''
 ALWAYS = '''"""Always on."""
@@ -187,10 +187,10 @@ class Decay(DynamicalSystem):
 
 WITHOUT_EFFECT = [
     Edit(
-        "help of the cache's command line",
-        f"{WORKFLOW}/command_line.py",
-        'help="entries and bytes of each rule"',
-        'help="how much there is of each rule"',
+        "help of the command line",
+        f"{WORKFLOW}/commands/command_line.py",
+        'help="where; it is made"',
+        'help="a directory, which is made"',
     ),
     Edit(
         "another message of the harness",
@@ -219,9 +219,17 @@ WITHOUT_EFFECT = [
     ),
     Edit(
         "words of an error of the jobs",
-        f"{WORKFLOW}/jobs/length_checks.py",
-        "Single Shot Validation trains on nothing",
-        "Single Shot Validation has nothing to train on",
+        f"{WORKFLOW}/jobs/gather.py",
+        "remove it, and run again",
+        "remove it and run the workflow again",
+    ),
+    Edit(
+        "a check of lengths",
+        f"{WORKFLOW}/config/lengths.py",
+        "    return list(dict.fromkeys(problems))\n",
+        "    if samples < 3:\n"
+        '        problems.append("ensemble.duration is too short")\n'
+        "    return list(dict.fromkeys(problems))\n",
     ),
     Edit(
         "caption of a figure",
@@ -271,8 +279,8 @@ def test_edits_that_run_nothing(project):
     with edited(project, *WITHOUT_EFFECT):
         planned = project.planned()
     if planned:
-        for edit in WITHOUT_EFFECT:  # which of them it was
-            with edited(project, edit):
+        for count, edit in enumerate(WITHOUT_EFFECT, 1):  # which of them it was
+            with edited(project, *WITHOUT_EFFECT[:count]):
                 assert project.planned() == set(), edit.what
     assert planned == set()
 
@@ -352,7 +360,7 @@ WITH_EFFECT = [
     (
         Edit(
             "widths of letters in tables for papers",
-            f"{LIBRARY}/typesetting.py",
+            f"{LIBRARY}/tables/typesetting.py",
             "_WIDEST = 8.8",
             "_WIDEST = 8.9",
         ),
@@ -374,8 +382,8 @@ WITH_EFFECT = [
         Edit(
             "the equations as a forecaster",
             f"{LIBRARY}/forecasters/equations_noisy.py",
-            "return cls(case.system, case.time_step, case.sampling_stride)",
-            "return cls(case.system, 1.0 * case.time_step, case.sampling_stride)",
+            "return cls(case.system, case.time_step, case.sampling_stride, case.parameters)",
+            "return cls(case.system, 1.0 * case.time_step, case.sampling_stride, case.parameters)",
         ),
         f"*/equations */equations/* */equations_noisy {GATHERED} {GATHERED_CONTROL}",
     ),

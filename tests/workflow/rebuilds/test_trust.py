@@ -9,7 +9,7 @@ import sys
 import pytest
 from helpers_rebuilds import RESULTS, Project, digests
 
-from burstcast_workflow.figure_registry import FIGURES
+from burstcast_workflow.figures.registry import FIGURES
 
 NETWORKS = [f"Re400/esn-N{neurons}-RV-seed0/forecaster.nc" for neurons in (30, 40)]
 NOTHING = "Nothing would run: all results are up to date.\n"

@@ -148,7 +148,7 @@ class Laboratory:
         """Jobs that must run again when a module or script has changed."""
         if module == VERSION_OF_HARNESS:
             return set(ALL)
-        if module == HARNESS or module.startswith(f"{HARNESS}."):
+        if f"{module}.".startswith(HARNESS):
             return set()
         jobs = set()
         for script in (name for name in self.loaded if name.endswith(".py")):

@@ -3,7 +3,7 @@
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.windowed.example import simulate_event
 from burstcast.control.windowed.outcome import largest_suppressed_event
-from burstcast.netcdf import variables_of
+from burstcast.files.netcdf import variables_of
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf

@@ -2,9 +2,8 @@
 
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import kept_series
-from burstcast_workflow.jobs.length_checks import CALIBRATION_SPACING, check_kept_series
-from burstcast_workflow.jobs.point_sets import write_point_set
+from burstcast_workflow.jobs.data import check_kept_series, kept_series
+from burstcast_workflow.jobs.forecasts import write_point_set
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
@@ -29,7 +28,7 @@ def calibration_set_of_case(
         settings,
         ensemble,
         range(training + test, training + test + more) if more else range(training),
-        CALIBRATION_SPACING,
+        "probability.start_spacing_lt",
         settings["probability.start_spacing_lt"],
         lyapunov_time(settings, time_unit),
         provenance,

@@ -2,9 +2,8 @@
 
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import kept_series
-from burstcast_workflow.jobs.length_checks import check_kept_series
-from burstcast_workflow.jobs.point_sets import write_point_set
+from burstcast_workflow.jobs.data import check_kept_series, kept_series
+from burstcast_workflow.jobs.forecasts import write_point_set
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 

@@ -1,12 +1,11 @@
 """Turn a quantile into an event threshold, from the training series alone."""
 
-from burstcast.event_threshold import threshold_at
-from burstcast.netcdf import read_rows
+from burstcast.data.event_threshold import threshold_at
+from burstcast.files.netcdf import read_rows
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
-from burstcast_workflow.jobs.data import kept_series
-from burstcast_workflow.jobs.length_checks import check_kept_series
+from burstcast_workflow.jobs.data import check_kept_series, kept_series
 
 
 @job

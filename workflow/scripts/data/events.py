@@ -3,20 +3,20 @@
 import numpy as np
 
 from burstcast import durations
+from burstcast.files.netcdf import Variable, read_netcdf, read_rows
+from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE
 from burstcast.forecast.starting_points import (
     SeriesPoints,
     crossing_points,
     horizon_events,
     segments,
+    steps_before_events,
 )
-from burstcast.netcdf import Variable, read_netcdf, read_rows
-from burstcast.units import COMPONENT, NUMBER, OBSERVABLE
-from burstcast.warning_signs import few_events
+from burstcast.statistics.warning_signs import few_events
 from burstcast_workflow.harness.job import Provenance, job, tell
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
-from burstcast_workflow.jobs.data import observed_rows
-from burstcast_workflow.jobs.length_checks import check_horizon, check_kept_series
+from burstcast_workflow.jobs.data import check_kept_series, observed_rows
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
@@ -33,10 +33,14 @@ def events_of_case(
     """Write the events, with what was observed and what was true before each of them."""
     steps = lyapunov_time(settings, time_unit)
     first, threshold = settings["case.training.series"], settings["case.event_threshold"]
-    longest_lt = settings["horizon.longest_lead_time_lt"]
     observable = read_netcdf(ensemble, "observable")["observable"]
     check_kept_series(len(observable), {"training.series": first})
-    check_horizon(observable.shape[1], steps, settings["washout_lt"], longest_lt)
+    longest_lt = settings["horizon.longest_lead_time_lt"]
+    before = steps_before_events(
+        observable.shape[1],
+        durations.positive_steps(longest_lt, steps, "horizon.longest_lead_time_lt"),
+        durations.positive_steps(settings["washout_lt"], steps, "washout_lt"),
+    )
     if not threshold > observable.mean():
         raise ValueError(
             f"event_threshold is {threshold}, but it must exceed the mean of the "
@@ -45,7 +49,6 @@ def events_of_case(
     for finding in few_events(1, 1, threshold, float(observable.max())):
         tell(finding.text)
     crossings = crossing_points(observable, threshold)
-    before = durations.steps(longest_lt, steps) + durations.steps(settings["washout_lt"], steps) - 1
     points = horizon_events(crossings, first, before, settings["horizon.events"])
     last = int(points.series.max()) + 1 if len(points) else first
     states = read_rows(ensemble, "state", first, last)

@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from burstcast.measured_data import kept_series
+from burstcast.data.ensemble_files import ensemble_variables
+from burstcast.data.measured_data import kept_series
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.ensemble_files import write_ensemble
+from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.measured import measured_series, present_space, with_past
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
@@ -32,13 +33,13 @@ def import_data(
     observable = np.stack([space.observable(series.T) for series in states])
     index, lifetimes = kept_series(observable, settings["case.laminarisation_threshold"])
     past = max(settings["case.data"]["delays"], default=0)
-    write_ensemble(
-        (ensemble, summary),
+    variables, of_all = ensemble_variables(
         with_past(settings, states[index]),
         observable[index, past:],
         space.observable_name,
         index,
         np.maximum(lifetimes - past, 0),
         sampling_interval(settings),
-        provenance,
     )
+    write_netcdf(ensemble, variables, provenance)
+    write_json(summary, {**of_all, "provenance": provenance})

@@ -3,7 +3,7 @@
 import numpy as np
 
 from burstcast import random_streams
-from burstcast.netcdf import read_rows
+from burstcast.files.netcdf import read_rows, variables_of
 from burstcast.systems.base import has_own
 from burstcast.systems.lyapunov import (
     alignment_of,
@@ -15,10 +15,8 @@ from burstcast.systems.lyapunov import (
 )
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json
-from burstcast_workflow.jobs.data import kept_series
-from burstcast_workflow.jobs.length_checks import check_kept_series
-from burstcast_workflow.jobs.spectrum_files import write_spectrum
+from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.jobs.data import check_kept_series, kept_series
 from burstcast_workflow.jobs.systems import equations_of
 
 
@@ -85,4 +83,4 @@ def lyapunov(
             "provenance": provenance,
         },
     )
-    write_spectrum(spectrum, by_series, provenance)
+    write_netcdf(spectrum, variables_of(by_series), provenance)

@@ -5,16 +5,16 @@ from dataclasses import fields
 import numpy as np
 
 from burstcast import random_streams
-from burstcast.netcdf import Variable, read_rows
+from burstcast.files.netcdf import Variable, read_rows
+from burstcast.files.units import NUMBER, OBSERVABLE
+from burstcast.statistics.densities import bin_edges
 from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
-from burstcast.units import NUMBER, OBSERVABLE
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
-from burstcast_workflow.jobs.bins import edges_of
-from burstcast_workflow.jobs.statistics_files import write_statistics
+from burstcast_workflow.jobs.statistics import write_statistics
 from burstcast_workflow.jobs.systems import system_of
 
 SERIES_AT_A_TIME = 100
@@ -33,6 +33,8 @@ def reference_statistics(
 ) -> None:
     """Write the statistics of the data and of the training set, and the floor of the measures."""
     system = system_of(settings)
+    density = settings["case.density"]
+    low, high = density["range"]
     kept = read_json(summary)["series_kept"]
     blocks = (
         read_rows(ensemble, "state", start, min(start + SERIES_AT_A_TIME, kept))
@@ -41,7 +43,7 @@ def reference_statistics(
     series = reduce_series(
         blocks,
         system.observable,
-        edges_of(settings["case.density"]),
+        bin_edges(low, high, density["bins"]),
     )
     first = slice(0, settings["case.training.series"])
     write_statistics(data, series.merged(slice(None)), provenance)

@@ -3,11 +3,12 @@
 import numpy as np
 
 from burstcast import random_streams
-from burstcast.dataset import generate_ensemble, initial_states
+from burstcast.data.dataset import generate_ensemble, initial_states
+from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.systems.sampling import sampled_initial_states
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.ensemble_files import write_ensemble
+from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.systems import equations_of
 
 
@@ -52,13 +53,13 @@ def simulate(
         )
     states = np.concatenate([batch.states for batch in batches])
     observable = np.stack([system.observable(series.T) for series in states])
-    write_ensemble(
-        (ensemble, summary),
+    variables, of_all = ensemble_variables(
         states,
         observable,
         system.observable_name,
         index,
         np.concatenate([batch.lifetimes for batch in batches]),
         given["time_step"] * given["sampling_stride"],
-        provenance,
     )
+    write_netcdf(ensemble, variables, provenance)
+    write_json(summary, {**of_all, "provenance": provenance})

@@ -1,11 +1,12 @@
 """Take an ensemble in another order, so that other series of it are trained on."""
 
-from burstcast.netcdf import read_netcdf
-from burstcast.training_realisations import rows_of_realisation
+from burstcast.data.ensemble_files import ensemble_variables
+from burstcast.data.training_realisations import rows_of_realisation
+from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.ensemble_files import write_ensemble
-from burstcast_workflow.jobs.length_checks import check_kept_series
+from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.jobs.data import check_kept_series
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
@@ -31,13 +32,13 @@ def choose_training_series(
         },
     )
     rows = rows_of_realisation(len(data["series"]), training, realisation)
-    write_ensemble(
-        (ensemble, summary),
+    variables, of_all = ensemble_variables(
         data["state"][rows],
         data["observable"][rows],
         system_of(settings).observable_name,
         data["series"][rows],
         data["lifetime"],
         sampling_interval(settings),
-        provenance,
     )
+    write_netcdf(ensemble, variables, provenance)
+    write_json(summary, {**of_all, "provenance": provenance})

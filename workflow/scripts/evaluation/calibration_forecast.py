@@ -3,9 +3,9 @@
 import numpy as np
 
 from burstcast import durations
+from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
-from burstcast.netcdf import read_netcdf
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
@@ -16,9 +16,9 @@ from burstcast_workflow.jobs.forecasters import (
     seen,
     seen_rows,
 )
+from burstcast_workflow.jobs.forecasts import windows_of, write_forecasts
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
-from burstcast_workflow.jobs.windows import windows_of, write_forecasts
 
 
 @job

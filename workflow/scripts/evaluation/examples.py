@@ -3,6 +3,7 @@
 import numpy as np
 
 from burstcast import durations
+from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.forecast.examples import (
     Evaluations,
     OutcomeExamples,
@@ -12,15 +13,14 @@ from burstcast.forecast.examples import (
     outcome_examples,
     stretch,
 )
+from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
-from burstcast.netcdf import read_netcdf, read_rows, variables_of
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
-from burstcast_workflow.jobs.horizons import horizon_search
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -71,14 +71,20 @@ def _evaluations(
     ensemble: str,
     events_file: str,
     horizon: str,
-    time_unit: str | list[str],
     settings: Settings,
     forecaster: Forecaster,
-    steps_per_lyapunov_time: int,
+    steps: int,
     mean_observable: float,
 ) -> Evaluations:
     """Forecasts of one event from its last starts."""
-    search = horizon_search(settings, time_unit, mean_observable)
+    search = HorizonSearch(
+        longest_lead_time_lt=settings["horizon.longest_lead_time_lt"],
+        lead_time_step_lt=settings["horizon.lead_time_step_lt"],
+        tolerance=settings["horizon.tolerance"]
+        * (settings["case.event_threshold"] - mean_observable),
+        washout=durations.steps(settings["washout_lt"], steps),
+        steps_per_lyapunov_time=steps,
+    )
     events = read_netcdf(events_file)
     example = horizon_example(
         read_netcdf(horizon)["prediction_horizon_lt"],
@@ -86,14 +92,14 @@ def _evaluations(
         settings["figures.example_horizon_lt"],
     )
     before = search.steps_before_event
-    steps = before + 1 + durations.steps(AFTER_EVENT_LT, steps_per_lyapunov_time)
-    truth = np.full(steps, np.nan)
+    shown = before + 1 + durations.steps(AFTER_EVENT_LT, steps)
+    truth = np.full(shown, np.nan)
     observed = np.full((before + 1, events["observed"].shape[2]), np.nan)
     starts: tuple[float, ...] = ()
     if example is not None:
         series, step = (int(events[name][example.event]) for name in ("series", "step"))
         whole = read_rows(ensemble, "observable", series, series + 1)[0]
-        truth = stretch(whole, step - before, steps)
+        truth = stretch(whole, step - before, shown)
         observed = seen(forecaster, events["observed"], events["true_state"])[example.event]
         starts = example.lead_times_lt
     observable = system_of(settings).observable
@@ -122,5 +128,5 @@ def examples_of_forecaster(
     )
     mean = read_json(summary)["mean_observable"]
     outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, who, steps)
-    evaluations = _evaluations(ensemble, events, horizon, time_unit, settings, who, steps, mean)
+    evaluations = _evaluations(ensemble, events, horizon, settings, who, steps, mean)
     write_netcdf(examples, variables_of(outcomes) | variables_of(evaluations), provenance)

@@ -3,13 +3,13 @@
 import numpy as np
 
 from burstcast import durations
+from burstcast.files.netcdf import read_rows, variables_of
 from burstcast.forecast.example_events import (
     EventCriterion,
     forecast_event,
     isolated_events,
     predicted_event,
 )
-from burstcast.netcdf import read_rows, variables_of
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf

@@ -2,15 +2,15 @@
 
 import numpy as np
 
+from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
-from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
+from burstcast_workflow.jobs.forecasts import windows_of, write_forecasts
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
-from burstcast_workflow.jobs.windows import windows_of, write_forecasts
 
 
 @job

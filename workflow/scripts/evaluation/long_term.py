@@ -1,13 +1,13 @@
 """Let a forecaster run freely from many points of the training set; keep its statistics."""
 
-from burstcast.netcdf import Variable
+from burstcast.files.netcdf import Variable
+from burstcast.files.units import NUMBER
 from burstcast.statistics.long_term import Fate, run_long_term
-from burstcast.units import NUMBER
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
-from burstcast_workflow.jobs.statistics_files import described_reductions, write_statistics
+from burstcast_workflow.jobs.statistics import described_reductions, write_statistics
 from burstcast_workflow.jobs.systems import system_of
 
 

@@ -3,16 +3,15 @@
 import numpy as np
 
 from burstcast import random_streams
-from burstcast.netcdf import read_netcdf
+from burstcast.files.netcdf import read_netcdf, variables_of
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
-from burstcast_workflow.jobs.lifetimes import long_run_steps
 from burstcast_workflow.jobs.long_runs import long_run_washouts
-from burstcast_workflow.jobs.spectrum_files import write_spectrum
-from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.jobs.time_unit import long_run_steps, sampling_interval
 
 
 @job
@@ -42,4 +41,4 @@ def lyapunov_spectrum(
             settings["random_seed"], "lyapunov spectrum", settings["case"], settings["forecaster"]
         ),
     )
-    write_spectrum(spectrum, found, provenance)
+    write_netcdf(spectrum, variables_of(found), provenance)

@@ -7,7 +7,8 @@ from typing import Any
 
 from burstcast.figures.parts.style import render
 from burstcast.figures.registry import figure_module
-from burstcast.netcdf import read_attributes, read_netcdf
+from burstcast.files.netcdf import read_attributes, read_netcdf
+from burstcast_workflow.campaign.identifiers import parsed
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import atomic, read_json
@@ -26,9 +27,12 @@ def _content(file: str | list[str], variable: str) -> Any:
 
 
 def _arrays(file: str) -> Mapping[str, Any]:
-    """Variables and attributes of a NetCDF file, and the wildcards of the job that wrote it."""
+    """Variables and attributes of a NetCDF file, and whose it is: its wildcards, its network."""
     attributes = read_attributes(file)
-    return {**attributes, **json.loads(str(attributes["identity"])), **read_netcdf(file)}
+    identity = json.loads(str(attributes["identity"]))
+    name = parsed(identity.get("forecaster", "none"))
+    network = {"neurons": name.neurons, "seed": name.seed}
+    return {**attributes, **identity, **network, **read_netcdf(file)}
 
 
 @job

@@ -1,9 +1,9 @@
 """Fit a forecaster of a kind that needs no search."""
 
 from burstcast.forecasters.registry import forecaster_class
+from burstcast_workflow.campaign.identifiers import parsed
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.identifiers import parsed
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import forecasting_case, seen_rows, write_forecaster
 

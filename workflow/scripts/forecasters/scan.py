@@ -2,16 +2,12 @@
 
 import pandas as pd
 
+from burstcast.tuning.scan import scan as scan_points
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import write_table
-from burstcast_workflow.jobs.searches import (
-    point_validator,
-    search_space,
-    trace_rows,
-    write_log_errors,
-)
+from burstcast_workflow.jobs.networks import point_validator, search_space, write_log_errors
 
 
 @job
@@ -27,10 +23,6 @@ def scan_grid(
     """Write the objective at every point, for every strategy and Tikhonov parameter."""
     validator = point_validator(settings, settings["reservoir"], ensemble, time_unit)
     strategies = [make_strategy(name) for name in settings["strategies"].split("+")]
-    rows, validations = [], []
-    for number, point in enumerate(search_space(settings).grid(settings["search.grid"])):
-        of_point = validator(point, strategies)
-        rows += trace_rows(number, "grid", point, of_point)
-        validations += of_point
-    write_table(scan, pd.DataFrame(rows))
-    write_log_errors(scan_errors, validations, provenance)
+    found = scan_points(validator, search_space(settings), strategies, settings["search.grid"])
+    write_table(scan, pd.DataFrame([one.record() for one in found]))
+    write_log_errors(scan_errors, found, provenance)

@@ -2,23 +2,20 @@
 
 import numpy as np
 
-from burstcast.statistics.long_term import run_long_term
-from burstcast.statistics.survival import escape_rate
+from burstcast import durations
+from burstcast.files.netcdf import read_netcdf
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.statistics.long_term import Fate, run_long_term
+from burstcast.statistics.survival import Lifetimes, escape_rate
 from burstcast.tuning.survival import as_good_as_the_best, nearest_escape_rate
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.harness.tables import read_table, write_table
-from burstcast_workflow.jobs.candidates import candidate
-from burstcast_workflow.jobs.lifetimes import (
-    lifetimes_of_runs,
-    lifetimes_of_training,
-    long_run_steps,
-)
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
+from burstcast_workflow.jobs.networks import dynamics_at, reservoir_seed, training_series
 from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import sampling_interval
-from burstcast_workflow.jobs.training import training_series
+from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
 
 
 @job
@@ -34,9 +31,10 @@ def choose_by_survival(
 ) -> None:
     """Write how fast the candidates' long runs escape, and the point that is taken."""
     interval, confidence = sampling_interval(settings), settings["bootstrap.confidence"]
-    data = escape_rate(
-        lifetimes_of_training(ensemble, settings["case.training.series"]), interval, confidence
-    )
+    found = read_netcdf(ensemble, "series", "lifetime", "time")
+    whole = Lifetimes.of_ensemble(found["lifetime"], found["series"], len(found["time"]) - 1)
+    of_training = whole.of_training(found["series"], settings["case.training.series"])
+    data = escape_rate(of_training, interval, confidence)
     points = read_table(trace)
     good = as_good_as_the_best(
         points["excess"].to_numpy(dtype=np.float64),
@@ -44,14 +42,21 @@ def choose_by_survival(
     )
     points = points[good].sort_values("objective", kind="stable")
     series, how = training_series(settings, ensemble), long_term_settings(settings, time_unit)
+    seed = reservoir_seed(settings, settings["forecaster"])
     rates = []
     for point in points.to_dict("records"):
         values = {str(key): at for key, at in point.items()}
-        bound = settings["forecaster.divergence_bound"]
-        who = candidate(settings, time_unit, series, values, bound)
+        who = NetworkForecaster.trained(
+            dynamics_at(settings, seed, series.dimension, values),
+            seed,
+            series,
+            washout=durations.steps(settings["washout_lt"], lyapunov_time(settings, time_unit)),
+            tikhonov=values["tikhonov"],
+            divergence_bound=settings["forecaster.divergence_bound"],
+        )
         washouts = long_run_washouts(settings, ensemble, time_unit, who)
         run = run_long_term(who, system_of(settings).observable, washouts, how)
-        lifetimes = lifetimes_of_runs(run.fates, run.lifetimes, long_run_steps(settings))
+        lifetimes = Lifetimes(run.lifetimes, run.fates != Fate.KEPT, how.steps)
         rates.append(escape_rate(lifetimes, interval, confidence))
     row = nearest_escape_rate(np.array([rate.rate for rate in rates]), data.rate)
     table = points.assign(

@@ -1,11 +1,13 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
+from burstcast import durations
+from burstcast.forecasters.esn import NetworkForecaster
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.jobs.candidates import candidate
 from burstcast_workflow.jobs.forecasters import write_forecaster
-from burstcast_workflow.jobs.training import training_series
+from burstcast_workflow.jobs.networks import dynamics_at, reservoir_seed, training_series
+from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
@@ -20,4 +22,13 @@ def train(
 ) -> None:
     """Write the trained network."""
     series, chosen = training_series(settings, ensemble), read_json(hyperparameters)
-    write_forecaster(forecaster, candidate(settings, time_unit, series, chosen, None), provenance)
+    seed = reservoir_seed(settings, settings["forecaster"])
+    network = NetworkForecaster.trained(
+        dynamics_at(settings, seed, series.dimension, chosen),
+        seed,
+        series,
+        washout=durations.steps(settings["washout_lt"], lyapunov_time(settings, time_unit)),
+        tikhonov=chosen["tikhonov"],
+        divergence_bound=None,
+    )
+    write_forecaster(forecaster, network, provenance)

@@ -24,15 +24,15 @@ def calibrate(
     """Write calibrations and thresholds by alarm, event threshold and prediction time."""
     points = forecast_points(settings, calibration_set, calibration_forecasts)
     alarms: dict[str, Any] = {}
-    for alarm in settings["alarms"]:
+    for alarm in points.alarms:
         # the sweep of the event threshold is for those who are compared
-        factors = settings["probability.threshold_factors"] if alarm["compared"] else []
+        factors = settings["probability.threshold_factors"] if alarm.compared else []
         for factor in sorted({1.0, *factors}):
             event_threshold = factor * settings["case.event_threshold"]
-            by_factor = alarms.setdefault(alarm["alarm"], {}).setdefault(f"{factor:g}", {})
+            by_factor = alarms.setdefault(alarm.identifier, {}).setdefault(f"{factor:g}", {})
             for time in settings["classification.prediction_times_lt"]:
                 outcomes = points.outcomes(alarm, time, event_threshold).total()
-                if alarm["forecasters"]:
+                if alarm.forecasters:
                     prior = settings["probability.prior_forecasts"]
                     maps = {CALIBRATED: isotonic(outcomes, prior), VOTES: UNCALIBRATED}
                 else:  # what a baseline is raised by is no probability

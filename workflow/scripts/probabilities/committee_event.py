@@ -1,42 +1,41 @@
 """One event as the committees of a case see it, with the probabilities that follow from it."""
 
-from collections import ChainMap
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.netcdf import read_netcdf, read_rows, variables_of
+from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.probability.committee_event import member_observables, see_event
 from burstcast.probability.typical_event import typical_event
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
-from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.gather import origins
 from burstcast_workflow.jobs.probabilities import CALIBRATED, forecast_points, read_rules
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 def _forecasts(
-    paths: Sequence[str],
+    forecasters: Sequence[str],
+    forecasts: Sequence[str],
     time_unit: str | list[str],
     washout: FloatArray,
     reach: int,
-    settings: Settings,
 ) -> dict[str, FloatArray]:
-    """Observables that the members of each forecaster's ensemble forecast, by forecaster."""
-    observable = system_of(settings).observable
+    """Observables that the members of each forecaster's ensemble forecast, by forecaster.
+
+    Forecasters have the settings that their ``forecasts`` were made with.
+    """
+    paths = {one.name: one.path for one in origins(forecasters)}
     found: dict[str, FloatArray] = {}
-    shared: Any = settings  # of all forecasters; the records have what is their own
-    for record, path in gathered(settings["voters"], paths):
-        own = ChainMap({**record["identity"], **record["settings"]}, shared)
-        who = read_forecaster(path, own, time_unit)
-        name = record["identity"]["forecaster"]
-        found[name] = member_observables(who, observable, washout, reach)
+    for one in origins(forecasts):
+        forecaster = read_forecaster(paths[one.name], one.settings, time_unit)
+        observable = system_of(one.settings).observable
+        found[one.name.identifier] = member_observables(forecaster, observable, washout, reach)
     return found
 
 
@@ -56,7 +55,8 @@ def event_of_committees(
     """Write what happened, what all members forecast, votes, probabilities, alarm thresholds."""
     steps, threshold = lyapunov_time(settings, time_unit), settings["case.event_threshold"]
     points = forecast_points(settings, evaluation_set, forecasts)
-    times, committees = settings["classification.prediction_times_lt"], settings["committees"]
+    times = settings["classification.prediction_times_lt"]
+    committees = [source for source in points.alarms if source.committee]
     longest = max(times)
     point = typical_event(
         points.values(committees[0], longest, threshold),
@@ -76,8 +76,8 @@ def event_of_committees(
         now = int(points.data["step"][point])
         series = read_rows(ensemble, "observable", row, row + 1)[0]
         true = series[now + 1 - len(washout) : now + 1 + reach]
-        found = _forecasts(forecasters, time_unit, washout, reach, settings)
-        fans = [np.concatenate([found[name] for name in one["forecasters"]]) for one in committees]
+        found = _forecasts(forecasters, forecasts, time_unit, washout, reach)
+        fans = [np.concatenate([found[name] for name in one.forecasters]) for one in committees]
         happened = [bool(points.happened(time, threshold)[point]) for time in times]
         chosen = read_json(calibration)
         for number, committee in enumerate(committees):
@@ -87,7 +87,7 @@ def event_of_committees(
                 probability = rule.calibration(votes)
                 chances[:, number, column] = votes[0], probability[0], rule.threshold
     event = see_event(true, observed, fans, times, happened, chances, steps)
-    kinds = [committee["keys"]["forecaster"] for committee in committees]
+    kinds = [committee.name.keys["forecaster"] for committee in committees]
     whose = {"committees": " ".join(kinds)}
     which = {"point": -1 if point is None else point}
     write_netcdf(committee_event, variables_of(event), {**provenance, **whose, **which})

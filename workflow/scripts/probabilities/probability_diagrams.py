@@ -5,12 +5,11 @@ from typing import Any
 from burstcast.probability.alarms import counts_at_all_levels, false_alarm_rate
 from burstcast.probability.economic_value import economic_value
 from burstcast.probability.reliability import reliability_diagram
-from burstcast.resampled_score import ResampledScore
+from burstcast.statistics.resampled_score import ResampledScore
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import case_probabilities
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.jobs.tables import with_interval, write_tables
 
 
 @job
@@ -32,13 +31,13 @@ def draw_up_diagrams(
         weights = case.weights(time)
         for alarm in case.compared:
             for probability, (outcomes, _) in case.probabilities(alarm, time).items():
-                keys = {**alarm["keys"], "probability": probability, "prediction_time_lt": time}
+                keys = {**case.keys(alarm), "probability": probability, "prediction_time_lt": time}
                 diagram = reliability_diagram(
                     outcomes,
                     settings["probability.bins"],
                     weights,
                     confidence,
-                    case.stream("reliability", time, alarm["alarm"], probability),
+                    case.stream("reliability", time, alarm.identifier, probability),
                 )
                 bins += [
                     {

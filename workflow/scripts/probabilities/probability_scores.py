@@ -4,16 +4,15 @@ from itertools import combinations
 from typing import Any
 
 from burstcast.probability.scores import resampled_scores
-from burstcast.resampled_score import ResampledScore, median_scores
+from burstcast.statistics.resampled_score import ResampledScore, median_scores
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import (
     CALIBRATED,
     CaseProbabilities,
     case_probabilities,
 )
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.jobs.tables import with_interval, write_tables
 
 COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
 
@@ -22,15 +21,14 @@ Scores = dict[str, ResampledScore]
 
 def _compared(case: CaseProbabilities, scores: dict[str, Scores]) -> list[tuple[str, Scores]]:
     """Committees before the medians over their members, then all others but single networks."""
-    committees = [alarm for alarm in case.alarms if len(alarm["forecasters"]) > 1]
-    others = [alarm["alarm"] for alarm in case.compared]
-    others = [name for name in others if name not in {one["alarm"] for one in committees}]
+    committees = [alarm for alarm in case.alarms if len(alarm.forecasters) > 1]
+    others = [alarm.identifier for alarm in case.compared if alarm not in committees]
     return [
-        *((one["alarm"], scores[one["alarm"]]) for one in committees),
+        *((one.identifier, scores[one.identifier]) for one in committees),
         *(
             (
-                f"median of {one['alarm']}",
-                median_scores([scores[name] for name in one["forecasters"]]),
+                f"median of {one.identifier}",
+                median_scores([scores[name] for name in one.forecasters]),
             )
             for one in committees
         ),
@@ -60,8 +58,8 @@ def score_probabilities(
             for probability, (outcomes, threshold) in found.items():
                 scores = resampled_scores(outcomes, weights, threshold, bins)
                 if probability == CALIBRATED:
-                    calibrated[alarm["alarm"]] = scores
-                keys = {**alarm["keys"], "probability": probability, "prediction_time_lt": time}
+                    calibrated[alarm.identifier] = scores
+                keys = {**case.keys(alarm), "probability": probability, "prediction_time_lt": time}
                 rows.append({**keys, "metric": "alarm_threshold", "value": threshold})
                 rows += [
                     {**keys, "metric": metric, **with_interval(score, confidence)}

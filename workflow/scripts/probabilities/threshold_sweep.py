@@ -6,9 +6,8 @@ from typing import Any
 from burstcast.probability.scores import resampled_scores
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.intervals import with_interval
 from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.jobs.tables import with_interval, write_tables
 
 METRICS = ("base_rate", "brier_skill", "average_precision", "f_score")
 
@@ -32,7 +31,7 @@ def sweep_threshold(
             outcomes, threshold = case.probabilities(alarm, time, factor)[CALIBRATED]
             scores = resampled_scores(outcomes, weights, threshold, bins)
             keys = {
-                **alarm["keys"],
+                **case.keys(alarm),
                 "event_threshold": factor * settings["case.event_threshold"],
                 "prediction_time_lt": time,
             }

@@ -1,11 +1,16 @@
 """Put the tables of all cases below one another."""
 
+from pathlib import Path
+
+from burstcast.tables.joined import joined_tables
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.joined_tables import write_joined
+from burstcast_workflow.harness.storage import write_text
 
 
 @job
 def join(*, of_cases: list[str], tables: list[str], settings: Settings) -> None:
     """Write the rows of all cases."""
-    write_joined(of_cases, tables, settings)
+    files = {Path(table).stem: table for table in tables}
+    for name, text in joined_tables(of_cases, settings["columns"]).items():
+        write_text(files[name], text)

@@ -1,13 +1,12 @@
 """Score the forecasts of all forecasters at every prediction time."""
 
 from burstcast import random_streams
+from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.classification import SCORES, bootstrap_interval, score_forecasts, total
 from burstcast.forecast.windows import WindowSummaries
-from burstcast.netcdf import read_netcdf
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.percentiles import write_percentiles
 from burstcast_workflow.jobs.tables import write_tables
 
 
@@ -19,8 +18,8 @@ def classification_table(
     truth = read_netcdf(evaluation_set, "series", "washout_maximum", "first", "largest")
     resolution = settings["classification.resolution_lt"]
     rows, ends = [], []
-    for record, path in gathered(settings["rows"], forecasts):
-        forecast = WindowSummaries(**read_netcdf(path, "first", "largest"))
+    for keys, origin in gathered(settings, forecasts):
+        forecast = WindowSummaries(**read_netcdf(origin.path, "first", "largest"))
         for prediction_time in settings["classification.prediction_times_lt"]:
             counts = score_forecasts(
                 forecast,
@@ -32,7 +31,7 @@ def classification_table(
                 threshold=settings["case.event_threshold"],
             )
             whole = total(counts)
-            row = {**record["keys"], "prediction_time_lt": prediction_time}
+            row = {**keys, "prediction_time_lt": prediction_time}
             rows.append(
                 {
                     **row,
@@ -51,4 +50,3 @@ def classification_table(
             ).items():
                 ends.append({**row, "metric": metric, "low": low, "high": high})
     write_tables(tables, settings, classification=rows, classification_intervals=ends)
-    write_percentiles(tables, settings)

@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import Any
 
-from burstcast.netcdf import read_netcdf
+from burstcast.files.netcdf import read_netcdf
 from burstcast.statistics.densities import Histogram, density_quartiles, mean_density
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
@@ -18,9 +18,10 @@ GROUP = ("case", "reynolds", "forecaster", "neurons", "validation", "prediction_
 def control_density_table(*, histograms: list[str], tables: list[str], settings: Settings) -> None:
     """Write the densities of each group of networks that differ by their seed only."""
     groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
-    for record, path in gathered(settings["rows"], histograms):
-        group = tuple(record["keys"][name] for name in GROUP)
-        groups.setdefault(group, []).append(read_netcdf(path))
+    for keys, origin in gathered(settings, histograms):
+        of_run = {**keys, **origin.settings["control.run"]["settings"]}
+        group = tuple(of_run[name] for name in GROUP)
+        groups.setdefault(group, []).append(read_netcdf(origin.path))
     rows = []
     for group, found in groups.items():
         edges = found[0]["edge"]

@@ -7,12 +7,11 @@ from burstcast import random_streams
 from burstcast.arrays import IntArray
 from burstcast.control.differences import ComparedRun, paired_differences
 from burstcast.control.records import FlowRecords, Span, flow_intervals, score_flows
-from burstcast.netcdf import read_attributes, read_netcdf
+from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.intervals import Scores, medians_over_seeds, with_interval
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.jobs.tables import Scores, medians_over_seeds, with_interval, write_tables
 
 
 @job
@@ -22,11 +21,18 @@ def control_strategies_table(*, flows: list[str], tables: list[str], settings: S
     resamples, confidence = settings["bootstrap.resamples"], settings["bootstrap.confidence"]
     flows_of: dict[str, tuple[IntArray, Span]] = {}
     scores_of: dict[str, list[tuple[dict[str, Any], Scores]]] = {}
-    for record, path in gathered(settings["rows"], flows):
-        arrays, attributes = read_netcdf(path), read_attributes(path)
+    for of_controller, origin in gathered(settings, flows):
+        arrays, attributes = read_netcdf(origin.path), read_attributes(origin.path)
         records = FlowRecords(**{field.name: arrays[field.name] for field in fields(FlowRecords)})
         span = Span(**{field.name: int(attributes[field.name]) for field in fields(Span)})
-        keys = record["keys"]
+        plan = dict(origin.settings["control.run"])
+        keys = {
+            **of_controller,
+            # the case's, unless the plan has one of its own: equations are given none
+            "noise": settings["case.training.noise"],
+            **plan.pop("settings"),
+            **plan,
+        }
         # all runs of a case are resampled alike: their flows are the same
         generator = random_streams.stream(settings["random_seed"], "control", keys["case"])
         scores = score_flows(records, span, resamples, generator)
@@ -35,7 +41,7 @@ def control_strategies_table(*, flows: list[str], tables: list[str], settings: S
             for name, score in flow_intervals(scores, records, span, confidence).items()
         ]
         # whoever forecasts, flows of one strategy are the same
-        strategy = record["identity"]["strategy"]
+        strategy = origin.identity["strategy"]
         flows_of[strategy] = records.row, span
         scores_of.setdefault(strategy, []).append((keys, scores))
     compared = [

@@ -1,13 +1,13 @@
 """Make the paper's table of the parameters of the data, for all cases."""
 
 from burstcast.systems.registry import parameters_of
-from burstcast.tables import data_parameters, described_parameters, side_by_side
-from burstcast.typesetting import to_latex
+from burstcast.tables.latex import data_parameters, described_parameters, side_by_side
+from burstcast.tables.typesetting import to_latex
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_text
 from burstcast_workflow.harness.tables import write_table
-from burstcast_workflow.jobs.gather import gathered
+from burstcast_workflow.jobs.gather import origins
 from burstcast_workflow.jobs.systems import equations_of
 
 
@@ -17,10 +17,10 @@ def data_generation_parameters(
 ) -> None:
     """Write one column of values for each case."""
     tables = {}
-    for record, path in gathered(settings["cases"], summaries):
-        case = record["settings"]
+    for origin in origins(summaries):
+        case = Settings(settings["cases"][origin.identity["case"]], origin.identity)
         system = equations_of(case)
-        tables[record["identity"]["case"]] = data_parameters(
+        tables[origin.identity["case"]] = data_parameters(
             system=described_parameters(case["case.system"], parameters_of(system)),
             symbol=system.observable_symbol,
             time_step=case["case.ensemble.time_step"],
@@ -28,7 +28,7 @@ def data_generation_parameters(
             training_series=case["case.training.series"],
             laminarisation_threshold=case["case.laminarisation_threshold"],
             event_threshold=case["case.event_threshold"],
-            series_kept=read_json(path)["series_kept"],
+            series_kept=read_json(origin.path)["series_kept"],
         )
     found = side_by_side(tables).fillna("")  # where only other cases have a parameter
     write_table(table, found)

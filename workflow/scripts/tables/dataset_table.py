@@ -3,8 +3,8 @@
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.jobs.intervals import with_ends
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.jobs.gather import case_keys
+from burstcast_workflow.jobs.tables import with_ends, write_tables
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 ENDS = ("mean", "low", "high")
@@ -18,7 +18,7 @@ def dataset_table(
     dataset, found = read_json(summary), read_json(exponents)
     leading, growth = found["leading"], found.get("leading_by_growth", {})
     row = {
-        **settings["keys"],
+        **case_keys(settings),
         "series_generated": dataset["series_generated"],
         "series_kept": dataset["series_kept"],
         "laminarised_fraction": dataset["laminarised_fraction"],

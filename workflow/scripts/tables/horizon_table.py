@@ -8,16 +8,20 @@ import pandas as pd
 
 from burstcast import random_streams
 from burstcast.arrays import IntArray
+from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.horizon_intervals import resampled_averages
-from burstcast.netcdf import read_netcdf
-from burstcast.resampled_score import ResampledScore
-from burstcast.resampling import bootstrap_weights
+from burstcast.statistics.resampled_score import ResampledScore
+from burstcast.statistics.resampling import bootstrap_weights
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.intervals import Scores, between, medians_over_seeds, with_interval
-from burstcast_workflow.jobs.percentiles import write_percentiles
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.jobs.tables import (
+    Scores,
+    between,
+    medians_over_seeds,
+    with_interval,
+    write_tables,
+)
 
 METRICS = ("mean_horizon_lt", "median_horizon_lt")
 
@@ -41,12 +45,14 @@ def horizon_table(*, horizons: list[str], tables: list[str], settings: Settings)
     events, and the same bootstrap samples of them.
     """
     rows, ends, confidence = [], [], settings["bootstrap.confidence"]
-    files = gathered(settings["rows"], horizons)
-    found = [(record, read_netcdf(path)["prediction_horizon_lt"]) for record, path in files]
+    found = [
+        (keys, read_netcdf(origin.path)["prediction_horizon_lt"])
+        for keys, origin in gathered(settings, horizons)
+    ]
     weights = _weights(settings, len(found[0][1]))
     resampled: list[tuple[dict[str, Any], Scores]] = []
-    for record, values in found:
-        events, keys = pd.Series(values), record["keys"]
+    for keys, values in found:
+        events = pd.Series(values)
         averages = dict(zip(METRICS, (events.mean(), events.median()), strict=True))
         rows.append({**keys, "events": len(events), **averages})
         scores = {
@@ -67,4 +73,3 @@ def horizon_table(*, horizons: list[str], tables: list[str], settings: Settings)
         for metric in METRICS
     ]
     write_tables(tables, settings, horizon=rows, horizon_intervals=ends, horizon_differences=pairs)
-    write_percentiles(tables, settings)

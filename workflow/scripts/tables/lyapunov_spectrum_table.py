@@ -1,14 +1,12 @@
 """Average the Lyapunov exponents of the data and of the forecasters' own flows."""
 
 from burstcast import random_streams
+from burstcast.files.netcdf import read_netcdf
 from burstcast.statistics.lyapunov_spectrum import summarise
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.intervals import with_ends
-from burstcast_workflow.jobs.percentiles import write_percentiles
-from burstcast_workflow.jobs.spectrum_files import read_exponents
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.jobs.gather import case_keys, gathered
+from burstcast_workflow.jobs.tables import with_ends, write_tables
 
 
 @job
@@ -19,10 +17,10 @@ def lyapunov_spectrum_table(
     rows, of_dimensions = [], []
     data = {"forecaster": "data", "neurons": None, "validation": None, "seed": None}
     # measured series have none
-    files = [({**settings["keys"], **data}, spectrum)] if isinstance(spectrum, str) else []
-    files += [(record["keys"], path) for record, path in gathered(settings["rows"], forecasters)]
+    files = [({**case_keys(settings), **data}, spectrum)] if isinstance(spectrum, str) else []
+    files += [(keys, origin.path) for keys, origin in gathered(settings, forecasters)]
     for keys, path in files:
-        exponents, case = read_exponents(path), keys["case"]
+        exponents, case = read_netcdf(path, "exponents")["exponents"], keys["case"]
         found = summarise(
             exponents,
             settings["bootstrap.confidence"],
@@ -38,4 +36,3 @@ def lyapunov_spectrum_table(
             {**keys, "runs": len(exponents), **with_ends("kaplan_yorke_dimension", *dimension)}
         )
     write_tables(tables, settings, lyapunov_spectrum=rows, kaplan_yorke=of_dimensions)
-    write_percentiles(tables, settings)

@@ -1,20 +1,19 @@
 """Make the paper's table of the hyperparameters of the networks."""
 
-from burstcast.tables import network_parameters, side_by_side
-from burstcast.typesetting import to_latex
+from burstcast.tables.latex import network_parameters, side_by_side
+from burstcast.tables.typesetting import to_latex
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_text
 from burstcast_workflow.harness.tables import write_table
+from burstcast_workflow.stages.canonical import natural_order
 
 
 @job
 def network_hyperparameters(*, table: str, latex: str, settings: Settings) -> None:
     """Write one column of values, or one for each case where the noise differs."""
-    noise = {
-        record["identity"]["case"]: record["settings"]["case.training.noise"]
-        for record in settings["cases"]
-    }
+    cases = settings["cases"]
+    noise = {case: cases[case]["case.training.noise"] for case in sorted(cases, key=natural_order)}
     if len(set(noise.values())) == 1:
         noise = dict([next(iter(noise.items()))])
     tables = {

@@ -1,20 +1,18 @@
 """Measure how far the statistics of forecasters and of the training set are from the data's."""
 
 from burstcast import random_streams
-from burstcast.netcdf import read_netcdf
-from burstcast.resampling import bootstrap_weights
+from burstcast.files.netcdf import read_netcdf
 from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.measures import compare
 from burstcast.statistics.profiles import equally_spaced_profiles
+from burstcast.statistics.resampling import bootstrap_weights
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.intervals import between
-from burstcast_workflow.jobs.percentiles import write_percentiles
-from burstcast_workflow.jobs.statistics_files import read_reductions, read_statistics
+from burstcast_workflow.jobs.gather import case_keys, gathered
+from burstcast_workflow.jobs.statistics import read_reductions, read_statistics
 from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.jobs.tables import between, write_tables
 
 SHARES = {
     "laminarised_fraction": Fate.LAMINAR,
@@ -43,21 +41,21 @@ def statistics_table(
     """
     reference = read_statistics(data)
     matrices = equally_spaced_profiles(system_of(settings), settings["statistics.profile_points"])
-    keys = {**settings["keys"], "neurons": None, "validation": None}
+    of_case = {**case_keys(settings), "neurons": None, "validation": None}
     measures = vars(compare(reference, read_statistics(training), matrices))
-    rows = [{**keys, "forecaster": "training", "seed": None, **measures}]
+    rows = [{**of_case, "forecaster": "training", "seed": None, **measures}]
     # one row for each split of the data
     splits = read_netcdf(floor)
     for split in range(splits["split"].size):
         row = {measure: float(splits[measure][split]) for measure in measures}
-        rows.append({**keys, "forecaster": "floor", "seed": split, **row})
+        rows.append({**of_case, "forecaster": "floor", "seed": split, **row})
     ends = []
-    for record, path in gathered(settings["rows"], long_term):
-        measures = vars(compare(reference, read_statistics(path), matrices))
-        fates = read_netcdf(path, "fate")["fate"]
+    for keys, origin in gathered(settings, long_term):
+        measures = vars(compare(reference, read_statistics(origin.path), matrices))
+        fates = read_netcdf(origin.path, "fate")["fate"]
         shares = {name: float((fates == fate).mean()) for name, fate in SHARES.items()}
         discarded = {"discarded_fraction": float((fates != Fate.KEPT).mean()), **shares}
-        rows.append({**record["keys"], **discarded, **measures})
+        rows.append({**keys, **discarded, **measures})
         generator = random_streams.stream(
             settings["random_seed"], "bootstrap", settings["case"], "long runs"
         )
@@ -66,12 +64,12 @@ def statistics_table(
             "discarded_fraction": weights @ (fates != Fate.KEPT) / len(fates),
             **{name: weights @ (fates == fate) / len(fates) for name, fate in SHARES.items()},
             **resampled_measures(
-                reference, read_reductions(path), fates == Fate.KEPT, matrices, weights
+                reference, read_reductions(origin.path), fates == Fate.KEPT, matrices, weights
             ),
         }
         ends += [
             {
-                **record["keys"],
+                **keys,
                 "metric": metric,
                 **between(values, settings["bootstrap.confidence"]),
             }
@@ -79,4 +77,3 @@ def statistics_table(
             if not (metric in OF_PROFILES and matrices is None)
         ]
     write_tables(tables, settings, statistics=rows, statistics_intervals=ends)
-    write_percentiles(tables, settings)

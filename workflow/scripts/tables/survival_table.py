@@ -5,20 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.netcdf import read_netcdf
+from burstcast.files.netcdf import read_netcdf
+from burstcast.statistics.long_term import Fate
 from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.gather import gathered
-from burstcast_workflow.jobs.intervals import with_ends
-from burstcast_workflow.jobs.lifetimes import (
-    lifetimes_of_data,
-    lifetimes_of_runs,
-    long_run_steps,
-)
-from burstcast_workflow.jobs.percentiles import write_percentiles
-from burstcast_workflow.jobs.tables import write_tables
-from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.jobs.gather import case_keys, gathered
+from burstcast_workflow.jobs.tables import with_ends, write_tables
+from burstcast_workflow.jobs.time_unit import long_run_steps, sampling_interval
 
 POINTS = 101
 """Times at which the survival curve is tabulated, from zero to the end."""
@@ -40,12 +34,14 @@ def survival_table(
     *, ensemble: str, long_term: list[str], tables: list[str], settings: Settings
 ) -> None:
     """Write the escape rate of the data and of each forecaster, and their survival curves."""
-    keys = {**settings["keys"], "forecaster": "data", "neurons": None}
-    found = [({**keys, "validation": None, "seed": None}, lifetimes_of_data(ensemble))]
+    of_case = {**case_keys(settings), "forecaster": "data", "neurons": None}
+    data = read_netcdf(ensemble, "series", "lifetime", "time")
+    of_data = Lifetimes.of_ensemble(data["lifetime"], data["series"], len(data["time"]) - 1)
+    found = [({**of_case, "validation": None, "seed": None}, of_data)]
     steps = long_run_steps(settings)
-    for record, path in gathered(settings["rows"], long_term):
-        runs = read_netcdf(path, "fate", "lifetime")
-        found.append((record["keys"], lifetimes_of_runs(runs["fate"], runs["lifetime"], steps)))
+    for keys, origin in gathered(settings, long_term):
+        runs = read_netcdf(origin.path, "fate", "lifetime")
+        found.append((keys, Lifetimes(runs["lifetime"], runs["fate"] != Fate.KEPT, steps)))
     rows, points = [], []
     interval = sampling_interval(settings)
     for keys, lifetimes in found:
@@ -57,4 +53,3 @@ def survival_table(
             for time, *ends in zip(times, curve.share, curve.low, curve.high, strict=True)
         ]
     write_tables(tables, settings, survival=rows, survival_curve=points)
-    write_percentiles(tables, settings)

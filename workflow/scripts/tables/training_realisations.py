@@ -4,12 +4,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
-from burstcast.training_realisations import variance_components
+from burstcast.data.training_realisations import variance_components
+from burstcast_workflow.campaign.identifiers import realisation_of
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.stages.canonical import canonical
 
 
 @job
@@ -18,8 +21,11 @@ def separate_scatter(*, scores: list[str], tables: list[str], settings: Settings
     rows: list[dict[str, Any]] = []
     for path in scores:
         found, scattered = read_table(path), settings["scattered"][Path(path).stem]
-        for family in settings["families"]:
-            of_family = found[found["case"].isin(family["cases"])]
+        bases = found["case"].map(lambda case: realisation_of(case)[0])
+        for base in dict.fromkeys(bases[bases != found["case"]]):
+            of_family = found[bases == base]
+            known = of_family.get("reynolds", pd.Series(dtype=np.float64)).dropna()
+            reynolds = canonical(float(known.iloc[0])) if len(known) else None
             # what stands for no forecaster, as the sampling floor does, has other rows than seeds
             of_family = of_family[of_family["forecaster"].isin(settings["kinds"])]
             keys = scattered["by"][2:]  # the case is that of the family
@@ -32,7 +38,8 @@ def separate_scatter(*, scores: list[str], tables: list[str], settings: Settings
                     scatter = variance_components(groups)
                     rows.append(
                         {
-                            **family["keys"],
+                            "case": base,
+                            "reynolds": reynolds,
                             **dict(zip(keys, values, strict=True)),
                             "metric": metric,
                             "mean": scatter.mean,

@@ -5,18 +5,34 @@ from typing import Any
 
 import pandas as pd
 
-from burstcast import warning_signs
-from burstcast.netcdf import read_rows
-from burstcast.warning_signs import Finding
+from burstcast.files.netcdf import read_rows
+from burstcast.statistics import warning_signs
+from burstcast.statistics.warning_signs import Finding
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import read_table
-from burstcast_workflow.jobs.advice import ADVICE
-from burstcast_workflow.jobs.statistics_files import read_statistics
+from burstcast_workflow.jobs.gather import case_keys
+from burstcast_workflow.jobs.statistics import read_statistics
 from burstcast_workflow.jobs.tables import write_tables
 
 ENSEMBLE = ["forecaster", "neurons", "validation"]
+ADVICE = {
+    "optimum_on_edge": "search beyond it: its entry in the section search",
+    "few_events": "lower event_threshold, or raise ensemble.series or ensemble.duration",
+    "few_positives": "raise test_series (and ensemble.series); read F with its interval "
+    "in classification_intervals.csv",
+    "lost_long_runs": "try other seeds, more neurons or more noise (training.noise); read the "
+    "statistics beside survival.csv",
+    "ill_conditioned_readout": "leave out the smallest values of search.tikhonov",
+    "exponents_differ": "raise lyapunov.series, check lyapunov.saturation and perturbation; set "
+    "lyapunov.time_unit to computed where the published exponent is of something else",
+    "own_exponents_differ": "if the statistics of these forecasters are those of the data "
+    "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.published_exponent",
+    "outside_bins": "widen density.range",
+    "noise_drowns_components": "lower training.noise, or raise ensemble.sampling_stride",
+}
+"""Settings to change where a sign of `burstcast.statistics.warning_signs` was found."""
 
 
 def _of_data(
@@ -117,7 +133,7 @@ def warnings_table(
             found += [(keys, one) for one in warning_signs.own_exponents_differ(leading, own)]
     rows = [
         {
-            **settings["keys"],
+            **case_keys(settings),
             **dict.fromkeys(ENSEMBLE),
             **keys,
             "warning": finding.warning,

@@ -4,15 +4,62 @@ Source: section "Control of extreme events" of the paper.
 """
 
 import abc
+from dataclasses import dataclass
+from typing import ClassVar
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What a monitor wants done.
+
+    Attributes
+    ----------
+    alarm
+        Whether it raises an alarm, ``(batch,)``.
+    plan
+        Whether the actuator is to be on during each of the coming steps, what is on its way
+        already included, ``(steps, batch)``; None: the monitor does not plan.
+    reverse
+        Whether an alarm sets off the reversed actuation, ``(batch,)``; None: it never does.
+    """
+
+    alarm: BoolArray
+    plan: BoolArray | None = None
+    reverse: BoolArray | None = None
 
 
 class Monitor(abc.ABC):
     """Raises alarms in many flows at once, in each independently of the others."""
 
+    plans: ClassVar[bool] = False
+    """Whether its decisions have a plan."""
+
+    def decide(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> Decision:
+        """Decide what is done: by default, no more than raising alarms.
+
+        Parameters
+        ----------
+        rows, forecast_number, washout, acting
+            As of `alarms`.
+        """
+        return Decision(self.alarms(rows, forecast_number, washout, acting))
+
     @abc.abstractmethod
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> BoolArray:
         """Whether an event is expected in the window.
 
         Parameters
@@ -23,6 +70,10 @@ class Monitor(abc.ABC):
             Number of the forecast in each of them, from 0, ``(batch,)``.
         washout
             Observed states up to and including now, ``(steps, dimension, batch)``.
+        acting
+            Whether the actuator was on from each of them to the next, and, after those, whether it
+            will be on during the steps before this decision takes effect, ``(steps - 1 + delay,
+            batch)``; None: nobody knows.
 
         Returns
         -------

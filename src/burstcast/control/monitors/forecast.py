@@ -34,7 +34,13 @@ class ForecastMonitor(Monitor):
     timing: Timing
     threshold: float
 
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> BoolArray:
         """Forecast, and look for a crossing (see `Monitor.alarms`)."""
         memory = self.forecaster.start(washout)
         forecast, _ = self.forecaster.advance(memory, self.timing.window_end)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.control.actuation import ActuationValues
 from burstcast.control.monitors.base import Monitor
-from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.base import Forecaster, for_members
 
 
 @dataclass(frozen=True)
@@ -17,6 +18,10 @@ class HorizonMonitor(Monitor):
     An event that is under way counts like one that is still to come: unlike in a window, it is not
     asked whether the forecast was below the level before. A forecast counts as long as it is
     finite.
+
+    A forecaster that knows the parameters may be told of the actuation: of the past one, and of
+    that which is on its way. It then forecasts the flow with the actuator off from the step on at
+    which the decision takes effect, and only what comes after that step counts.
 
     Attributes
     ----------
@@ -28,12 +33,16 @@ class HorizonMonitor(Monitor):
         Steps that are looked ahead.
     level
         Of the observable: the event threshold less a margin.
+    values
+        Values of the parameters with the actuator off and on, which the forecaster is told; None:
+        it is told nothing.
     """
 
     forecaster: Forecaster
     observable: Callable[[FloatArray], FloatArray]
     horizon: int
     level: float
+    values: ActuationValues | None = None
 
     def __post_init__(self) -> None:
         """Check the horizon.
@@ -46,10 +55,58 @@ class HorizonMonitor(Monitor):
         if self.horizon < 1:
             raise ValueError("a horizon must reach a step ahead")
 
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> BoolArray:
         """Forecast, and look for the level (see `Monitor.alarms`)."""
-        memory = self.forecaster.start(washout)
-        forecast, _ = self.forecaster.advance(memory, self.horizon)
+        if self.values is None:
+            memory = self.forecaster.start(washout)
+            forecast, _ = self.forecaster.advance(memory, self.horizon)
+        else:
+            memory, delay = told_memory(self.forecaster, washout, acting, self.values)
+            off = np.zeros((self.horizon - delay, memory.shape[-1]), dtype=bool)
+            forecast, _ = self.forecaster.advance(memory, len(off), self.values.schedule(off))
         observable = self.observable(forecast.transpose(1, 0, 2))
         reached = (observable >= self.level) & np.isfinite(observable)
         return np.asarray(reached.any(axis=0))
+
+
+def told_memory(
+    forecaster: Forecaster,
+    washout: FloatArray,
+    acting: BoolArray | None,
+    values: ActuationValues,
+) -> tuple[FloatArray, int]:
+    """Memory of a forecaster at the step at which a decision takes effect.
+
+    Parameters
+    ----------
+    forecaster
+        Who knows the parameters.
+    washout, acting
+        As of `Monitor.alarms`.
+    values
+        Values of the parameters with the actuator off and on.
+
+    Returns
+    -------
+    The memory, which has followed the actuation that is on its way, and the steps of that.
+
+    Raises
+    ------
+    ValueError
+        If nobody knows the actuation.
+    """
+    if acting is None:
+        raise ValueError("a forecaster is to be told of an actuation that nobody knows")
+    past, pending = np.split(acting, [len(washout) - 1])
+    memory = forecaster.start(washout, values.schedule(past))
+    if len(pending):
+        members = memory.shape[-1] // washout.shape[-1]
+        schedule = for_members(values.schedule(pending), members)
+        _, memory = forecaster.advance(memory, len(pending), schedule)
+    return memory, len(pending)

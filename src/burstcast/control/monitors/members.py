@@ -26,13 +26,20 @@ class MemberForecasts:
 
     forecaster: Forecaster
 
-    def start(self, washout: FloatArray) -> FloatArray:
-        """Memories of all members after an observed washout, ``(..., members * batch)``."""
-        return side_by_side(self.forecaster.ensemble(washout))
+    @property
+    def aware(self) -> bool:
+        """Whether it uses schedules of parameters."""
+        return self.forecaster.aware
 
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+        """Memories of all members after an observed washout, ``(..., members * batch)``."""
+        return side_by_side(self.forecaster.ensemble(washout, parameters))
+
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Forecast with each (`burstcast.forecasters.base.Forecaster.advance`)."""
-        return self.forecaster.advance(memory, steps)
+        return self.forecaster.advance(memory, steps, parameters)
 
 
 @dataclass(frozen=True)
@@ -54,12 +61,19 @@ class MembersMonitor(Monitor):
         """Raise ValueError if the share is not in (0, 1]."""
         check_share(self.share)
 
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> BoolArray:
         """Count the members' alarms (see `Monitor.alarms`)."""
         raised = np.zeros(len(rows), dtype=bool)
         for start in range(0, len(rows), FLOWS_PER_CALL):
             flows = slice(start, start + FLOWS_PER_CALL)
-            given = rows[flows], forecast_number[flows], washout[:, :, flows]
+            known = None if acting is None else acting[:, flows]
+            given = rows[flows], forecast_number[flows], washout[:, :, flows], known
             members = self.monitor.alarms(*given).reshape(-1, len(rows[flows]))
             raised[flows] = enough(members.sum(axis=0), len(members), self.share)
         return raised

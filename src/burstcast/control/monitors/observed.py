@@ -1,28 +1,52 @@
-"""The monitor that does not look ahead: an alarm where the observed observable is high now."""
+"""The monitor that does not look ahead: an alarm where something observed is high now."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.monitors.base import Monitor
+from burstcast.control.monitors.base import Decision, Monitor
 
 
 @dataclass(frozen=True)
 class ObservedMonitor(Monitor):
-    """Raises an alarm if the observable of the last observed state is at or above a level.
+    """Raises an alarm if a quantity of the last observed state is at or above a level.
 
     Attributes
     ----------
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        From states ``(dimension, ...)`` to the quantity ``(...)``: the observable, or another.
     level
-        Of the observable.
+        Of the quantity.
+    push
+        From states ``(dimension, ...)`` to a quantity whose sign is that of the actuation: where it
+        is negative, an alarm sets off the reversed one. None: it is never reversed.
     """
 
     observable: Callable[[FloatArray], FloatArray]
     level: float
+    push: Callable[[FloatArray], FloatArray] | None = None
 
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def decide(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> Decision:
+        """Compare with the level, and push in the direction asked for (see `Monitor.decide`)."""
+        alarm = self.alarms(rows, forecast_number, washout, acting)
+        reverse = None if self.push is None else np.asarray(self.push(washout[-1]) < 0)
+        return Decision(alarm, reverse=reverse)
+
+    def alarms(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> BoolArray:
         """Compare the last observed state with the level (see `Monitor.alarms`)."""
         alarms: BoolArray = self.observable(washout[-1]) >= self.level
         return alarms

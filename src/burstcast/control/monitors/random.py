@@ -37,7 +37,13 @@ class RandomMonitor(Monitor):
                 f"the probability of an alarm must lie in [0, 1], not {self.alarm_probability}"
             )
 
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> BoolArray:
         """Compare the flows' own random numbers with the probability (see `Monitor.alarms`)."""
         alarms: BoolArray = self.draws[rows, forecast_number] < self.alarm_probability
         return alarms

@@ -48,9 +48,15 @@ class VoteMonitor(Monitor):
             raise ValueError("a vote needs one member at least")
         check_share(self.share)
 
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray) -> BoolArray:
+    def alarms(
+        self,
+        rows: IntArray,
+        forecast_number: IntArray,
+        washout: FloatArray,
+        acting: BoolArray | None = None,
+    ) -> BoolArray:
         """Count the members' alarms (see `Monitor.alarms`)."""
         votes = np.zeros(len(rows), dtype=np.int64)
         for member in self.members:
-            votes += member.alarms(rows, forecast_number, washout)
+            votes += member.alarms(rows, forecast_number, washout, acting)
         return enough(votes, len(self.members), self.share)

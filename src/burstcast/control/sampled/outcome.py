@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
-from burstcast.control.counts import FlowCounts, count_flows, laminarisation, ratio
+from burstcast.control.counts import FlowCounts, count_flows, laminarisation, share
 from burstcast.control.sampled.simulation import SampledSimulation
 
 
@@ -47,7 +47,7 @@ class DecisionOutcome(FlowCounts):
     @property
     def alarm_rate(self) -> float:
         """Share of the decisions that switch the actuation on."""
-        return ratio(self.alarms, self.decisions)
+        return share(self.alarms, self.decisions)
 
 
 def count_decisions(

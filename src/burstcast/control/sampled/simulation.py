@@ -9,6 +9,10 @@ forecaster is the free flow from the present state on, were the actuation off. T
 lies in the same state space, and a reservoir forgets its inputs within a few steps, but its washout
 is not one that it has seen. Each decision is therefore also compared with the truth, apart for
 decisions whose washout has steps under actuation and for those whose has none (`Decisions`).
+
+A forecaster that knows the parameters may be told of the actuation that was and of the one that is
+on its way. Its decisions are compared with the true flow under the same assumption: what is on its
+way, then none. A monitor that plans is compared with the true flow under its own plan, too.
 """
 
 from dataclasses import dataclass
@@ -16,7 +20,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, IntArray
+from burstcast.arrays import BoolArray, ByteArray, IntArray
+from burstcast.control.monitors.base import Decision
 from burstcast.control.simulation import (
     ControlSimulation,
     RunningFlows,
@@ -25,7 +30,7 @@ from burstcast.control.simulation import (
     observable_of,
 )
 from burstcast.control.timing import DecisionTiming
-from burstcast.systems.integration import integrate
+from burstcast.systems.integration import integrate, integrate_switched
 
 
 @dataclass(frozen=True)
@@ -38,14 +43,20 @@ class Decisions:
         Whether the actuation was switched on.
     event_ahead
         Whether the free flow from the state at the decision, under no actuation from there on, is
-        at or above the event threshold within the horizon; None for a horizon of 0.
+        at or above the event threshold within the horizon; None for a horizon of 0. Where the
+        monitor is told of the actuation: whether the flow is, after the step at which the decision
+        takes effect, under no actuation but what is on its way.
     washout_actuated
         Whether the flow came to any step of the washout, after its first, under actuation.
+    plan_fails
+        Whether the true flow under the monitor's plan is at or above the event threshold within
+        the horizon, after the step at which the decision takes effect; None if it does not plan.
     """
 
     on: BoolArray
     event_ahead: BoolArray | None
     washout_actuated: BoolArray
+    plan_fails: BoolArray | None = None
 
 
 SampledSimulation = ControlSimulation[DecisionTiming, Decisions]
@@ -59,11 +70,14 @@ class SampledStepper(Stepper[DecisionTiming, Decisions]):
     ----------
     horizon
         Steps after a decision over which it is compared with the free flow; 0: it is not.
+    told
+        Whether the monitor is told of the actuation.
     """
 
-    judgements: ClassVar[tuple[str, ...]] = ("event_ahead", "washout_actuated")
+    judgements: ClassVar[tuple[str, ...]] = ("event_ahead", "washout_actuated", "plan_fails")
 
     horizon: int = 0
+    told: bool = False
 
     @property
     def effect(self) -> tuple[int, int]:
@@ -77,12 +91,22 @@ class SampledStepper(Stepper[DecisionTiming, Decisions]):
         """An interval, whatever was decided (see `Stepper.pauses`)."""
         return self.timing.interval, self.timing.interval
 
-    def judge(self, flows: RunningFlows, due: IntArray, alarm: BoolArray) -> dict[str, BoolArray]:
-        """Look at the free flow ahead, and at the washout behind (see `Stepper.judge`)."""
+    def judge(self, flows: RunningFlows, due: IntArray, decision: Decision) -> dict[str, BoolArray]:
+        """Look at the true flow ahead, and at the washout behind (see `Stepper.judge`)."""
         stride, now = self.timing.sampling_stride, flows.clock[due]
         behind = ending_at(flows.acting, due, now * stride - 1, (self.timing.washout - 1) * stride)
-        ahead = np.zeros_like(alarm)
-        if self.horizon:
+        ahead, fails = np.zeros_like(decision.alarm), np.zeros_like(decision.alarm)
+        if self.told:
+            # what is decided already lasts as long as the delay
+            acting = np.zeros((self.horizon * stride, len(due)), dtype=np.uint8)
+            pending = np.arange(self.timing.delay * stride)
+            steps = now[:, np.newaxis] * stride + pending
+            acting[: len(pending)] = flows.acting[due[:, np.newaxis], steps].T
+            ahead |= self._reaches(flows, due, acting)
+            if decision.plan is not None:
+                planned = np.repeat(decision.plan.astype(np.uint8), stride, axis=0)
+                fails |= self._reaches(flows, due, planned)
+        elif self.horizon:
             samples = integrate(
                 self.system,
                 np.ascontiguousarray(flows.states[due, now].T),
@@ -92,10 +116,30 @@ class SampledStepper(Stepper[DecisionTiming, Decisions]):
             )
             free = observable_of(self.system, samples[1:].transpose(2, 0, 1))
             ahead |= (free >= self.threshold).any(axis=1)
-        return {"event_ahead": ahead, "washout_actuated": np.any(behind, axis=1)}
+        return {
+            "event_ahead": ahead,
+            "washout_actuated": np.any(behind, axis=1),
+            "plan_fails": fails,
+        }
+
+    def _reaches(self, flows: RunningFlows, due: IntArray, acting: ByteArray) -> BoolArray:
+        """Whether true flows reach the threshold after the delay, under an actuation to come.
+
+        ``acting`` is ``(integration steps, due)``, as of `RunningFlows.acting`.
+        """
+        samples = integrate_switched(
+            self.systems,
+            np.ascontiguousarray(acting),
+            np.ascontiguousarray(flows.states[due, flows.clock[due]].T),
+            self.timing.time_step,
+            self.timing.sampling_stride,
+        )
+        observable = observable_of(self.system, samples[1:].transpose(2, 0, 1))
+        return np.asarray((observable[:, self.timing.delay :] >= self.threshold).any(axis=1))
 
     def decisions(self, flows: RunningFlows, position: int) -> Decisions:
         """All decisions (see `Stepper.decisions`)."""
         judged = flows.judged
         ahead = judged["event_ahead"] if self.horizon else None
-        return Decisions(flows.alarm, ahead, judged["washout_actuated"])
+        fails = judged["plan_fails"] if self.monitor.plans else None
+        return Decisions(flows.alarm, ahead, judged["washout_actuated"], fails)

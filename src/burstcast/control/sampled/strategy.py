@@ -1,14 +1,17 @@
 """Strategies that decide at equal intervals: what they share beside the monitor."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from burstcast.arrays import FloatArray
+from burstcast.control.actuation import ActuationValues
 from burstcast.control.experiment import ControlExperiment, Schedule
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.sampled.outcome import DecisionOutcome, count_decisions
 from burstcast.control.sampled.simulation import SampledSimulation, SampledStepper
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.timing import DecisionTiming
+from burstcast.forecasters.base import Forecaster
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,8 @@ class SampledStrategy(ControlStrategy):
             timing,
             experiment.threshold,
             self.horizon(timing),
+            self.told,
+            reversed_system=experiment.reversed_system,
         )
 
     def outcome(
@@ -50,3 +55,52 @@ class SampledStrategy(ControlStrategy):
     ) -> DecisionOutcome:
         """Count what happened, and how good decisions were (see `ControlStrategy.outcome`)."""
         return count_decisions(flows, laminarisation_threshold, edges)
+
+
+def check_horizon(horizon: int, timing: DecisionTiming, horizon_lt: float, told: bool) -> None:
+    """Check that forecasts look beyond a decision's effect.
+
+    Parameters
+    ----------
+    horizon
+        Steps that a decision looks ahead.
+    timing
+        Of the decisions.
+    horizon_lt
+        The horizon as it was set, for messages.
+    told
+        Whether only what comes after the delay counts.
+
+    Raises
+    ------
+    ValueError
+        If they do not.
+    """
+    if horizon < 1:
+        raise ValueError(f"a horizon of {horizon_lt} Lyapunov times lasts no step")
+    if told and horizon <= timing.delay:
+        raise ValueError(
+            f"a horizon of {horizon_lt} Lyapunov times does not reach beyond the delay of "
+            f"{timing.delay_lt}: nothing that a decision can change is forecast"
+        )
+
+
+def values_to_tell(
+    experiment: ControlExperiment, forecasters: Sequence[Forecaster]
+) -> ActuationValues:
+    """Values of the parameters that forecasters are told.
+
+    Raises
+    ------
+    ValueError
+        If the experiment has none, or a forecaster does not use them.
+    """
+    if experiment.values is None:
+        raise ValueError("the actuation of this case has no parameter that forecasters can be told")
+    for forecaster in forecasters:
+        if not forecaster.aware:
+            raise ValueError(
+                f"{type(forecaster).__name__} does not know the parameters: the strategy needs a "
+                f"forecaster that does"
+            )
+    return experiment.values

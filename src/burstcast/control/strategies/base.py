@@ -1,8 +1,8 @@
 """What a strategy of control is: when it looks, who decides, and what a decision sets off.
 
 A strategy is one module of this package with one concrete subclass of `ControlStrategy`, a frozen
-dataclass whose fields are its settings, numbers all of them. It is found by the module's name;
-nothing has to be registered.
+dataclass whose fields are its settings: numbers, ``bool``, ``str`` or ``tuple[float, ...]``. It is
+found by the module's name; nothing has to be registered.
 """
 
 import abc
@@ -23,6 +23,11 @@ class ControlStrategy(abc.ABC):
 
     forecasts: ClassVar[bool]
     """Whether it asks forecasters: some strategies do without."""
+
+    @property
+    def told(self) -> bool:
+        """Whether its monitor is told of the actuation that was, and of what is on its way."""
+        return False
 
     @abc.abstractmethod
     def timing(self, schedule: Schedule) -> Clock:

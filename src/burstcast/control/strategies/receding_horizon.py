@@ -14,7 +14,11 @@ from burstcast.control.experiment import ControlExperiment, Schedule
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.horizon import HorizonMonitor
 from burstcast.control.monitors.vote import VoteMonitor
-from burstcast.control.sampled.strategy import SampledStrategy
+from burstcast.control.sampled.strategy import (
+    SampledStrategy,
+    check_horizon,
+    values_to_tell,
+)
 from burstcast.control.timing import DecisionTiming
 from burstcast.forecasters.base import Forecaster
 
@@ -33,6 +37,10 @@ class RecedingHorizon(SampledStrategy):
     vote_share
         Of several forecasters, the share that must forecast an event: the alarm probability at
         which a committee acts.
+    aware
+        Whether the forecaster, which must know the parameters, is told of the past actuation and
+        of what is on its way. It then acts on what the forecast holds after the delay. Otherwise
+        it forecasts the free flow from now on.
     """
 
     forecasts: ClassVar[bool] = True
@@ -40,22 +48,30 @@ class RecedingHorizon(SampledStrategy):
     horizon_lt: float
     margin: float = 0.0
     vote_share: float = 0.5
+    aware: bool = False
+
+    @property
+    def told(self) -> bool:
+        """Whether the forecaster is told of the actuation (see `ControlStrategy.told`)."""
+        return self.aware
 
     def horizon(self, timing: DecisionTiming) -> int:
         """Steps that a decision looks ahead."""
         return timing.steps(self.horizon_lt)
 
     def check(self, schedule: Schedule) -> None:
-        """Check that decisions have an interval, and forecasts a length."""
-        if self.horizon(self.timing(schedule)) < 1:
-            raise ValueError(f"a horizon of {self.horizon_lt} Lyapunov times lasts no step")
+        """Check that decisions have an interval, and that forecasts look beyond their effect."""
+        timing = self.timing(schedule)
+        check_horizon(self.horizon(timing), timing, self.horizon_lt, self.aware)
 
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
         """Alarms where forecasts hold an event."""
         horizon = self.horizon(self.timing(experiment.schedule))
         observable = experiment.system.observable
+        values = values_to_tell(experiment, forecasters) if self.aware else None
+        level = experiment.threshold - self.margin
         members = [
-            HorizonMonitor(forecaster, observable, horizon, experiment.threshold - self.margin)
+            HorizonMonitor(forecaster, observable, horizon, level, values)
             for forecaster in forecasters
         ]
         return members[0] if len(members) == 1 else VoteMonitor(members, self.vote_share)

@@ -5,10 +5,11 @@ to be registered.
 """
 
 from collections.abc import Mapping
+from typing import Any
 
 import burstcast.control.strategies
 from burstcast.control.strategies.base import ControlStrategy
-from burstcast.discovery import checked_numbers, concrete_classes, module_names, suggestion
+from burstcast.discovery import checked_values, concrete_classes, module_names, suggestion
 
 _OTHERS = ("base", "registry")
 
@@ -41,7 +42,7 @@ def strategy_class(name: str) -> type[ControlStrategy]:
     return classes[0]
 
 
-def make_strategy(name: str, settings: Mapping[str, float]) -> ControlStrategy:
+def make_strategy(name: str, settings: Mapping[str, Any]) -> ControlStrategy:
     """Make the strategy ``name`` with these settings.
 
     Parameters
@@ -54,11 +55,11 @@ def make_strategy(name: str, settings: Mapping[str, float]) -> ControlStrategy:
     Raises
     ------
     ValueError
-        If there is no such strategy; if a setting is unknown, missing or not a finite number; or
-        if the strategy itself rejects a value.
+        If there is no such strategy; if a setting is unknown, missing or not of its type; or if the
+        strategy itself rejects a value.
     TypeError
         If the module does not define just one strategy.
     """
     found = strategy_class(name)
-    values = checked_numbers(f"strategy of control {name!r}", "setting", found, settings)
+    values = checked_values(f"strategy of control {name!r}", "setting", found, settings)
     return found(**values)

@@ -12,11 +12,11 @@ from burstcast.arrays import FloatArray, IntArray
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.windowed.outcome import SuppressedEvent
-from burstcast.described import Described
 from burstcast.events import upward_crossings
+from burstcast.files.described import Described
+from burstcast.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 from burstcast.forecast.examples import forecast_observable
 from burstcast.forecasters.base import Forecaster
-from burstcast.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 BEFORE_LT = 1.0
 AFTER_LT = 0.5

@@ -14,7 +14,7 @@ from burstcast.control.counts import (
     controlled_events,
     count_flows,
     laminarisation,
-    ratio,
+    share,
 )
 from burstcast.control.windowed.simulation import Forecasts, WindowedSimulation
 
@@ -81,7 +81,7 @@ class Outcome(FlowCounts):
     @property
     def alarm_rate(self) -> float:
         """Share of the forecasts that raise an alarm."""
-        return ratio(self.alarms, self.forecasts)
+        return share(self.alarms, self.forecasts)
 
 
 def count_outcome(

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from burstcast.arrays import BoolArray, IntArray
+from burstcast.control.monitors.base import Decision
 from burstcast.control.simulation import (
     ControlSimulation,
     RunningFlows,
@@ -87,19 +88,20 @@ class WindowedStepper(Stepper[Timing, Forecasts]):
         """A window; after an alarm, up to the end of its window (see `Stepper.pauses`)."""
         return self.timing.window_steps, self.timing.window_end
 
-    def judge(self, flows: RunningFlows, due: IntArray, alarm: BoolArray) -> dict[str, BoolArray]:
+    def judge(self, flows: RunningFlows, due: IntArray, decision: Decision) -> dict[str, BoolArray]:
         """Simulate what would have become of flows with an alarm had nobody acted on it.
 
         An earlier actuation that is still on stays on (see `Stepper.judge`).
         """
+        alarm = decision.alarm
         crosses, under_way = np.zeros_like(alarm), np.zeros_like(alarm)
         if alarm.any():
             timing, alarmed = self.timing, due[alarm]
             stride, now = timing.sampling_stride, flows.clock[alarmed]
             ahead = now[:, np.newaxis] * stride + np.arange(timing.window_end * stride)
             samples = integrate_switched(
-                (self.system, self.actuated_system),
-                flows.acting[alarmed[:, np.newaxis], ahead].T.view(np.uint8),
+                self.systems,
+                flows.acting[alarmed[:, np.newaxis], ahead].T,
                 flows.states[alarmed, now].T,
                 timing.time_step,
                 stride,

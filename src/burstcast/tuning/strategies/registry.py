@@ -8,6 +8,9 @@ import burstcast.tuning.strategies
 from burstcast.discovery import concrete_classes, module_names, suggestion
 from burstcast.tuning.strategies.base import ValidationStrategy
 
+VALIDATED_TOGETHER = ("RV", "SSV")
+"""Strategies whose sums over the training data are computed in one scan of the grid."""
+
 
 def available_strategies() -> list[str]:
     """Names of all the strategies, sorted."""
@@ -34,7 +37,12 @@ def make_strategy(name: str) -> ValidationStrategy:
     return classes[name]()
 
 
-def module_of(name: str) -> str:
+def scanned_with(name: str) -> tuple[str, ...]:
+    """Strategies that are validated in one go on the grid: the strategy ``name`` among them."""
+    return VALIDATED_TOGETHER if name in VALIDATED_TOGETHER else (name,)
+
+
+def strategy_module(name: str) -> str:
     """Name of the module that defines the strategy ``name`` (errors as of `make_strategy`)."""
     return type(make_strategy(name)).__module__
 

@@ -1,0 +1,70 @@
+"""Ensembles as files: the series that all data of a case come from."""
+
+from typing import Any
+
+import numpy as np
+
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.files.netcdf import Variable
+from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE, TIME
+
+
+def ensemble_variables(
+    states: FloatArray,
+    observable: FloatArray,
+    observable_name: str,
+    index: IntArray,
+    lifetimes: IntArray,
+    sampling_interval: float,
+) -> tuple[dict[str, Variable], dict[str, Any]]:
+    """Variables of the file of an ensemble, and a summary.
+
+    Parameters
+    ----------
+    states, observable
+        Of the kept series, ``(series, time, component)`` and ``(series, time)``.
+    observable_name
+        What the observable is.
+    index
+        Number of each kept series among all of them.
+    lifetimes
+        Steps until each of all series laminarised; all steps of a kept one.
+    sampling_interval
+        Time between two steps, in time units.
+    """
+    variables = {
+        "series": Variable(("series",), index, NUMBER, "number of the series in the ensemble"),
+        "lifetime": Variable(
+            ("generated",),
+            lifetimes,
+            NUMBER,
+            "steps until each series that was generated laminarised; all of a kept one",
+        ),
+        "time": Variable(
+            ("time",),
+            sampling_interval * np.arange(states.shape[1]),
+            TIME,
+            "time after the transient",
+        ),
+        "state": Variable(
+            ("series", "time", "component"),
+            states,
+            COMPONENT,
+            "state of the system",
+            chunks=(1, *states.shape[1:]),
+        ),
+        "observable": Variable(
+            ("series", "time"),
+            observable,
+            OBSERVABLE,
+            observable_name,
+            chunks=(1, observable.shape[1]),
+        ),
+    }
+    summary = {
+        "series_generated": len(lifetimes),
+        "series_kept": len(index),
+        "laminarised_fraction": 1 - len(index) / len(lifetimes),
+        "mean_observable": float(observable.mean()),
+    }
+    return variables, summary

@@ -1,0 +1,260 @@
+"""From measured columns to an ensemble of series: what is taken from them, and what they must be.
+
+A run is what was measured without a break: a file, or a part of one. Each becomes one series, or
+several blocks. Whatever is wrong is told in one message that names the run, the column and the row.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from unicodedata import normalize
+
+import numpy as np
+
+from burstcast.arrays import FloatArray, IntArray, float_array, is_known
+from burstcast.discovery import suggestion
+from burstcast.laminarisation import first_laminar_step
+from burstcast.systems.expressions import Expression
+from burstcast.systems.measured import MeasuredSeries
+
+
+@dataclass(frozen=True)
+class Run:
+    """Columns that were measured side by side.
+
+    Attributes
+    ----------
+    name
+        Where it comes from, for messages: "run_3.csv".
+    columns
+        Numbers by the names of their columns, each ``(time,)``; NaN where there is none.
+    """
+
+    name: str
+    columns: Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Something that states are made of.
+
+    Parameters
+    ----------
+    declaration
+        The name of a column, an expression of columns, or ``name = column or expression``.
+    """
+
+    declaration: str
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        name, equals, _ = self.declaration.partition("=")
+        return name.strip() if equals else self.declaration.strip()
+
+    @property
+    def source(self) -> str:
+        """The column or expression that it is taken from."""
+        return self.declaration.partition("=")[2].strip() or self.name
+
+    def columns(self, known: Sequence[str]) -> tuple[str, ...]:
+        """Columns that it is made of.
+
+        Raises
+        ------
+        ValueError
+            If one of them is not among those that are known.
+        """
+        if self.source in known:
+            return (self.source,)
+        try:
+            names = Expression(self.source).names
+        except ValueError as error:
+            if self.source.isidentifier():
+                names = (self.source,)
+            else:
+                raise ValueError(f"there is no column {self.source!r}, and {error}") from None
+        for name in names:
+            if name not in known:
+                alike = [one for one in known if normalize("NFKC", one) == normalize("NFKC", name)]
+                hint = f"; {alike[0]!r} is written with other characters: copy it" if alike else ""
+                raise ValueError(
+                    f"there is no column {name!r}{hint or suggestion(name, known)}; "
+                    f"the columns are {', '.join(known)}"
+                )
+        return names
+
+    def values(self, columns: Mapping[str, FloatArray]) -> FloatArray:
+        """Its values, ``(time,)``."""
+        if self.source in columns:
+            return columns[self.source]
+        return Expression(self.source)(columns)
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """How runs are cut into series of equal length.
+
+    Attributes
+    ----------
+    samples
+        Of each block.
+    gap
+        Samples from the last one of a block to the first one of the next, 1 at least.
+    """
+
+    samples: int
+    gap: int
+
+
+def series_of_runs(
+    runs: Sequence[Run],
+    space: MeasuredSeries,
+    quantities: Sequence[Quantity],
+    blocks: Blocks | None,
+) -> FloatArray:
+    """Series of states, ``(series, time, component)``: of each run, one after the other.
+
+    Parameters
+    ----------
+    runs
+        All of them.
+    space
+        What a state is.
+    quantities
+        Components of a state, without the observable where that is a component of its own.
+    blocks
+        How runs are cut; None for one series from each, all of one length.
+
+    Raises
+    ------
+    ValueError
+        If a column is missing, has a gap, or is constant; if lengths are unequal, or a run is
+        shorter than a block.
+    """
+    taken = [*quantities, *([Quantity(space.observable_of)] if space.appended else [])]
+    found = []
+    for run in runs:
+        try:
+            needed = [quantity.columns(list(run.columns)) for quantity in taken]
+        except ValueError as error:
+            raise ValueError(f"{run.name}: {error}") from None
+        for column in dict.fromkeys(name for names in needed for name in names):
+            check_numbers(run.name, f"column {column!r}", run.columns[column])
+        states = np.stack([quantity.values(run.columns) for quantity in taken], axis=1)
+        for name, values in zip(space.component_names, states.T, strict=True):
+            check_numbers(run.name, f"the component {name!r}", values)
+        found.append(states)
+    series = _equal(runs, found) if blocks is None else _cut(runs, found, blocks)
+    for name, values in zip(space.component_names, series.T, strict=True):
+        if np.all(values == values.flat[0]):
+            others = " and all other series" if len(runs) > 1 else ""
+            raise ValueError(
+                f"{runs[0].name}{others}: the component {name!r} is {values.flat[0]:g} always: a "
+                f"constant teaches nothing, and inputs are divided by their range; leave it out"
+            )
+    return series
+
+
+def check_numbers(run: str, what: str, values: FloatArray) -> None:
+    """Check that all values are finite numbers.
+
+    Raises
+    ------
+    TypeError
+        If they are not real numbers.
+    ValueError
+        If one is masked or not finite; the message tells where the first of them is.
+    """
+    values = float_array(values, f"{run}: {what}")
+    bad = ~is_known(values)
+    if bad.any():
+        row, count = int(bad.argmax()), int(bad.sum())
+        many = f" ({count} such rows in all)" if count > 1 else ""
+        kind = "is infinite" if np.isinf(values[row]) else "has no number"
+        raise ValueError(
+            f"{run}: {what} {kind} in row {row + 1} of {len(values)}{many}: fill gaps, or cut the "
+            f"run there into two"
+        )
+
+
+def check_equidistant(run: str, column: str, time: FloatArray, time_step: float) -> None:
+    """Check that times follow one another at a distance.
+
+    Raises
+    ------
+    ValueError
+        If two of them do not, by more than a thousandth of the distance and what their own digits
+        leave open.
+    """
+    check_numbers(run, f"column {column!r}", time)
+    steps = np.diff(time)
+    # rounding of written times: half a unit of the last of seven digits at least
+    allowed = 1e-3 * time_step + 1e-7 * np.abs(time).max(initial=0.0)
+    bad = np.abs(steps - time_step) > min(allowed, 0.1 * time_step)
+    if bad.any():
+        row = int(bad.argmax())
+        raise ValueError(
+            f"{run}: column {column!r} goes on by {steps[row]:g} from row {row + 1} to row "
+            f"{row + 2}, not by the time step, {time_step:g}"
+        )
+
+
+def _equal(runs: Sequence[Run], found: Sequence[FloatArray]) -> FloatArray:
+    for run, states in zip(runs, found, strict=True):
+        if len(states) != len(found[0]):
+            raise ValueError(
+                f"series have unequal lengths: {runs[0].name} has {len(found[0])} rows, "
+                f"{run.name} {len(states)}; cut them into blocks of one length (data.blocks)"
+            )
+    return np.stack(found)
+
+
+def _cut(runs: Sequence[Run], found: Sequence[FloatArray], blocks: Blocks) -> FloatArray:
+    cut = []
+    for run, states in zip(runs, found, strict=True):
+        if len(states) < blocks.samples:
+            raise ValueError(
+                f"{run.name} has {len(states)} rows, but a block (data.blocks.duration) takes "
+                f"{blocks.samples}"
+            )
+        starts = range(0, len(states) - blocks.samples + 1, blocks.samples - 1 + blocks.gap)
+        cut += [states[start : start + blocks.samples] for start in starts]
+    return np.stack(cut)
+
+
+def blocks_of(duration: float, gap: float, time_step: float) -> Blocks:
+    """Blocks of a duration, with gaps between them, both in time units.
+
+    Both ends of a block are samples, as those of a simulated series are.
+    """
+    return Blocks(round(duration / time_step) + 1, max(1, math.ceil(gap / time_step - 1e-9)))
+
+
+def kept_series(observable: FloatArray, threshold: float | None) -> tuple[IntArray, IntArray]:
+    """Series that do not exceed the laminarisation threshold, and lifetimes of all of them.
+
+    Parameters
+    ----------
+    observable
+        ``(series, time)``.
+    threshold
+        A series whose observable exceeds it is discarded; None keeps all.
+
+    Returns
+    -------
+    Numbers of the kept series, and the steps until each series exceeds it, all steps of those that
+    do not: as `burstcast.data.dataset.KeptSeries` has them.
+
+    Raises
+    ------
+    ValueError
+        If none is kept.
+    """
+    first = first_laminar_step(observable, threshold)
+    index = np.flatnonzero(first < 0)
+    if index.size == 0:
+        raise ValueError(
+            f"all {len(observable)} series exceed laminarisation_threshold, {threshold}: raise it"
+        )
+    return index, np.where(first >= 0, first, observable.shape[1] - 1)

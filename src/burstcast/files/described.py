@@ -1,0 +1,35 @@
+"""What arrays in a dataclass are, as files of them tell their readers.
+
+A field says it in its type::
+
+    true: Annotated[FloatArray, Described("time", OBSERVABLE, "true observable")]
+"""
+
+from dataclasses import dataclass, fields
+from typing import Any, get_type_hints
+
+
+@dataclass(frozen=True)
+class Described:
+    """What an array is.
+
+    Attributes
+    ----------
+    axes
+        Names of its axes, as one text; arrays that share a name agree on its length. Empty for a
+        number.
+    unit
+        One of `burstcast.files.units`.
+    meaning
+        What it holds, in words.
+    """
+
+    axes: str
+    unit: str
+    meaning: str
+
+
+def descriptions(kind: type[Any]) -> dict[str, Described]:
+    """What the fields of a dataclass are, all of which must say it, by their names."""
+    hints = get_type_hints(kind, include_extras=True)
+    return {one.name: hints[one.name].__metadata__[0] for one in fields(kind)}

@@ -1,0 +1,68 @@
+"""What kinds share that know the parameters in force: their factors, from series or a record."""
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.data.parameter_factors import ParameterFactors
+from burstcast.forecasters._options import AWARE
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.systems.parameters import Parameters
+
+
+def parameters_of(case: ForecastingCase) -> Parameters:
+    """Parameters of a case.
+
+    Raises
+    ------
+    ValueError
+        If it has none.
+    """
+    if case.parameters is None:
+        raise ValueError("a forecaster that knows the parameters needs a case that has some")
+    return case.parameters
+
+
+def fitted_factors(schedules: FloatArray | None, case: ForecastingCase) -> ParameterFactors:
+    """Factors scaled by the schedules of training series.
+
+    Parameters
+    ----------
+    schedules
+        ``(series, time - 1, parameters)``.
+    case
+        With the options ``transform`` and ``parameter_degree``, or the default ones.
+
+    Raises
+    ------
+    ValueError
+        If there are no schedules, or no parameter varies in them.
+    """
+    parameters, options = parameters_of(case), {**AWARE, **case.options}
+    names = parameters.names
+    values = np.array([parameters.own]) if schedules is None else schedules
+    factors = ParameterFactors.of(names, values, options["transform"], options["parameter_degree"])
+    if factors.count == 0:
+        raise ValueError(
+            f"{', '.join(names)} does not vary in training, so that nothing can be learnt of it: "
+            f"train on series under several values, or take a kind that is not aware"
+        )
+    return factors
+
+
+def recorded_factors(factors: ParameterFactors) -> ForecasterRecord:
+    """Record of factors."""
+    return ForecasterRecord(
+        {"parameter_low": factors.low, "parameter_high": factors.high},
+        {"transform": factors.transform, "parameter_degree": factors.degree},
+    )
+
+
+def restored_factors(record: ForecasterRecord, case: ForecastingCase) -> ParameterFactors:
+    """Factors from a forecaster's record."""
+    return ParameterFactors(
+        parameters_of(case).names,
+        record.arrays["parameter_low"],
+        record.arrays["parameter_high"],
+        str(record.attributes["transform"]),
+        int(record.attributes["parameter_degree"]),
+    )

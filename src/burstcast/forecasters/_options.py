@@ -1,0 +1,54 @@
+"""Options of the kinds of forecasters: sections that kinds share, and what is in them by default.
+
+The workflow's config has the same sections, ``forecasters``, with the same values.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+DEFAULTS: Mapping[str, Mapping[str, Any]] = {
+    "esn": {"connectivity": 20, "input_bias": 0.1, "divergence_bound": 10, "backend": "compiled"},
+    "observation": {"noise": None},
+    "filter": {"members": 40, "inflation": 1},
+    "quadratic": {"degree": 2, "window_lt": 0.2, "significance": 4},
+    "analogues": {"neighbours": 10},
+}
+"""Options by section."""
+
+AWARE: Mapping[str, Any] = {"transform": "inverse", "parameter_degree": 1}
+"""Options of the section ``aware``, which configs do not have yet: how what is learnt depends on
+parameters (`burstcast.data.parameter_factors`)."""
+
+_SECTIONS: Mapping[str, tuple[str, ...]] = {
+    "equations_filtered": ("observation", "filter"),
+    "quadratic": ("observation", "quadratic"),
+    "quadratic_filtered": ("observation", "quadratic", "filter"),
+    "quadratic_aware": ("observation", "quadratic", "aware"),
+    "esn_aware": ("esn", "aware"),
+    "quadratic_aware_filtered": ("observation", "quadratic", "aware", "filter"),
+}
+"""Of the kinds whose options are not, or not only, the section of their own name."""
+
+
+def sections_of_kind(kind: str) -> tuple[str, ...]:
+    """Sections that the options of a kind of forecaster come from."""
+    return _SECTIONS.get(kind, (kind,))
+
+
+def options_of_kind(
+    kind: str, sections: Mapping[str, Mapping[str, Any]] = DEFAULTS
+) -> dict[str, Any]:
+    """Options that forecasters of a kind have, from all of its sections; empty if it has none.
+
+    Parameters
+    ----------
+    kind
+        A module of `burstcast.forecasters`.
+    sections
+        Options by section.
+    """
+    return {
+        name: value
+        for section in sections_of_kind(kind)
+        for name, value in sections.get(section, {}).items()
+    }

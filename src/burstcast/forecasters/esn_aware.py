@@ -1,0 +1,117 @@
+"""Echo state networks that know the parameters in force: a readout linear in their factors.
+
+The reservoir is not told anything, so that the washout needs no schedule, and one memory serves
+forecasts under any (`burstcast.esn.factored`).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Self
+
+from burstcast.arrays import FloatArray
+from burstcast.data.parameter_factors import ParameterFactors
+from burstcast.esn.network import EchoStateNetwork
+from burstcast.esn.reservoir import ReservoirSeed
+from burstcast.esn.tangent import ClosedLoopTangent
+from burstcast.esn.training import TrainingSeries
+from burstcast.forecasters._aware import (
+    fitted_factors,
+    parameters_of,
+    recorded_factors,
+    restored_factors,
+)
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.systems.parameters import Parameters
+
+
+@dataclass(frozen=True)
+class AwareNetworkForecaster(NetworkForecaster):
+    """An echo state network whose closed loop follows a schedule.
+
+    Attributes
+    ----------
+    factors
+        From values of the parameters to the factors that the readout is linear in.
+    parameters
+        The parameters, and their values in the case.
+    """
+
+    aware: ClassVar[bool] = True
+
+    factors: ParameterFactors
+    parameters: Parameters
+
+    def __repr__(self) -> str:
+        """The network, which realisation it is, and what it is told."""
+        return (
+            f"AwareNetworkForecaster(seed {self.seed.seed}: {self.network!r}, "
+            f"by {', '.join(self.factors.names)})"
+        )
+
+    def _training_series(
+        self, training: FloatArray, parameters: FloatArray | None
+    ) -> TrainingSeries:
+        if parameters is None:
+            raise ValueError("the training series of this network have schedules")
+        return TrainingSeries(training, self.network.input_range, self.factors(parameters))
+
+    def record(self) -> ForecasterRecord:
+        """What a plain network records, and how the parameters are scaled."""
+        network, scaling = super().record(), recorded_factors(self.factors)
+        return ForecasterRecord(
+            {**network.arrays, **scaling.arrays}, {**network.attributes, **scaling.attributes}
+        )
+
+    @classmethod
+    def _restored(
+        cls,
+        network: EchoStateNetwork,
+        seed: ReservoirSeed,
+        record: ForecasterRecord,
+        case: ForecastingCase,
+    ) -> Self:
+        bound, factors = case.options["divergence_bound"], restored_factors(record, case)
+        return cls(network, seed, bound, factors, parameters_of(case))
+
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Closed loop under a schedule (see `Forecaster.advance`)."""
+        batch = memory.shape[-1]
+        if parameters is None:
+            parameters = self.parameters.constant(steps, batch)
+        self.parameters.check(parameters, steps, batch)
+        return self.network.forecast(memory, steps, self.factors.of_schedule(parameters))
+
+    @cached_property
+    def _tangent(self) -> ClosedLoopTangent:
+        # perturbations grow under the case's own values
+        return ClosedLoopTangent(
+            self.network.under(self.factors(self.parameters.constant(1, 1)[0, :, 0]))
+        )
+
+
+def factored_training(
+    observed: FloatArray, input_range: FloatArray, schedules: FloatArray, case: ForecastingCase
+) -> tuple[TrainingSeries, ParameterFactors]:
+    """Training series of a network that knows the parameters, for its search and its training.
+
+    Parameters
+    ----------
+    observed
+        ``(series, time, dimension)``.
+    input_range
+        What the inputs are divided by, ``(dimension,)``.
+    schedules
+        Values in force from each sample to the next, ``(series, time - 1, parameters)``.
+    case
+        Parameters, and the options of the kind.
+
+    Raises
+    ------
+    ValueError
+        If no parameter varies.
+    """
+    factors = fitted_factors(schedules, case)
+    return TrainingSeries(observed, input_range, factors(schedules)), factors

@@ -1,0 +1,164 @@
+"""Learnt equations that know the parameters in force: coefficients linear in their factors.
+
+The factors are scaled parameters, their inverses, or powers of either
+(`burstcast.data.parameter_factors`). That the equations depend on a parameter in such a way is
+prior knowledge, as their degree is: the viscous terms of a flow are linear in 1/Re.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.data.observation_noise import observation_noise
+from burstcast.data.parameter_factors import ParameterFactors
+from burstcast.forecasters._aware import (
+    fitted_factors,
+    parameters_of,
+    recorded_factors,
+    restored_factors,
+)
+from burstcast.forecasters._integrated import IntegratedForecaster
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.forecasters.quadratic import window_steps
+from burstcast.polynomials.basis import monomials
+from burstcast.polynomials.regression import factored_coefficients
+from burstcast.polynomials.system import PolynomialSystem
+from burstcast.systems.parameters import Parameters, stretches
+
+
+@dataclass(frozen=True)
+class AwareQuadraticModel(IntegratedForecaster):
+    """Integrates learnt equations under a schedule from the last state of the washout.
+
+    The system has the factors as further components of its state, which do not change by
+    themselves: one program serves all values of the parameters.
+
+    Attributes
+    ----------
+    coefficients
+        ``(1 + factors, monomials, dimension)``, in inverse time units.
+    factors
+        From values of the parameters to the factors.
+    parameters
+        The parameters, and their values in the case.
+    """
+
+    may_diverge: ClassVar[bool] = True
+    aware: ClassVar[bool] = True
+
+    coefficients: FloatArray
+    factors: ParameterFactors
+    parameters: Parameters
+
+    def __repr__(self) -> str:
+        """How many terms there are, no coefficients."""
+        terms = [int((block != 0).sum()) for block in self.coefficients]
+        return (
+            f"AwareQuadraticModel({' + '.join(map(str, terms))} terms of "
+            f"{self.coefficients.shape[2]} components, by {', '.join(self.factors.names)})"
+        )
+
+    @classmethod
+    def fit(
+        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
+    ) -> Self:
+        """Learn the equations (see `Forecaster.fit`).
+
+        Raises
+        ------
+        ValueError
+            If the window is shorter than a step, no parameter varies, or the series do not
+            determine the equations.
+        """
+        factors = fitted_factors(parameters, case)
+        assert parameters is not None
+        options = case.options
+        coefficients = factored_coefficients(
+            training,
+            observation_noise(training, options["noise"]),
+            case.time_step * case.sampling_stride,
+            options["degree"],
+            window_steps(options["window_lt"], case.steps_per_lyapunov_time, training.shape[1]),
+            options["significance"],
+            factors(parameters),
+        )
+        return cls._of(coefficients, factors, case)
+
+    def record(self) -> ForecasterRecord:
+        """Coefficients of the equations, and how the parameters are scaled."""
+        scaling = recorded_factors(self.factors)
+        return ForecasterRecord(
+            {"coefficients": self.coefficients, **scaling.arrays}, scaling.attributes
+        )
+
+    @classmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Make the equations from their coefficients."""
+        return cls._of(record.arrays["coefficients"], restored_factors(record, case), case)
+
+    @classmethod
+    def _of(
+        cls, coefficients: FloatArray, factors: ParameterFactors, case: ForecastingCase
+    ) -> Self:
+        system = _with_factors(coefficients, case)
+        return cls(
+            system, case.time_step, case.sampling_stride, coefficients, factors, parameters_of(case)
+        )
+
+    def advance(
+        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Integrate the equations under a schedule (see `Forecaster.advance`)."""
+        dimension, batch = memory.shape
+        if parameters is None:
+            parameters = self.parameters.constant(steps, batch)
+        self.parameters.check(parameters, steps, batch)
+        outputs, state = np.empty((steps, dimension, batch)), memory
+        for part, factors in stretches(self.factors.of_schedule(parameters)):
+            samples, last = super().advance(
+                np.concatenate([state, factors]), part.stop - part.start
+            )
+            outputs[part], state = samples[:, :dimension], last[:dimension]
+        return outputs, np.ascontiguousarray(state)
+
+    def advance_tangent(
+        self, memory: FloatArray, tangent: FloatArray, steps: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Integrate the linearised equations under the case's own values, too."""
+        dimension, batch = memory.shape
+        factors = self.factors.of_schedule(self.parameters.constant(1, batch))[0]
+        still = np.zeros((len(factors), *tangent.shape[1:]))
+        state, grown = super().advance_tangent(
+            np.concatenate([memory, factors]), np.concatenate([tangent, still]), steps
+        )
+        return np.ascontiguousarray(state[:dimension]), np.ascontiguousarray(grown[:dimension])
+
+
+class _ExtendedSpace:
+    """States with factors appended, whose observable is that of the states."""
+
+    def __init__(self, case: ForecastingCase) -> None:
+        self._space = case.system
+        self.observable_name = case.system.observable_name
+        self.observable_symbol = case.system.observable_symbol
+        self.dimension = case.system.dimension
+
+    def observable(self, state: FloatArray) -> FloatArray:
+        return self._space.observable(state[: self.dimension])
+
+
+def _with_factors(coefficients: FloatArray, case: ForecastingCase) -> PolynomialSystem:
+    """Equations of states with factors appended: each learnt term times its factor."""
+    degree, (blocks, _, dimension) = case.options["degree"], coefficients.shape
+    row = {
+        factors: number
+        for number, factors in enumerate(monomials(dimension + blocks - 1, degree + 1))
+    }
+    extended = np.zeros((len(row), dimension + blocks - 1))
+    for block, of_block in enumerate(coefficients):
+        factor = (dimension + block - 1,) if block else ()
+        for monomial, values in zip(monomials(dimension, degree), of_block, strict=True):
+            extended[row[monomial + factor], :dimension] = values
+    return PolynomialSystem(extended, degree + 1, _ExtendedSpace(case))

@@ -1,0 +1,19 @@
+"""Learnt equations that know the parameters in force, started from a filter's estimate.
+
+The filter's model is told the parameters as well, from each observation to the next.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from burstcast.forecasters._filtered import FilteredForecaster
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
+
+
+@dataclass(frozen=True)
+class FilteredAwareQuadraticModel(FilteredForecaster):
+    """Integrates learnt equations under a schedule from the estimate of an ensemble filter."""
+
+    aware: ClassVar[bool] = True
+    model_class: ClassVar[type[Forecaster]] = AwareQuadraticModel

@@ -1,0 +1,215 @@
+"""Parameters of the equations that differ between series or change in time, and their schedules.
+
+A schedule holds the values in force from each state to the next, ``(steps, parameters, batch)``:
+entry j is in force from step j to step j + 1. A washout of n states therefore has a schedule of
+n - 1 entries, and a forecast of n steps one of n entries.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.discovery import suggestion
+from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.integration import integrate, integrate_switched
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Named parameters of a case that schedules are about.
+
+    Attributes
+    ----------
+    names
+        One name for each parameter, in the order of a schedule's second axis.
+    own
+        Values in force where there is no schedule.
+    """
+
+    names: tuple[str, ...]
+    own: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        """Check names and values.
+
+        Raises
+        ------
+        ValueError
+            If there is no name, or there are not as many values as names.
+        """
+        if not self.names or len(self.names) != len(self.own):
+            raise ValueError(
+                f"parameters need a value for each name, one at least: not the names "
+                f"{list(self.names)} and the values {list(self.own)}"
+            )
+
+    def system(self, values: Sequence[float]) -> DynamicalSystem:
+        """Equations under these values, one for each name.
+
+        Raises
+        ------
+        ValueError
+            If there are no equations: the series were measured.
+        """
+        raise ValueError(f"no equations are known for the parameters {', '.join(self.names)}")
+
+    def constant(self, steps: int, batch: int, values: Sequence[float] | None = None) -> FloatArray:
+        """Schedule of constant values, ``(steps, parameters, batch)``; by default the case's own.
+
+        Examples
+        --------
+        >>> Parameters(("reynolds",), (400.0,)).constant(2, 3).shape
+        (2, 1, 3)
+        """
+        column = np.array(self.own if values is None else values, dtype=np.float64)
+        return np.tile(column[:, np.newaxis], (steps, 1, batch))
+
+    def check(self, schedule: FloatArray, steps: int, batch: int) -> None:
+        """Check a schedule.
+
+        Raises
+        ------
+        ValueError
+            If it has another shape than ``(steps, parameters, batch)``, or a value is not finite.
+        """
+        expected = (steps, len(self.names), batch)
+        if schedule.shape != expected:
+            raise ValueError(
+                f"a schedule of {', '.join(self.names)} over {steps} steps must have the shape "
+                f"{expected}, not {schedule.shape}"
+            )
+        if not np.isfinite(schedule).all():
+            raise ValueError(f"a schedule of {', '.join(self.names)} must be finite")
+
+
+@dataclass(frozen=True)
+class SystemParameters(Parameters):
+    """Parameters that are fields of a system: a Reynolds number, for instance.
+
+    Attributes
+    ----------
+    free
+        The equations, whose own values are in force where there is no schedule.
+
+    Examples
+    --------
+    >>> from burstcast.systems.mfe import MoehlisFaisstEckhardt
+    >>> parameters = SystemParameters.of(MoehlisFaisstEckhardt(400.0), ["reynolds"])
+    >>> parameters.own, parameters.system([600.0]).reynolds
+    ((400.0,), 600.0)
+    """
+
+    free: DynamicalSystem = field(kw_only=True)
+
+    @classmethod
+    def of(cls, system: DynamicalSystem, names: Sequence[str]) -> "SystemParameters":
+        """Parameters of a system by the names of its fields.
+
+        Raises
+        ------
+        ValueError
+            If the system has no such parameter.
+        """
+        known: list[str] = []
+        if is_dataclass(system):
+            known = [one.name for one in fields(system) if one.init]
+        for name in names:
+            if name not in known:
+                raise ValueError(
+                    f"{type(system).__name__} has no parameter {name!r}{suggestion(name, known)}; "
+                    f"its parameters are {', '.join(known) or 'none'}"
+                )
+        own = tuple(float(getattr(system, name)) for name in names)
+        return cls(tuple(names), own, free=system)
+
+    def system(self, values: Sequence[float]) -> DynamicalSystem:
+        """Equations with these values in place of the system's own."""
+        free: Any = self.free  # a dataclass: `of` has looked
+        changed: DynamicalSystem = replace(
+            free, **{name: float(value) for name, value in zip(self.names, values, strict=True)}
+        )
+        return changed
+
+
+def stretches(schedule: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
+    """Stretches of a schedule over which no trajectory's values change.
+
+    Parameters
+    ----------
+    schedule
+        ``(steps, parameters, batch)``.
+
+    Yields
+    ------
+    Steps of each stretch in the order of time, and the values over it, ``(parameters, batch)``.
+    """
+    steps = len(schedule)
+    changed = (schedule[1:] != schedule[:-1]).any(axis=(1, 2))
+    for start, stop in pairwise([0, *(np.flatnonzero(changed) + 1).tolist(), steps]):
+        if stop > start:
+            yield slice(start, stop), schedule[start]
+
+
+def values_in(values: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Different values in a schedule.
+
+    Parameters
+    ----------
+    values
+        ``(steps, parameters, batch)``, or ``(parameters, batch)``.
+
+    Returns
+    -------
+    The different values ``(number, parameters)``, and which of them each step and trajectory has,
+    ``(steps, batch)`` or ``(batch,)``.
+    """
+    last = np.moveaxis(values, -2, -1)
+    different, which = np.unique(
+        last.reshape(math.prod(last.shape[:-1]), last.shape[-1]), axis=0, return_inverse=True
+    )
+    return different, np.asarray(which.reshape(last.shape[:-1]), dtype=np.int64)
+
+
+def integrate_scheduled(
+    parameters: Parameters,
+    schedule: FloatArray,
+    state: FloatArray,
+    time_step: float,
+    stride: int = 1,
+) -> FloatArray:
+    """Integrate a batch of trajectories under parameters that change in time.
+
+    Parameters
+    ----------
+    parameters
+        The equations by the values of their parameters.
+    schedule
+        Values in force during each step of the result, ``(steps, parameters, batch)``: ``stride``
+        integration steps each.
+    state, time_step, stride
+        See `burstcast.systems.integration.integrate`.
+
+    Returns
+    -------
+    ``(steps + 1, dimension, batch)``; the first entry is the initial state.
+
+    Raises
+    ------
+    ValueError, FloatingPointError
+        See `burstcast.systems.integration.integrate`; also if the schedule has another shape, or
+        no equations are known.
+    """
+    steps = len(schedule)
+    parameters.check(schedule, steps, state.shape[1])
+    different, which = values_in(schedule)
+    if len(different) < 2:
+        values = different[0].tolist() if len(different) else parameters.own
+        return integrate(parameters.system(values), state, time_step, steps * stride, stride)
+    systems = [parameters.system(values) for values in different.tolist()]
+    choice = np.repeat(which, stride, axis=0)
+    return integrate_switched(systems, choice, state, time_step, stride)

@@ -1,0 +1,140 @@
+"""Tables for papers in LaTeX: forecasters as rows, metrics or values of a key as columns.
+
+A layout says what is shown of a table, and how: its caption, metrics, columns, more_rows, where,
+conditions, heads and formats.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from burstcast.tables.latex import escape
+from burstcast.tables.typesetting import to_latex, wide_table
+
+Layout = Mapping[str, Any]
+
+WHO = "forecaster"
+PERCENTILES, INTERVAL = ("p50", "p25", "p75"), ("value", "low", "high")
+
+
+def typeset(name: str, rows: pd.DataFrame, layout: Layout, keys: Sequence[str]) -> str:
+    """Table environments with booktabs rules: one table, or one for each case.
+
+    Parameters
+    ----------
+    name
+        Name of the table for papers.
+    rows
+        Rows of all cases of the table that it is made of.
+    layout
+        What is shown of them, and how.
+    keys
+        Columns that say what a row is about.
+    """
+    return "\n".join(
+        to_latex(
+            cells,
+            f"{case}: {layout['caption']}" if case else layout["caption"],
+            f"tab:{name}:{case}" if case else f"tab:{name}",
+            heads={column: _head(column, layout) for column in cells.columns},
+            keys=count,
+        )
+        for case, cells, count in wide_tables(rows, layout, keys)
+    )
+
+
+def _head(column: str, layout: Layout) -> str:
+    head: str = layout["heads"].get(column, escape(column.replace("_", " ")))
+    return head
+
+
+def wide_tables(
+    rows: pd.DataFrame, layout: Layout, keys: Sequence[str]
+) -> Iterator[tuple[str, pd.DataFrame, int]]:
+    """Tables for papers, made of the rows of a table.
+
+    Parameters
+    ----------
+    rows
+        Of all cases.
+    layout
+        What is shown of them, and how.
+    keys
+        Columns that say what a row is about.
+
+    Yields
+    ------
+    Case (empty where cases are rows of one table), texts in LaTeX, and how many of the columns, the
+    first ones, tell rows apart.
+    """
+    chosen = rows if "metric" in rows.columns else _long_form(rows, layout["metrics"], keys)
+    chosen = chosen[chosen["metric"].isin(layout["metrics"])]
+    for column, value in layout["where"].items():
+        chosen = chosen[chosen[column] == value]
+    if "forecaster" not in chosen.columns:  # a row for each case
+        yield "", wide_table(chosen, ["case"], layout["columns"], specs=layout["formats"]), 1
+        return
+    if "seed" in chosen.columns and "seed" not in layout["more_rows"]:
+        chosen = chosen[chosen["seed"].isna()]  # single networks stand in the raw table
+    if layout["columns"] == "prediction_time_lt":
+        whole = chosen["prediction_time_lt"] % 1 == 0
+        chosen = chosen[whole] if whole.any() else chosen
+    interval = PERCENTILES if "p50" in chosen.columns else INTERVAL
+    for case, of_case in chosen.groupby("case", sort=False):
+        row_keys = [WHO, *layout["more_rows"]]  # seeds only where the case has networks
+        named = of_case.assign(**{WHO: [_who(row) for row in of_case.to_dict("records")]})
+        if "strategy" in row_keys:
+            named["strategy"] = _plans(named, layout["conditions"])
+        for key in row_keys:
+            named[key] = named[key].map(lambda value: "" if pd.isna(value) else _shown(value))
+        if "seed" in row_keys and (named["seed"] == "").all():
+            row_keys = [key for key in row_keys if key != "seed"]
+        cells = wide_table(
+            named, row_keys, layout["columns"], interval=interval, specs=layout["formats"]
+        )
+        cells[row_keys] = cells[row_keys].map(escape)
+        cells = cells.rename(columns={name: _shown(name) for name in cells.columns})
+        yield str(case), cells, len(row_keys)
+
+
+def _long_form(rows: pd.DataFrame, metrics: Sequence[str], keys: Sequence[str]) -> pd.DataFrame:
+    """A row for each metric, with the interval that columns of its name with an ending hold."""
+    keys = [key for key in keys if key in rows.columns]
+    return pd.concat(
+        [
+            rows[keys].assign(
+                metric=metric,
+                value=rows[metric],
+                low=rows.get(f"{metric}_low", float("nan")),
+                high=rows.get(f"{metric}_high", float("nan")),
+            )
+            for metric in metrics
+            if metric in rows.columns  # a table has no column of what nobody knows
+        ],
+        ignore_index=True,
+    )
+
+
+def _who(row: Mapping[Any, Any]) -> str:
+    parts = (row.get(name) for name in ("forecaster", "neurons", "validation"))
+    return " ".join(str(part) for part in parts if not pd.isna(part))
+
+
+def _shown(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, int | float) else str(value)
+
+
+def _plans(rows: pd.DataFrame, conditions: Sequence[str]) -> list[str]:
+    """Strategies of control with their settings, and with the conditions that differ."""
+    names = list(rows.columns)
+    settings = [
+        name
+        for name in names[names.index("strategy") + 1 : names.index("metric")]
+        if name not in conditions or rows[name].nunique(dropna=False) > 1
+    ]
+    return [
+        f"{row['strategy'].replace('_', ' ')} "
+        f"({', '.join(_shown(row[name]) for name in settings if not pd.isna(row[name]))})"
+        for row in rows.to_dict("records")
+    ]

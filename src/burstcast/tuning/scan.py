@@ -1,0 +1,88 @@
+"""The scan of the search space: validation of one reservoir at all points of a grid."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
+from burstcast.tuning.strategies.base import ValidationStrategy
+from burstcast.tuning.validation import PointValidator, Validation
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Validation of one point by one strategy with one Tikhonov parameter.
+
+    Attributes
+    ----------
+    number
+        Number of the point in the search, from zero.
+    source
+        ``grid`` or ``bayesian``.
+    point, validation
+        Where, and its outcome.
+    """
+
+    number: int
+    source: str
+    point: HyperparameterPoint
+    validation: Validation
+
+    @property
+    def objective(self) -> float:
+        """What the search minimises."""
+        return self.validation.objective
+
+    def record(self) -> dict[str, str | int | float]:
+        """All of it but the errors in each interval, as a row of a table."""
+        return {
+            "evaluation": self.number,
+            "source": self.source,
+            "validation": self.validation.strategy,
+            "spectral_radius": self.point.spectral_radius,
+            "input_scaling": self.point.input_scaling,
+            "tikhonov": self.validation.tikhonov,
+            "objective": self.objective,
+            "solver": self.validation.solver,
+            "reciprocal_condition": self.validation.reciprocal_condition,
+        }
+
+    @classmethod
+    def restore(cls, record: Mapping[Any, Any], log_errors: tuple[float, ...]) -> Self:
+        """Evaluation from its `record` and its errors in each interval."""
+        validation = Validation(
+            record["validation"],
+            record["tikhonov"],
+            log_errors,
+            record["solver"],
+            record["reciprocal_condition"],
+        )
+        point = HyperparameterPoint(record["spectral_radius"], record["input_scaling"])
+        return cls(record["evaluation"], record["source"], point, validation)
+
+
+def scan(
+    validator: PointValidator,
+    space: SearchSpace,
+    strategies: Sequence[ValidationStrategy],
+    grid: int,
+) -> list[Evaluation]:
+    """Evaluate all points of a grid.
+
+    Parameters
+    ----------
+    validator
+        Of the reservoir.
+    space
+        Bounds of the search.
+    strategies
+        Validated in one go. Others beside a strategy change where sums over the training series are
+        cut, and with it their rounding only (`scanned_with`).
+    grid
+        Points of the grid in each direction.
+    """
+    return [
+        Evaluation(number, "grid", point, validation)
+        for number, point in enumerate(space.grid(grid))
+        for validation in validator(point, strategies)
+    ]

@@ -1,0 +1,372 @@
+"""The report of a campaign: one page, in one file that needs nothing else.
+
+It opens with what the campaign is and what it has found; sections of figures and tables follow in
+the order of `workflow/tables.yaml`, and provenance last. Figures are in it as
+pictures and as PDF, tables as CSV, which the page itself draws: with switches, sorted by any
+column. The page's own text and looks are `page.*` beside this module.
+"""
+
+import base64
+import inspect
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from burstcast.forecasters.registry import forecaster_class
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.identifiers import KEYS
+from burstcast_workflow.campaign.summary import found_warnings, summary_table
+from burstcast_workflow.commands.archive import versions
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.figures.registry import FIGURES
+from burstcast_workflow.harness.settings import leaves
+from burstcast_workflow.project import project_root
+from burstcast_workflow.stages.canonical import natural_order
+from burstcast_workflow.tables.declarations import SECTIONS, TABLES
+from burstcast_workflow.tables.registry import column_of, table_of, with_percentiles
+
+SWITCHES = ("case", "validation")
+"""Key columns of tables that buttons choose from, as far as there are few values."""
+
+_FIRST = {
+    "forecast_skill": "who forecasts extreme events how well, and how far ahead",
+    "classification_scores": "precision and recall of the networks, by prediction time and size",
+    "horizon_by_size": "how early an event is predicted, by the size of the networks",
+    "by_reynolds": "how both change with the Reynolds number",
+    "long_term_density": "whether a network left to itself has the statistics of the flow",
+    "control_tradeoff": "how much of the extreme events control removes, and at what cost",
+}
+_SPELT = {
+    "kaplan yorke": "Kaplan-Yorke",
+    "long term": "long-term",
+    "lyapunov": "Lyapunov",
+    "reynolds": "Reynolds number",
+}
+# What differs from config.yaml in every campaign, and is told elsewhere on the page.
+_TOLD_ELSEWHERE = ("campaign", "results", "figures", "captions")
+
+
+@dataclass(frozen=True)
+class Flagged:
+    """A file that a rule flags for the report.
+
+    Attributes
+    ----------
+    path
+        Where it is.
+    labels
+        ``figure`` and ``case``, or ``table``.
+    caption
+        What it shows, in HTML.
+    """
+
+    path: Path
+    labels: Mapping[str, str]
+    caption: str
+
+
+@dataclass(frozen=True)
+class View:
+    """A figure of one case: name and content of its picture, and of its PDF if there is one."""
+
+    case: str
+    name: str
+    picture: str
+    width: int
+    pdf: str | None
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What stands under one title: a figure, with its views by case, or a table.
+
+    Attributes
+    ----------
+    name
+        Of the figure or table.
+    caption
+        What it shows, in HTML.
+    views
+        Of a figure.
+    data
+        Of a table: its CSV and its columns, as the page's script reads them (JSON).
+    """
+
+    name: str
+    caption: Markup
+    views: list[View] = field(default_factory=list)
+    data: Markup | None = None
+
+
+@dataclass(frozen=True)
+class ShownSection:
+    """A section of the page: its number and title, figures and tables."""
+
+    title: str
+    figures: list[Shown]
+    tables: list[Shown]
+
+
+def page(
+    flagged: Iterable[Flagged],
+    campaign: Campaign,
+    results: Path,
+    introduction: str,
+    costs: pd.DataFrame,
+    days: tuple[float, float] | None = None,
+) -> str:
+    """Text of the page.
+
+    Parameters
+    ----------
+    flagged
+        Files of the report.
+    campaign
+        Whose results they are.
+    results
+        The results directory.
+    introduction
+        What the page begins with, in HTML.
+    costs
+        What jobs took: `burstcast_workflow.costs.records.rule_costs`.
+    days
+        When the first job began and the last one ended, in seconds since the epoch, if known.
+
+    Raises
+    ------
+    OSError
+        If a file is missing.
+    """
+    sections = list(_sections(flagged))
+    there = {figure.name for section in sections for figure in section.figures}
+    tables = results / "tables"
+    config = campaign.config.dump()
+    directory = Path(__file__).parent
+    environment = Environment(
+        loader=FileSystemLoader(directory),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["title_of"] = title_of
+    return environment.get_template("page.html").render(
+        name=results.name,
+        introduction=Markup(introduction),
+        computed=computed(campaign, tables),
+        kinds=_kinds(campaign),
+        numbers=_rows(summary_table(tables)),
+        first={name: says for name, says in _FIRST.items() if name in there},
+        warnings=found_warnings(tables),
+        other_settings=other_settings(config),
+        sections=sections,
+        versions=versions(results),
+        seed=config["random_seed"],
+        config=yaml.safe_dump(config, sort_keys=False, allow_unicode=True),
+        times=times_of_rules(costs),
+        days=[f"{datetime.fromtimestamp(day, UTC):%Y-%m-%d %H:%M} UTC" for day in days or ()],
+        style=Markup((directory / "page.css").read_text(encoding="utf-8")),
+        script=Markup((directory / "page.js").read_text(encoding="utf-8")),
+    )
+
+
+def title_of(name: str) -> str:
+    """Name of a figure or table for people: "Long-term density"."""
+    words = name.replace("_", " ")
+    for plain, spelt in _SPELT.items():
+        words = words.replace(plain, spelt)
+    return words[:1].upper() + words[1:]
+
+
+# -- what the campaign is --------------------------------------------------------------------------
+
+
+def computed(campaign: Campaign, tables: Path) -> list[dict[str, str]]:
+    """What a campaign computed, a row for each case: its data, networks, other forecasters.
+
+    Parameters
+    ----------
+    campaign
+        Which.
+    tables
+        Directory of its tables, where the data are counted.
+    """
+    data = {row["case"]: row for row in pd.read_csv(tables / "dataset.csv").to_dict("records")}
+    rows = []
+    for case in campaign.case_names:
+        networks = [one.name for one in campaign.networks if one.case == case]
+        others = dict.fromkeys(
+            one.name.kind for one in campaign.select(case=case) if one.name.kind != "esn"
+        )
+        sizes = sorted({one.neurons or 0 for one in networks})
+        validations = sorted({str(one.validation) for one in networks})
+        rows.append(
+            {
+                "case": case,
+                "series": f"{data[case]['series_kept']:g}",
+                "extreme events per series": f"{data[case]['events_per_series']:.3g}",
+                "networks": f"{len(networks)}",
+                "of neurons": ", ".join(map(str, sizes)),
+                "validated by": ", ".join(validations),
+                "seeds": f"{len({one.seed for one in networks})}",
+                "beside them": ", ".join(others),
+            }
+        )
+    return rows
+
+
+def _kinds(campaign: Campaign) -> dict[str, str]:
+    """What forecasters of each kind are: the first sentence of its module."""
+    kinds = dict.fromkeys(one.name.kind for one in campaign.forecasters)
+    modules = {kind: inspect.getmodule(forecaster_class(kind)) for kind in kinds}
+    found = {
+        kind: (inspect.getdoc(module) or "").split("\n")[0] for kind, module in modules.items()
+    }
+    if any(run.controller.role == "random" for run in campaign.control_runs):
+        found["random"] = "Control by alarms at random, as often as those of the network."
+    return found
+
+
+def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """Settings that are not those of config.yaml, the paper's: name, value here, value there.
+
+    Who forecasts what, and how figures are drawn, is left out.
+
+    Parameters
+    ----------
+    config
+        The whole configuration, loaded.
+    """
+    path = project_root() / "config.yaml"
+    paper = load(yaml.safe_load(path.read_text(encoding="utf-8")))
+    here, there = (dict(leaves(one)) for one in (config, paper))
+
+    def told(settings: Mapping[str, Any], name: str) -> str:
+        return json.dumps(settings[name]) if name in settings else ""
+
+    return [
+        (name, told(here, name), told(there, name))
+        for name in dict.fromkeys([*here, *there])
+        if name.partition(".")[0] not in _TOLD_ELSEWHERE
+        and (name not in here or name not in there or here[name] != there[name])
+    ]
+
+
+def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:
+    """Rows as a person reads them."""
+    if table is None:
+        return []
+    return [
+        {
+            str(name): value
+            if isinstance(value, str)
+            else ("" if pd.isna(value) else f"{value:#.3g}")
+            for name, value in row.items()
+        }
+        for row in table.to_dict("records")
+    ]
+
+
+def times_of_rules(costs: pd.DataFrame) -> list[dict[str, str]]:
+    """What jobs took, the rule that took longest first.
+
+    Parameters
+    ----------
+    costs
+        Of `burstcast_workflow.costs.records.rule_costs`.
+
+    Returns
+    -------
+    Rows: rule, number of jobs that have run, time of all of them, of the longest, and the largest
+    memory.
+    """
+    ran = costs[costs["records"] > 0].sort_values("minutes", ascending=False)
+    return [
+        {
+            "rule": cost["rule"],
+            "jobs": f"{cost['records']}",
+            "time": _duration(60 * cost["minutes"]),
+            "longest": _duration(cost["longest_seconds"]),
+            "most memory": f"{cost['memory_mib']:.0f} MiB",
+        }
+        for cost in ran.to_dict("records")
+    ]
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    return f"{seconds / 60:.1f} min" if seconds < 3600 else f"{seconds / 3600:.1f} h"
+
+
+# -- figures and tables ----------------------------------------------------------------------------
+
+
+def _sections(flagged: Iterable[Flagged]) -> Iterator[ShownSection]:
+    """Sections in their order, figures and tables in theirs; nothing for what is not there."""
+    found: dict[tuple[str, str], list[Flagged]] = {}
+    for one in flagged:
+        kind = "figure" if "figure" in one.labels else "table"
+        found.setdefault((kind, one.labels[kind]), []).append(one)
+    for section, title in SECTIONS.items():
+        figures = [
+            _shown_figure(name, found["figure", name])
+            for name, figure in FIGURES.items()
+            if figure.section == section and ("figure", name) in found
+        ]
+        tables = [
+            _shown_table(name, *found["table", name])
+            for name in with_percentiles(TABLES)
+            if table_of(name).section == section and ("table", name) in found
+        ]
+        if figures or tables:
+            yield ShownSection(title, figures, tables)
+
+
+def _shown_figure(name: str, files: Sequence[Flagged]) -> Shown:
+    # the example's case has the plain name: it is shown first
+    views = sorted(
+        files, key=lambda one: (one.path.stem != name, natural_order(one.labels["case"]))
+    )
+    return Shown(name, Markup(views[0].caption), [_view(one) for one in views])
+
+
+def _view(one: Flagged) -> View:
+    picture, pdf = one.path.read_bytes(), one.path.with_suffix(".pdf")
+    return View(
+        one.labels["case"],
+        one.path.stem,
+        _data_uri(picture, "image/png"),
+        int.from_bytes(picture[16:20]) // 2,  # its header tells the width; 300 dots an inch
+        _data_uri(pdf.read_bytes(), "application/pdf") if pdf.exists() else None,
+    )
+
+
+def _data_uri(content: bytes, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def _shown_table(name: str, one: Flagged) -> Shown:
+    text = one.path.read_text(encoding="utf-8")
+    header = pd.read_csv(one.path, nrows=0).columns
+    columns = [
+        {
+            "name": column,
+            "unit": column_of(column, name).unit,
+            "meaning": column_of(column, name).meaning,
+            "key": column in KEYS or column in ("metric", "prediction_time_lt"),
+            "switch": column in SWITCHES,
+        }
+        for column in header
+    ]
+    data = json.dumps({"name": name, "csv": text, "columns": columns})
+    # so that nothing in it ends the element that it stands in
+    return Shown(name, Markup(one.caption), data=Markup(data.replace("<", "\\u003c")))

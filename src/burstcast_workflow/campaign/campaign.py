@@ -1,0 +1,533 @@
+"""The campaign: cases, forecasters, who controls what, and the settings that stages read."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from itertools import product
+from typing import Any
+
+from burstcast import durations
+from burstcast.control.strategies.registry import strategy_class
+from burstcast.forecasters._options import options_of_kind
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.registry import forecaster_class, linearises
+from burstcast.statistics.profiles import flow_modes
+from burstcast.systems.registry import make_system
+from burstcast.tuning.strategies.registry import scanned_with, strategy_module
+from burstcast_workflow.campaign.control_plans import ControlPlan, block_plans, paper_plan
+from burstcast_workflow.campaign.identifiers import ForecasterName, parsed, realisation_of
+from burstcast_workflow.config.cases import block_cases, cases_of
+from burstcast_workflow.config.kinds import Quantile, Section
+from burstcast_workflow.config.measured_cases import space_of
+from burstcast_workflow.config.model import (
+    Choice,
+    Configuration,
+    Data,
+    NetworkAxes,
+    Simulated,
+    StrategyBlock,
+)
+from burstcast_workflow.stages.canonical import canonical, natural_order
+
+GROUPS = {
+    "KEYS": "case.parameters",
+    "SYSTEM": "case.system case.parameters",
+    # from which a Lyapunov time follows, if the config knows it
+    "TIME": "case.ensemble.time_step case.ensemble.sampling_stride "
+    "case.lyapunov.time_unit case.lyapunov.published_exponent",
+    # what everybody observes: the true states with noise
+    "OBSERVED": "random_seed case.training.noise case.training.series",
+    # how forecasts are cut into windows
+    "WINDOWS": "classification.resolution_lt classification.window_lt "
+    "classification.longest_prediction_time_lt",
+    "HORIZON": "horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance",
+    # what scores of probabilities are made with
+    "SCORED": "random_seed bootstrap classification.prediction_times_lt "
+    "classification.window_lt classification.resolution_lt",
+    "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
+    "forecasters.esn.backend",
+    "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
+    "search.interval_lt search.tikhonov search.spectral_radius search.input_scaling",
+    "FORECASTER": "SYSTEM TIME forecaster.options",
+    # long runs: where they start and how long they are
+    "LONG_RUNS": "FORECASTER OBSERVED washout_lt statistics.starting_points "
+    "statistics.start_spacing_lt statistics.duration",
+    "LONG_TERM": "LONG_RUNS forecaster.divergence_bound case.density "
+    "case.laminarisation_threshold case.fixed_point statistics.fixed_point_interval_lt",
+    "CONTROL": "SYSTEM TIME random_seed case.training.series case.event_threshold "
+    "case.laminarisation_threshold case.actuation washout_lt control.flows control.run",
+}
+"""Settings that several stages read, by one name for all of them."""
+
+NOISE = "case.training.noise"
+
+
+@dataclass(frozen=True)
+class CaseForecaster:
+    """A forecaster of a case."""
+
+    case: str
+    name: ForecasterName
+
+    @property
+    def directory(self) -> str:
+        """Its directory below the results directory."""
+        return f"{self.case}/{self.name.identifier}"
+
+    @property
+    def kind(self) -> type[Forecaster]:
+        """Class of its kind."""
+        return forecaster_class(self.name.kind)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """Wildcards of its jobs, which its files say."""
+        return {"case": self.case, "forecaster": self.name.identifier}
+
+
+@dataclass(frozen=True)
+class ControlRun:
+    """One run of control: a case, its controller, and the plan of control."""
+
+    case: str
+    controller: ForecasterName
+    plan: ControlPlan
+
+    @property
+    def directory(self) -> str:
+        """Directory of its files below the results directory."""
+        return f"{self.case}/control/{self.controller.identifier}/{self.plan.identifier}"
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """Wildcards of its job, which its files say."""
+        names = {"controller": self.controller.identifier, "strategy": self.plan.identifier}
+        return {"case": self.case, **names}
+
+    @property
+    def prediction_time_lt(self) -> float | None:
+        """Of the paper's strategy; None of others."""
+        return dict(self.plan.settings).get("prediction_time_lt")
+
+
+class Campaign:
+    """A configuration, expanded.
+
+    Everything is in one order, whatever the order in the config: cases as people sort their names,
+    then forecasters by kind, size, strategy and seed.
+
+    Parameters
+    ----------
+    config
+        The whole configuration (`burstcast_workflow.config.loading.load`).
+
+    Attributes
+    ----------
+    config
+        It, parsed.
+    cases
+        By name, in the order of their first use.
+    """
+
+    def __init__(self, config: Mapping[str, Any]) -> None:
+        self.config = Configuration.model_validate(config)
+        self.cases = cases_of(self.config)
+
+    # -- who is in it ------------------------------------------------------------------------------
+
+    @cached_property
+    def forecasters(self) -> tuple[CaseForecaster, ...]:
+        """All forecasters of all cases, each once."""
+        return tuple(sorted(set(self._expand()), key=_order))
+
+    def _expand(self) -> Iterator[CaseForecaster]:
+        for block in self.config.campaign:
+            for case in block_cases(block):
+                for kind, axes in block.forecasters.kinds.items():
+                    for name in _names(kind, axes):
+                        yield CaseForecaster(case, name)
+
+    @cached_property
+    def networks(self) -> tuple[CaseForecaster, ...]:
+        """Those forecasters that are echo state networks."""
+        return tuple(one for one in self.forecasters if one.name.kind == "esn")
+
+    def select(self, **values: object) -> tuple[CaseForecaster, ...]:
+        """Forecasters whose case, kind, neurons, validation or seed have the given values."""
+        return tuple(
+            one
+            for one in self.forecasters
+            if all(
+                (one.case if name == "case" else getattr(one.name, name)) == value
+                for name, value in values.items()
+            )
+        )
+
+    @cached_property
+    def case_names(self) -> tuple[str, ...]:
+        """Cases that some forecaster of the campaign is made for."""
+        return tuple(dict.fromkeys(one.case for one in self.forecasters))
+
+    @property
+    def example(self) -> CaseForecaster:
+        """The network whose forecasts the figures show."""
+        figures = self.config.figures
+        return CaseForecaster(figures.example_case, parsed(figures.example_forecaster))
+
+    @property
+    def hyperparameters_file(self) -> str:
+        """File in a network's directory with the hyperparameters that it is trained with."""
+        by_survival = self.config.search.choice == "survival"
+        return "survival_choice.json" if by_survival else "hyperparameters.json"
+
+    @cached_property
+    def long_term_forecasters(self) -> tuple[CaseForecaster, ...]:
+        """Forecasters whose long-term statistics are computed."""
+        return self._chosen(self.config.statistics.forecasters)
+
+    @cached_property
+    def spectrum_forecasters(self) -> tuple[CaseForecaster, ...]:
+        """Forecasters whose own flow's Lyapunov exponents are computed: of kinds that can."""
+        if self.config.statistics.lyapunov_exponents == 0:
+            return ()
+        return tuple(one for one in self.long_term_forecasters if linearises(one.name.kind))
+
+    def _chosen(self, choice: Choice) -> tuple[CaseForecaster, ...]:
+        """Forecasters of the kinds that a choice names, with values of axes that it allows."""
+        kinds = choice.kinds
+        return tuple(
+            one
+            for one in self.forecasters
+            if one.name.kind in kinds
+            and all(
+                not allowed or getattr(one.name, axis) in allowed
+                for axis, allowed in kinds[one.name.kind]
+            )
+        )
+
+    @cached_property
+    def control_runs(self) -> tuple[ControlRun, ...]:
+        """The paper's control: who controls which case how far ahead; random alarms beside it."""
+        control = self.config.control
+        runs = [
+            ControlRun(one.case, one.name, paper_plan(time, control.window_lt))
+            for one in self._chosen(control.forecasters)
+            if self.cases[one.case].actuation is not None
+            for time in self._control_times(one)
+        ]
+        if control.random_alarms:
+            runs += [
+                replace(run, controller=replace(run.controller, role="random"))
+                for run in runs
+                if run.controller.kind == "esn"
+            ]
+        return tuple(runs)
+
+    @cached_property
+    def strategy_runs(self) -> tuple[ControlRun, ...]:
+        """All control: the paper's, and that of the blocks of strategies, each run once."""
+        runs = [run for block in self.config.control.strategies for run in self._runs_of(block)]
+        return tuple(dict.fromkeys([*self.control_runs, *runs]))
+
+    def _runs_of(self, block: StrategyBlock) -> Iterator[ControlRun]:
+        controlled = [case for case in self.case_names if self.cases[case].actuation is not None]
+        wanted = block.cases or controlled
+        chosen = self._chosen(block.forecasters) if block.forecasters else ()
+        controllers = [
+            (one.case, one.name)
+            for one in chosen
+            if block.seeds is None or (one.name.seed or 0) < block.seeds
+        ]
+        if block.committee:
+            common = [(one.case, replace(one.name, seed=None, role="committee")) for one in chosen]
+            controllers = list(dict.fromkeys(common))
+        if not strategy_class(block.strategy).forecasts:
+            controllers = [(case, ForecasterName("none")) for case in controlled]
+        for case, controller in controllers:
+            if case in wanted and case in controlled:
+                for plan in block_plans(block):
+                    yield ControlRun(case, controller, plan)
+
+    def controlling(self, case: str, identifier: str) -> tuple[CaseForecaster, ...]:
+        """Forecasters that a controller asks.
+
+        Those of ``esn-N2000-RV-committee`` are all networks of that size and strategy. Where a
+        committee is a single forecaster, the members of its ensemble vote.
+        """
+        name = parsed(identifier)
+        if not name.asks_forecasters:
+            return ()
+        if name.role is None:
+            return (CaseForecaster(case, name),)
+        return self.select(
+            case=case, kind=name.kind, neurons=name.neurons, validation=name.validation
+        )
+
+    @cached_property
+    def _plans(self) -> dict[str, ControlPlan]:
+        return {run.plan.identifier: run.plan for run in self.strategy_runs}
+
+    def plan(self, identifier: str) -> ControlPlan:
+        """The plan of control that is called so (a KeyError if there is none)."""
+        return self._plans[identifier]
+
+    def _control_times(self, one: CaseForecaster) -> list[float]:
+        times, sweep = set(self.config.control.prediction_times_lt), self.config.control.sweep
+        if one.case in sweep.cases and (one.name.seed or 0) < sweep.seeds:
+            times.update(sweep.prediction_times_lt)
+        return sorted(times)
+
+    # -- what stages are given ---------------------------------------------------------------------
+
+    def settings(
+        self, paths: Iterable[str], wildcards: Mapping[str, str], values: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        """Settings of a job by their paths in the config, in canonical form.
+
+        Parameters
+        ----------
+        paths
+            And names of `GROUPS`. ``case.`` stands for the job's case, ``forecaster.options`` for
+            its kind's settings without ``forecaster.divergence_bound``, which only those read who
+            judge long forecasts (None where the kind has none; left out for controllers that ask
+            no forecaster), ``control.run`` for its plan of control. Kinds that see the truth are
+            given no noise.
+        wildcards
+            Of the job.
+        values
+            Further settings by their names.
+
+        Raises
+        ------
+        KeyError
+            If the config has no such setting.
+        """
+        name = _name_of(wildcards)
+        left_out = {NOISE} if _sees_truth(name) else set()
+        if "controller" in wildcards and not name.asks_forecasters:
+            left_out.add("forecaster.options")
+        found = {
+            path: self._setting(path, wildcards, name)
+            for path in _listed(*paths)
+            if path not in left_out
+        }
+        result: dict[str, Any] = canonical({**found, **values})
+        return result
+
+    def _setting(self, path: str, wildcards: Mapping[str, str], name: ForecasterName) -> Any:
+        section, *rest = path.split(".")
+        if section == "forecaster":
+            value: Any = self._options(name.kind)
+        elif section == "case":
+            value = self._plain_cases[wildcards["case"]]
+        elif path == "statistics.duration" and self.config.statistics.duration is None:
+            value = self._plain_cases[wildcards["case"]]["ensemble"]
+        elif path == "control.run":
+            value = {"run": self._control_record(wildcards, name)}
+        else:
+            value = self._plain[section]
+        for key in rest:
+            value = value[key]
+        return value
+
+    @cached_property
+    def _plain(self) -> dict[str, Any]:
+        return self.config.dump()
+
+    @cached_property
+    def _plain_cases(self) -> dict[str, dict[str, Any]]:
+        """Settings of each case as its jobs are given them."""
+        found = {}
+        for name, case in self.cases.items():
+            found[name] = plain = case.dump()
+            if self.noise_of_data(name) is not None:
+                plain["training"]["noise"] = 0  # what is imported has it already
+            if isinstance(case.event_threshold, Quantile):
+                # a job finds it out (`burstcast_workflow.harness.settings`)
+                plain["event_threshold"]["case"] = name
+        return found
+
+    def options(self, kind: str) -> dict[str, Any]:
+        """Settings of a kind of forecasters, from all of its sections."""
+        return options_of_kind(kind, self._plain["forecasters"])
+
+    def _options(self, kind: str) -> dict[str, Any]:
+        options = self.options(kind)
+        bound = options.pop("divergence_bound", None)
+        return {"options": options, "divergence_bound": bound}
+
+    def _control_record(self, wildcards: Mapping[str, str], name: ForecasterName) -> dict[str, Any]:
+        run = self.plan(wildcards["strategy"]).record(self.config.control.span_lt)
+        if run["noise"] is None:  # the case's: unused, and left out, where the truth is seen
+            del run["noise"]
+            if not _sees_truth(name):
+                run["noise"] = self.cases[wildcards["case"]].training.noise
+        return run
+
+    def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
+        """Modules that a job reaches by a name, by the package whose registry finds them.
+
+        They are those of all cases and forecasters where the job belongs to none of them. Only
+        jobs of control have a strategy of control.
+        """
+        names = dict(wildcards.items())
+        cases = [names["case"]] if "case" in names else list(self.case_names)
+        if "forecaster" in names or "controller" in names:
+            forecasters = [name for name in [_name_of(names)] if name.asks_forecasters]
+        else:
+            forecasters = [one.name for one in self.forecasters]
+        strategy = [self.plan(names["strategy"]).strategy] if "strategy" in names else []
+        controllers = [parsed(names["controller"]).role or "forecaster"] if strategy else []
+        strategies = names.get("strategies")
+        validations = (
+            strategies.split("+") if strategies else {one.validation for one in forecasters}
+        )
+        return {
+            "burstcast.systems": sorted({self.cases[case].system for case in cases}),
+            "burstcast.forecasters": sorted({one.kind for one in forecasters}),
+            "burstcast.control.controllers": controllers,
+            "burstcast.control.strategies": strategy,
+            "burstcast.tuning.strategies": sorted(
+                strategy_module(name).rpartition(".")[2] for name in validations if name
+            ),
+        }
+
+    def settings_of_cases(
+        self, *paths: str, cases: Iterable[str] | None = None
+    ) -> dict[str, dict[str, Any]]:
+        """Settings of all cases, or of some, by the name of the case."""
+        cases = self.case_names if cases is None else cases
+        return {case: self.settings(paths, {"case": case}, {}) for case in cases}
+
+    # -- facts about cases -------------------------------------------------------------------------
+
+    def reynolds(self, case: str) -> float | None:
+        """Reynolds number of a case; None for a system that has none."""
+        value = self.cases[case].parameters.get("reynolds")
+        return None if value is None else float(value)
+
+    def event_quantile(self, case: str) -> float | None:
+        """Quantile that the event threshold of a case is given as; None where it is a number."""
+        threshold = self.cases[case].event_threshold
+        return threshold.quantile if isinstance(threshold, Quantile) else None
+
+    def noise_of_data(self, case: str) -> dict[str, Any] | None:
+        """Observation noise that a case's series get when they are imported; None if later or none.
+
+        Past values among the components have the noise of their own time, which must be there
+        before they are taken.
+        """
+        data, level = self.cases[case].data, self.cases[case].training.noise
+        if data is None or not data.delays or not level:
+            return None
+        return {"level": level, "random_seed": self.config.random_seed}
+
+    def steps_per_lyapunov_time(self, case: str) -> int | None:
+        """Steps of a forecast in a Lyapunov time; None where the config does not know it."""
+        exponent = self.cases[case].lyapunov.known_exponent
+        if exponent is None:
+            return None
+        return durations.steps_per_lyapunov_time(exponent, self.sampling_interval(case))
+
+    def estimates_time_unit(self, case: str) -> bool:
+        """Whether a Lyapunov time is known only from how neighbouring states of the series part."""
+        unknown = self.steps_per_lyapunov_time(case) is None
+        return unknown and not self.has_equations(self.source_case(case))
+
+    def time_unit(self, case: str) -> str | list[str]:
+        """File of the computed Lyapunov exponents, where they set a case's unit of time."""
+        known = self.steps_per_lyapunov_time(case) is not None
+        return [] if known else f"{self.source_case(case)}/lyapunov.json"
+
+    def sampling_interval(self, case: str) -> float:
+        """Time between two steps of a forecast, in time units."""
+        return self.cases[case].ensemble.sampling_interval
+
+    def dimension(self, case: str) -> int:
+        """Components of a state."""
+        space = space_of(self.cases[case])
+        assert space is not None
+        return space.dimension
+
+    def has_equations(self, case: str) -> bool:
+        """Whether a case is simulated, so that there is what needs equations."""
+        return isinstance(self.cases[case], Simulated)
+
+    @property
+    def simulated_cases(self) -> tuple[str, ...]:
+        """Cases that are simulated."""
+        return tuple(case for case in self.case_names if self.has_equations(case))
+
+    @property
+    def measured_cases(self) -> tuple[str, ...]:
+        """Cases of measured series."""
+        return tuple(case for case in self.case_names if not self.has_equations(case))
+
+    @property
+    def realised_cases(self) -> tuple[str, ...]:
+        """Cases that differ from others by their training series only."""
+        return tuple(case for case in self.case_names if realisation_of(case)[1])
+
+    def data(self, case: str) -> Data:
+        """What is said of the series of a measured case."""
+        data = self.cases[case].data
+        assert data is not None
+        return data
+
+    def source_case(self, case: str) -> str:
+        """Case that a case is a part of, or itself: whose Lyapunov exponents and series it has."""
+        data = self.cases[case].data
+        return data.case if data and data.case else case
+
+    def has_flow(self, case: str) -> bool:
+        """Whether a case is a flow: its state, the amplitudes of velocity modes."""
+        one = self.cases[case]
+        if not isinstance(one, Simulated):
+            return False
+        return flow_modes(make_system(one.system, one.parameters)) is not None
+
+    def scan_of(self, identifier: str) -> tuple[str, str]:
+        """Reservoir and strategies of the scan that a network's search goes on from."""
+        name = parsed(identifier)
+        reservoir = ForecasterName(name.kind, name.neurons, None, name.seed).identifier
+        return reservoir, "+".join(scanned_with(str(name.validation)))
+
+
+def _name_of(wildcards: Mapping[str, str]) -> ForecasterName:
+    """Forecaster or controller of a job."""
+    return parsed(wildcards.get("forecaster") or wildcards.get("controller") or "none")
+
+
+@cache
+def _listed(*names: str) -> tuple[str, ...]:
+    """Paths of settings that paths and names of groups stand for, each once."""
+    paths: list[str] = []
+    for name in names:
+        paths += _listed(*GROUPS[name].split()) if name in GROUPS else [name]
+    return tuple(dict.fromkeys(paths))
+
+
+@cache
+def _sees_truth(name: ForecasterName) -> bool:
+    return name.asks_forecasters and forecaster_class(name.kind).sees_truth
+
+
+def _names(kind: str, axes: Section) -> Iterator[ForecasterName]:
+    """Forecasters of one kind in a block: all combinations along its axes."""
+    if not isinstance(axes, NetworkAxes):
+        yield ForecasterName(kind)
+        return
+    for neurons, validation in product(axes.neurons, axes.validation):
+        for seed in range(axes.seeds):
+            yield ForecasterName(kind, neurons, validation, seed)
+
+
+def _order(one: CaseForecaster) -> tuple[Any, ...]:
+    name = one.name
+    return (
+        natural_order(one.case),
+        name.kind,
+        name.neurons or 0,
+        name.validation or "",
+        name.seed or 0,
+    )

@@ -1,0 +1,104 @@
+"""How a case is controlled: strategy, its settings, and the conditions that it is tried under.
+
+The paper's protocol is one of them, and needs no block. A block of ``control.strategies`` stands
+for all combinations of its lists. A plan's identifier names it in paths and tables: the strategy,
+its settings, and those conditions that differ from the paper's.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+from burstcast_workflow.config.model import StrategyBlock
+from burstcast_workflow.stages.canonical import canonical
+
+WINDOWS = "prediction_triggered"
+"""The paper's strategy."""
+
+CONDITIONS = ("starts", "quiet_lt", "span_lt", "delay_lt", "strength", "noise")
+"""What a strategy is tried under, whatever it is."""
+
+
+@dataclass(frozen=True)
+class ControlPlan:
+    """A strategy with its settings, and conditions; None is what the campaign and the case say.
+
+    Attributes
+    ----------
+    strategy
+        Module of `burstcast.control.strategies`.
+    settings
+        Its settings, names and values.
+    starts
+        ``quiet``, free of events, or ``unselected``.
+    quiet_lt
+        The least time before steps count.
+    span_lt
+        How long each flow counts; None: ``control.span_lt``.
+    delay_lt, strength
+        Of the actuator.
+    noise
+        Of the observations; None: that of the training series.
+    """
+
+    strategy: str
+    settings: tuple[tuple[str, float], ...]
+    starts: str
+    quiet_lt: float
+    span_lt: float | None
+    delay_lt: float
+    strength: float
+    noise: float | None
+
+    @property
+    def identifier(self) -> str:
+        """Its name in paths and tables."""
+        parts = [self.strategy]
+        parts += [f"{name.removesuffix('_lt')}{_number(value)}" for name, value in self.settings]
+        if self.starts != _PAPER.starts:
+            parts.append(self.starts)
+        for name in CONDITIONS[1:]:
+            value = getattr(self, name)
+            if value != getattr(_PAPER, name):
+                parts.append(f"{name.removesuffix('_lt')}{_number(value)}")
+        return "-".join(parts)
+
+    def record(self, span_lt: float) -> dict[str, Any]:
+        """All of it, as a job is given it: with the campaign's span where it says none."""
+        conditions = {name: getattr(self, name) for name in CONDITIONS}
+        conditions["span_lt"] = span_lt if self.span_lt is None else self.span_lt
+        return {"strategy": self.strategy, "settings": dict(self.settings), **conditions}
+
+
+def paper_plan(prediction_time_lt: float, window_lt: float) -> ControlPlan:
+    """The paper's protocol at one prediction time."""
+    values = (("prediction_time_lt", prediction_time_lt), ("window_lt", window_lt))
+    return replace(_PAPER, settings=values)
+
+
+def block_plans(block: StrategyBlock) -> Iterator[ControlPlan]:
+    """Plans of a block of ``control.strategies``: all combinations of its lists."""
+    names = sorted(block.settings)
+    noises: list[float | None] = [*block.noise] or [None]
+    conditions = product(block.delay_lt, block.strength, noises)
+    several = product(*(block.settings[name] for name in names))
+    for (delay_lt, strength, noise), values in product(conditions, several):
+        yield ControlPlan(
+            strategy=block.strategy,
+            settings=tuple(zip(names, values, strict=True)),
+            starts=block.starts,
+            quiet_lt=block.quiet_lt,
+            span_lt=block.span_lt,
+            delay_lt=delay_lt,
+            strength=strength,
+            noise=noise,
+        )
+
+
+def _number(value: float) -> str:
+    return str(canonical(value))
+
+
+# conditions that a block has unless it says others are those of the paper
+(_PAPER,) = block_plans(StrategyBlock(strategy=WINDOWS))

@@ -1,0 +1,111 @@
+"""Identifiers of forecasters and controllers in paths, tables, figures and messages.
+
+An identifier of a forecaster is the kind, and then what tells forecasters of a kind apart:
+``equations``, ``esn-N2000-RV-seed3``. Kinds are modules of `burstcast.forecasters`. A controller is
+a forecaster, ``none``, random alarms beside a forecaster (``esn-N2000-RV-seed3-random``) or a
+committee (``esn-N2000-RV-committee``).
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+KEYS = ("case", "reynolds", "forecaster", "neurons", "validation", "seed")
+"""Columns of tables that say what a row is about; a key that does not apply is empty."""
+
+_PATTERN = re.compile(
+    r"(?P<kind>[a-z][a-z0-9_]*)(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
+    r"(-(?P<role>committee|random))?"
+)
+
+_REALISATION = re.compile(r"(.+)-training([1-9]\d*)")
+
+
+@dataclass(frozen=True)
+class ForecasterName:
+    """Name of a forecaster or controller, whatever its case: None for what does not apply to it.
+
+    Attributes
+    ----------
+    kind
+        Module of `burstcast.forecasters`.
+    neurons, validation, seed
+        Of a network.
+    role
+        Of a controller that is no single forecaster: a module of `burstcast.control.controllers`.
+    """
+
+    kind: str
+    neurons: int | None = None
+    validation: str | None = None
+    seed: int | None = None
+    role: str | None = None
+
+    @property
+    def asks_forecasters(self) -> bool:
+        """Whether a forecaster has to be there for it."""
+        return self.kind != "none" and self.role != "random"
+
+    @property
+    def identifier(self) -> str:
+        """Its name in paths, tables and messages."""
+        parts = [
+            f"{prefix}{value}"
+            for prefix, value in (
+                ("", self.kind),
+                ("N", self.neurons),
+                ("", self.validation),
+                ("seed", self.seed),
+                ("", self.role),
+            )
+            if value is not None
+        ]
+        return "-".join(parts)
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """Its key columns in tables."""
+        return {
+            "forecaster": {"committee": f"{self.kind}_committee", "random": "random"}.get(
+                self.role or "", self.kind
+            ),
+            "neurons": self.neurons,
+            "validation": self.validation,
+            "seed": self.seed,
+        }
+
+
+def described(kind: Any, neurons: Any = None, validation: Any = None) -> str:
+    """How a person is told who forecasts: "esn, 500 neurons, RV"; for what is missing, nothing."""
+    parts = [kind] if isinstance(kind, str) else []
+    if isinstance(neurons, int | float) and neurons == neurons and neurons > 0:
+        parts.append(f"{neurons:g} neurons")
+    return ", ".join(
+        [*parts, *([validation] if isinstance(validation, str) and validation else [])]
+    )
+
+
+def parsed(identifier: str) -> ForecasterName:
+    """Read an identifier.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    match = _PATTERN.fullmatch(identifier)
+    if match is None:
+        raise ValueError(f"{identifier!r} is no forecaster; one is esn-N2000-RV-seed3")
+    neurons, seed = (
+        None if match[name] is None else int(match[name]) for name in ("neurons", "seed")
+    )
+    return ForecasterName(match["kind"], neurons, match["validation"], seed, match["role"])
+
+
+def realisation_of(name: str) -> tuple[str, int]:
+    """Case that a case differs from by its training series only, and which choice of them it has.
+
+    ``Re400-training2`` is the second other choice of ``Re400``; choice 0 is a case's own.
+    """
+    match = _REALISATION.fullmatch(name)
+    return (match[1], int(match[2])) if match else (name, 0)

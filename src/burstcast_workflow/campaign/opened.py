@@ -1,0 +1,211 @@
+"""The results of a campaign, opened to look at: forecasters, tables, figures, series, config.
+
+Users call it as ``burstcast_workflow.open_campaign``.
+"""
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.compiled.backends import usable_backend
+from burstcast.discovery import suggestion
+from burstcast.files.netcdf import read_rows
+from burstcast.forecasters.base import Forecaster
+from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.data import kept_series, observed_rows
+from burstcast_workflow.jobs.forecasters import read_forecaster
+from snaketrust.run import CLAIM
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Found = TypeVar("Found")
+_MOST_NAMES = 6
+
+
+class Shelf(Mapping[str, Found], Generic[Found]):
+    """Results by name, each read when it is asked for.
+
+    Parameters
+    ----------
+    what
+        What they are called: "tables".
+    names
+        Of those that are there.
+    read
+        Reads one by its name.
+    """
+
+    def __init__(self, what: str, names: Iterable[str], read: Callable[[str], Found]) -> None:
+        self._what, self._names, self._read = what, list(names), read
+
+    def __getitem__(self, name: str) -> Found:
+        if name not in self._names:
+            raise KeyError(f"there is no {name!r} among the {self}{suggestion(name, self._names)}")
+        return self._read(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        """How many there are, and what the first are called."""
+        some = ", ".join(self._names[:_MOST_NAMES])
+        more = len(self._names) - _MOST_NAMES
+        names = f": {some}" if some else ""
+        return f"{len(self._names)} {self._what}{names}" + (f", {more} more" if more > 0 else "")
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self._names
+
+
+class OpenedCampaign:
+    """Results of a campaign, finished or not; nothing is changed.
+
+    Parameters
+    ----------
+    results
+        The directory, as the config calls it.
+
+    Attributes
+    ----------
+    results
+        The same.
+    config
+        The whole config of the newest run.
+
+    Raises
+    ------
+    ValueError
+        If no run of the workflow has written there.
+    """
+
+    def __init__(self, results: str | Path) -> None:
+        self.results = Path(results)
+        try:
+            claim = json.loads((self.results / CLAIM).read_bytes())
+            self.config: dict[str, Any] = claim["config"]
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise ValueError(
+                f"{results} holds no campaign ({type(error).__name__}): give the directory that "
+                f"the config calls `results`"
+            ) from error
+        self._campaign = Campaign(self.config)
+
+    def __repr__(self) -> str:
+        """What it has, in a few lines."""
+        return (
+            f"campaign in {self.results} of {', '.join(self._campaign.case_names)}\n"
+            f"  .forecasters  {self.forecasters} (of {len(self._campaign.forecasters)})\n"
+            f"  .networks     {self.networks} (of {len(self._campaign.networks)})\n"
+            f"  .tables       {self.tables}\n"
+            f"  .figures      {self.figures}\n"
+            f"  .series(case), .config"
+        )
+
+    @cached_property
+    def forecasters(self) -> Shelf[Forecaster]:
+        """All that are there, by case and identifier: ``["Re400/esn-N500-RV-seed0"]``."""
+        return self._shelf("forecasters", self._campaign.forecasters)
+
+    @cached_property
+    def networks(self) -> Shelf[Forecaster]:
+        """Those of them that are echo state networks."""
+        return self._shelf("networks", self._campaign.networks)
+
+    @cached_property
+    def tables(self) -> "Shelf[pd.DataFrame]":
+        """All tables that are there, by name."""
+
+        def read(name: str) -> "pd.DataFrame":
+            # pandas takes longer to load than all the rest
+            from burstcast_workflow.harness.tables import read_table
+
+            return read_table(self.results / "tables" / f"{name}.csv")
+
+        return Shelf("tables", self._stems("tables", "csv"), read)
+
+    @cached_property
+    def figures(self) -> Shelf[Path]:
+        """Paths of all figures that are there, as PNG, by name; a PDF lies beside each."""
+        directory = self.results / "figures"
+        return Shelf(
+            "figures", self._stems("figures", "png"), lambda name: directory / f"{name}.png"
+        )
+
+    def series(
+        self, case: str, start: int = 0, stop: int | None = None, *, observed: bool = True
+    ) -> FloatArray:
+        """Series of a case: the first ``training.series`` of them have trained its forecasters.
+
+        Parameters
+        ----------
+        case
+            Its name.
+        start, stop
+            Which; all from ``start`` on if there is no ``stop``.
+        observed
+            Whether with the observation noise, as forecasters see them, or as they truly are.
+
+        Returns
+        -------
+        ``(series, time, component)``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such case, or its series are not made yet.
+        """
+        names = self._campaign.case_names
+        if case not in names:
+            raise ValueError(
+                f"there is no case {case!r}{suggestion(case, names)}; the cases are "
+                f"{', '.join(names)}"
+            )
+        path = self.results / case / "ensemble.nc"
+        if not path.exists():
+            raise ValueError(f"the series of {case} are not made yet ({path})")
+        states = read_rows(path, "state", start, kept_series(str(path)) if stop is None else stop)
+        if not observed:
+            return np.asarray(states)
+        identity = {"case": case}
+        settings = Settings(self._campaign.settings(["OBSERVED"], identity, {}), identity)
+        return observed_rows(settings, str(path), start, states)
+
+    def _stems(self, directory: str, suffix: str) -> list[str]:
+        return sorted(path.stem for path in (self.results / directory).glob(f"*.{suffix}"))
+
+    def _shelf(self, what: str, forecasters: Iterable[CaseForecaster]) -> Shelf[Forecaster]:
+        there = {
+            one.directory: one
+            for one in forecasters
+            if (self.results / one.directory / "forecaster.nc").exists()
+        }
+        return Shelf(what, there, lambda name: self._forecaster(there[name]))
+
+    def _forecaster(self, one: CaseForecaster) -> Forecaster:
+        paths = ["FORECASTER", "forecaster.divergence_bound"]
+        settings = Settings(self._campaign.settings(paths, one.identity, {}), one.identity)
+        if "backend" in settings["forecaster.options"]:
+            settings["forecaster.options"]["backend"] = usable_backend(
+                settings["forecaster.options"]["backend"]
+            )
+        return read_forecaster(
+            str(self.results / one.directory / "forecaster.nc"),
+            settings,
+            str(self.results / self._campaign.source_case(one.case) / "lyapunov.json"),
+            settings["forecaster.divergence_bound"],
+        )
+
+
+def open_campaign(results: str | Path) -> OpenedCampaign:
+    """Open the results of a campaign (`OpenedCampaign`): ``open_campaign("results/quick")``."""
+    return OpenedCampaign(results)

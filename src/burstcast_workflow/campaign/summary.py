@@ -1,0 +1,165 @@
+"""What a finished campaign has found, and what is odd about it: for the end of a run."""
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from burstcast_workflow.campaign.identifiers import described
+from burstcast_workflow.stages.canonical import natural_order
+
+PREDICTION_TIME_LT = 2.0
+"""Of the F-score that is shown, or the nearest that the campaign has."""
+
+MOST_ROWS = 16
+
+MOST_WARNINGS = 8
+
+_WARNINGS = "warnings.csv"
+_KEYS = ["case", "forecaster", "neurons", "validation"]
+
+
+def campaign_summary(tables: Path) -> str:
+    """Medians over the networks of each ensemble: F-score, prediction horizon, control.
+
+    Parameters
+    ----------
+    tables
+        Directory of the campaign's tables.
+
+    Returns
+    -------
+    A table, the best forecasters of each case first; empty if there are none of these tables.
+    """
+    table = summary_table(tables)
+    if table is None:
+        return ""
+    shown_rows = table.head(MOST_ROWS)
+    text = shown_rows.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.3g}")
+    left_out = len(table) - len(shown_rows)
+    return text + (f"\n... and {left_out} more in {tables}" if left_out > 0 else "")
+
+
+def summary_table(tables: Path) -> pd.DataFrame | None:
+    """Medians over the networks of each ensemble: F-score, prediction horizon, control.
+
+    Parameters
+    ----------
+    tables
+        Directory of the campaign's tables.
+
+    Returns
+    -------
+    A row for each ensemble, the best of each case first: the case, who it is (``who``), and a
+    column for each score that there is, by its name for people. None if there is no score.
+    """
+    columns = {}
+    scores = _medians(tables / "classification_percentiles.csv", "f_score")
+    if scores is not None:
+        times = scores["prediction_time_lt"].to_numpy(dtype=np.float64)
+        shown = times[np.abs(times - PREDICTION_TIME_LT).argmin()]
+        at_time = scores[times == shown].set_index(_KEYS)
+        columns[f"F-score {shown:g} LT ahead"] = at_time["p50"]
+    horizons = _medians(tables / "horizon_percentiles.csv", "mean_horizon_lt")
+    if horizons is not None:
+        columns["mean PH_ee [LT]"] = horizons.set_index(_KEYS)["p50"]
+    columns |= _control(tables / "control_percentiles.csv")
+    if not columns:
+        return None
+    table = pd.DataFrame(columns).dropna(how="all")
+    first = next(iter(columns))
+    table = table.reset_index().sort_values(first, ascending=False, kind="stable")
+    place = {
+        case: number for number, case in enumerate(sorted(set(table["case"]), key=natural_order))
+    }
+    table = table.sort_values("case", key=lambda cases: cases.map(place), kind="stable")
+    table.insert(1, "who", [_who(row) for row in table[_KEYS].to_dict("records")])
+    return table.drop(columns=_KEYS[1:])
+
+
+def _control(path: Path) -> dict[str, "pd.Series[float]"]:
+    """Exceedance without and under control, at the prediction time that leaves least of it."""
+    controlled, uncontrolled = (
+        _medians(path, f"exceedance_{flows}") for flows in ("controlled", "uncontrolled")
+    )
+    if controlled is None or uncontrolled is None:
+        return {}
+    least = controlled.loc[controlled.groupby(_KEYS)["p50"].idxmin()]
+    pairs = least.merge(uncontrolled, on=[*_KEYS, "prediction_time_lt"], suffixes=("", "_free"))
+    pairs = pairs.set_index(_KEYS)
+    return {
+        "exceedance": pairs["p50_free"],
+        "under control": pairs["p50"],
+        "PT [LT]": pairs["prediction_time_lt"],
+    }
+
+
+def warnings_summary(tables: Path) -> str:
+    """Signs that results are less than they seem, each with what to try; empty if there are none.
+
+    Parameters
+    ----------
+    tables
+        Directory of the campaign's tables.
+    """
+    found = found_warnings(tables)
+    if not found:
+        return ""
+    lines = [f"  {one.whose}: {one.finding}. Try: {one.advice}." for one in found]
+    left_out = len(lines) - MOST_WARNINGS
+    lines = lines[:MOST_WARNINGS] + ([f"  ... and {left_out} more"] if left_out > 0 else [])
+    return "\n".join([f"What to look at twice ({tables / _WARNINGS}):", *lines])
+
+
+@dataclass(frozen=True)
+class FoundWarning:
+    """A sign that results are less than they seem: whose, what was found, and what to try."""
+
+    whose: str
+    finding: str
+    advice: str
+
+
+def found_warnings(tables: Path) -> list[FoundWarning]:
+    """Signs that results are less than they seem; what is said of several is one.
+
+    Parameters
+    ----------
+    tables
+        Directory of the campaign's tables.
+    """
+    table = _read(tables / _WARNINGS)
+    if table is None:
+        return []
+    names = ["warning", "finding", "advice", "case"]
+    whose: dict[tuple[str, ...], list[str]] = {}
+    for row in table.astype(object).to_dict("records"):
+        whose.setdefault(tuple(row[name] for name in names), []).append(_who(row))
+    return [
+        FoundWarning(
+            ", ".join([case, *filter(None, ["; ".join(filter(None, whom))])]), finding, advice
+        )
+        for (_, finding, advice, case), whom in whose.items()
+    ]
+
+
+def _read(path: Path) -> pd.DataFrame | None:
+    """Read a table that may be missing, or of no byte: a finished campaign does not fail for it."""
+    return pd.read_csv(path) if path.exists() and path.stat().st_size else None
+
+
+def _medians(path: Path, metric: str) -> pd.DataFrame | None:
+    table = _read(path)
+    if table is None:
+        return None
+    chosen = table[table["metric"] == metric].dropna(subset=["p50"])
+    # what has no size and no strategy is one forecaster all the same
+    chosen = chosen.fillna({"neurons": 0, "validation": ""})
+    return None if chosen.empty else chosen
+
+
+def _who(row: Mapping[Hashable, Any]) -> str:
+    return described(row["forecaster"], row["neurons"], row["validation"])

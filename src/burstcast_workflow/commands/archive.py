@@ -1,0 +1,161 @@
+"""What a campaign has found, in one zip that can be cited.
+
+::
+
+    burstcast archive [--output FILE] [options of snakemake]
+
+It holds tables, figures, the config, ``versions.json`` (libraries, and the git revisions that the
+results were made by), ``why.txt`` (whether anything would run again, and why), the licence's
+citation and a page that says what is what. Files are in one order and have no time, so that equal
+results make equal archives. Series and forecasters, which are large and follow from the config, are
+left out.
+"""
+
+import json
+import os
+import platform
+import sys
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from burstcast_workflow.commands.why import jobs_to_run, report
+from burstcast_workflow.harness.environment import library_version
+from burstcast_workflow.harness.storage import atomic
+from burstcast_workflow.project import project_root, source_revision
+from burstcast_workflow.start import names_of_rules
+from snaketrust.plan import planned
+from snaketrust.records import DIRECTORY
+from snaketrust.run import CLAIM
+
+LIBRARIES = (
+    *("burstcast", "llvmlite", "matplotlib", "netCDF4", "numpy", "pandas", "pydantic"),
+    *("scikit-image", "scikit-learn", "scikit-optimize", "scipy", "snakemake"),
+)
+"""Libraries whose versions are told."""
+
+_TIME = (1980, 1, 1, 0, 0, 0)  # the first that a zip can tell
+_README = """\
+# {name}
+
+Results of a campaign of burstcast, {revision}.
+
+* `tables/`: CSV and LaTeX. `figures/`: PDF and PNG.
+* `config.yaml`: the whole configuration; `snakemake --configfile config.yaml` makes it all again.
+* `versions.json`: Python, the libraries, and the revisions of burstcast that the results are of.
+* `why.txt`: what would run again when this was packed, and why.
+* `CITATION.cff`: how to cite burstcast, and the paper whose method it is.
+"""
+
+
+class NothingToArchiveError(ValueError):
+    """A campaign has neither tables nor figures, or the archive would replace another file."""
+
+
+def versions(results: Path) -> dict[str, Any]:
+    """Versions of Python and of the libraries here, and the revisions that results were made by.
+
+    Parameters
+    ----------
+    results
+        The results directory. Each record says the revision of its job; a campaign that was edited
+        while it grew has several.
+    """
+    revisions: dict[str, int] = {}
+    for path in sorted((results / DIRECTORY).rglob("*.json")):
+        revision = json.loads(path.read_bytes()).get("revision") or "unknown"
+        revisions[revision] = revisions.get(revision, 0) + 1
+    return {
+        "python": platform.python_version(),
+        "libraries": {library: library_version(library) for library in LIBRARIES},
+        "revision": source_revision(),
+        "files by revision": dict(sorted(revisions.items())),
+    }
+
+
+def write_archive(target: Path, files: Mapping[str, bytes]) -> None:
+    """Write files by their names into a zip, whole or not at all: equal files, equal bits.
+
+    Raises
+    ------
+    NothingToArchiveError
+        If there is a file already that is no archive of a campaign.
+    """
+    if target.exists() and not _is_archive(target):
+        raise NothingToArchiveError(
+            f"{target} is there and no archive of a campaign: give another name (--output)"
+        )
+    with atomic(target) as partial, zipfile.ZipFile(partial, "w") as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, _TIME)
+            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            archive.writestr(entry, files[name])
+
+
+def _is_archive(path: Path) -> bool:
+    if not zipfile.is_zipfile(path):
+        return False
+    with zipfile.ZipFile(path) as archive:
+        return any(name.endswith("/versions.json") for name in archive.namelist())
+
+
+def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, bytes]:
+    """Files of the archive of a campaign, by their names in it.
+
+    Parameters
+    ----------
+    results
+        The results directory.
+    config
+        The whole configuration.
+    why
+        What would run again.
+
+    Raises
+    ------
+    NothingToArchiveError
+        If there are neither tables nor figures.
+    """
+    found = {
+        f"{directory}/{path.name}": path.read_bytes()
+        for directory, suffixes in (("tables", (".csv", ".tex")), ("figures", (".pdf", ".png")))
+        for path in _files(results / directory, suffixes)
+    }
+    if not found:
+        raise NothingToArchiveError(
+            f"{results} has neither tables nor figures yet: run the campaign first"
+        )
+    told = versions(results)
+    # where it was does not matter to whoever runs it again
+    portable = {**config, "results": f"results/{results.name}"}
+    found["config.yaml"] = yaml.safe_dump(portable, sort_keys=True).encode()
+    found["versions.json"] = f"{json.dumps(told, indent=2)}\n".encode()
+    found["why.txt"] = f"{why}\n".encode()
+    readme = _README.format(name=results.name, revision=f"revision {told['revision']}")
+    found["README.md"] = readme.encode()
+    found["CITATION.cff"] = (project_root() / "CITATION.cff").read_bytes()
+    return {f"{results.name}/{name}": content for name, content in found.items()}
+
+
+def _files(directory: Path, suffixes: Iterable[str]) -> list[Path]:
+    return [path for path in sorted(directory.glob("*")) if path.suffix in suffixes]
+
+
+def main(arguments: Sequence[str], output: Path | None = None) -> int:
+    """Pack a campaign's results."""
+    workflow = planned(arguments)
+    results = Path(os.path.abspath(names_of_rules(workflow)["run"].results))
+    target = output or Path(f"{results.name}.zip")
+    try:
+        config = json.loads((results / CLAIM).read_bytes())["config"]
+        files = contents(results, config, report(*jobs_to_run(workflow)))
+        write_archive(target, files)
+    except (NothingToArchiveError, OSError) as error:
+        print(f"nothing is archived: {error}", file=sys.stderr)
+        return 2
+    size = target.stat().st_size / 1e6
+    print(f"{target}: {len(files)} files, {size:.1f} MB")
+    return 0

@@ -1,0 +1,87 @@
+"""The command ``burstcast``: all that is asked of a campaign beside running it.
+
+``python -m burstcast_workflow`` is the same command. Running is Snakemake's: ``snakemake``.
+"""
+
+import argparse
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+
+from burstcast_workflow.commands.study import presets
+
+_OF_SNAKEMAKE = "options of snakemake follow, such as --configfile"
+
+
+def _parser() -> argparse.ArgumentParser:
+    """Commands: each is ``main`` of a module, which gets its arguments by their names."""
+    parser = argparse.ArgumentParser(
+        prog="burstcast",
+        description="Campaigns of burstcast. They are run by snakemake.",
+        allow_abbrev=False,
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    def command(
+        name: str, module: str, does: str, *, of_snakemake: bool = False
+    ) -> argparse.ArgumentParser:
+        epilog = _OF_SNAKEMAKE if of_snakemake else None
+        added = commands.add_parser(
+            name, help=does, description=does, epilog=epilog, allow_abbrev=False
+        )
+        added.set_defaults(module=module, of_snakemake=of_snakemake)
+        return added
+
+    init = command("init", "commands.study", "lay out a study: Snakefile, config, README")
+    init.add_argument("directory", type=Path, help="where; it is made")
+    init.add_argument(
+        "--preset",
+        choices=list(presets()),
+        default="quick",
+        help="config to begin with (%(default)s)",
+    )
+    command(
+        "settings", "config.reference", "list all settings with their units, defaults and bounds"
+    )
+    check = command(
+        "check-system",
+        "commands.check_system",
+        "examine a dynamical system and propose a case of it",
+    )
+    check.add_argument("system", help="lorenz63, ..., or <module>:<class> of your own")
+    check.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of its equations")
+    command("why", "commands.why", "what would run again, and why, in words", of_snakemake=True)
+    stale = command(
+        "prune", "commands.prune", "list results that the campaign does not make", of_snakemake=True
+    )
+    stale.add_argument("--remove", action="store_true", help="remove them with their records")
+    command(
+        "costs",
+        "costs.records",
+        "predicted time and memory, compared with what jobs took",
+        of_snakemake=True,
+    )
+    archive = command(
+        "archive",
+        "commands.archive",
+        "tables, figures, config, versions and why in one zip",
+        of_snakemake=True,
+    )
+    archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; return its exit status: 2 where the command makes no sense."""
+    parser = _parser()
+    chosen, others = parser.parse_known_args(arguments)
+    own = vars(chosen)
+    command, module, of_snakemake = (
+        own.pop(name) for name in ("command", "module", "of_snakemake")
+    )
+    if others and not of_snakemake:
+        parser.error(f"{command} does not know {' '.join(others)}")
+    # only now: most of them load Snakemake, which takes a second
+    run = import_module(f"burstcast_workflow.{module}").main
+    status: int = run(others, **own) if of_snakemake else run(**own)
+    return status

@@ -1,0 +1,382 @@
+"""What would run again, and why, in words.
+
+::
+
+    burstcast why [options of snakemake]
+
+Snakemake's dry run says which jobs would run. Here the settings, code and inputs that each of them
+has now are compared with those that its results were made with, as their records say
+(`snaketrust.records`), and the differences are named: settings by their path in the
+config, modules, files.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from burstcast_workflow.campaign.identifiers import parsed
+from burstcast_workflow.stages.canonical import natural_order
+from burstcast_workflow.start import names_of_rules
+from snaketrust.plan import planned
+from snaketrust.planning import Known, KnownResults
+
+_MISSING = object()
+_LONGEST_VALUE = 60
+_DIMENSIONS = {
+    "case": ("case", "cases"),
+    "kind": ("kind of forecaster", "kinds of forecasters"),
+    "neurons": ("size", "sizes"),
+    "validation": ("validation strategy", "validation strategies"),
+    "strategies": ("set of validation strategies", "sets of validation strategies"),
+    "seed": ("seed", "seeds"),
+    "strategy": ("strategy of control", "strategies of control"),
+    "table": ("table", "tables"),
+    "figure": ("figure", "figures"),
+}
+
+Identity = Mapping[str, Any]
+Leaf = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A job that would run: what it is, what it has now and what it last ran with.
+
+    Attributes
+    ----------
+    rule, wildcards
+        Which job.
+    settings, code, inputs
+        Its parameters and inputs now.
+    recorded_settings, recorded_code, recorded_inputs
+        Those of its last run, and of the inputs whether they are still those; None where nothing is
+        recorded.
+    missing, incomplete, changed_files
+        Outputs that are not there or half-written, and inputs that are newer than the outputs.
+    problems
+        What is wrong with outputs that are there: damaged, or without a record of what made them.
+    forced
+        Whether it was asked for by an option.
+    upstream
+        Numbers of the jobs that would run before it, among all jobs.
+    makers
+        Wildcards of the jobs that made the inputs, now and at its last run, by file.
+    """
+
+    rule: str
+    wildcards: Mapping[str, str]
+    settings: Any
+    code: Sequence[str]
+    inputs: Sequence[str]
+    recorded_settings: Any = None
+    recorded_code: Sequence[str] | None = None
+    recorded_inputs: Mapping[str, bool] | None = None
+    missing: Sequence[str] = ()
+    incomplete: Sequence[str] = ()
+    changed_files: Sequence[str] = ()
+    problems: Sequence[str] = ()
+    forced: bool = False
+    upstream: Sequence[int] = ()
+    makers: Mapping[str, Identity] = field(default_factory=dict)
+
+
+@dataclass
+class Cause:
+    """A reason, the cases that it concerns, and the jobs that would run because of it."""
+
+    text: str
+    cases: set[str] = field(default_factory=set)
+    jobs: set[int] = field(default_factory=set)
+
+
+# -- differences -----------------------------------------------------------------------------------
+
+
+def flat(settings: Mapping[str, Any]) -> dict[Leaf, Any]:
+    """Settings of a job by case (or "") and path in the config; ``cases`` has those of several."""
+    leaves: dict[Leaf, Any] = {}
+    of_cases = {"": {path: settings[path] for path in settings if path != "cases"}}
+    waiting: list[tuple[str, str, Any]] = [
+        (case, path, value)
+        for case, own in {**of_cases, **settings.get("cases", {})}.items()
+        for path, value in own.items()
+    ]
+    while waiting:
+        case, path, value = waiting.pop()
+        if isinstance(value, Mapping) and value:
+            waiting += [(case, f"{path}.{name}", item) for name, item in value.items()]
+        else:
+            leaves[case, path] = value
+    return leaves
+
+
+def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Case (or "") and text of each difference of two settings."""
+    before, after = flat(old), flat(new)
+    cases = [set(settings.get("cases", {})) for settings in (old, new)]
+    for text in more_and_fewer(*([{"case": case} for case in found] for found in cases)):
+        yield "", text
+    for case, path in sorted({*before, *after}):
+        pair = before.get((case, path), _MISSING), after.get((case, path), _MISSING)
+        came_with_it = case in cases[0] ^ cases[1]
+        if pair[0] != pair[1] and not came_with_it:
+            yield case, f"{path} {_change(*pair)}"
+
+
+def more_and_fewer(before: Sequence[Identity], after: Sequence[Identity]) -> list[str]:
+    """Say what jobs or files there are more and fewer (`new_values`)."""
+    added = [one for one in after if one not in before]
+    removed = [one for one in before if one not in after]
+    return [*new_values(added, before), *new_values(removed, after, gone=True)]
+
+
+def new_values(
+    added: Sequence[Identity], known: Sequence[Identity], *, gone: bool = False
+) -> list[str]:
+    """Say what is new about some jobs or files: "one more seed, 9 -> 10 (9)".
+
+    Parameters
+    ----------
+    added
+        Identities that are new, or gone.
+    known
+        The others.
+    gone
+        Whether the former are gone.
+    """
+    unexplained = [_dimensions(one) for one in added]
+    others = [_dimensions(one) for one in known]
+    texts = []
+    for name, labels in _DIMENSIONS.items():
+        before = {one.get(name) for one in others} - {None}
+        values = {one.get(name) for one in unexplained} - before - {None}
+        if not values or not known:
+            continue
+        unexplained = [one for one in unexplained if one.get(name) not in values]
+        counts = [len(before), len(before) + len(values)]
+        number = f"{'one' if len(values) == 1 else len(values)} {'fewer' if gone else 'more'}"
+        listed = ", ".join(sorted(map(str, values), key=natural_order))
+        first, last = reversed(counts) if gone else counts
+        texts.append(f"{number} {labels[len(values) > 1]}, {first} -> {last} ({listed})")
+    if unexplained:
+        texts.append("forecasters or cases left out" if gone else "new combinations")
+    return texts
+
+
+def _dimensions(identity: Identity) -> dict[str, Any]:
+    """An identity by what tells jobs apart: the parts of a forecaster's name one by one."""
+    found = {name: value for name, value in identity.items() if name in _DIMENSIONS}
+    whose = (identity.get(name) for name in ("forecaster", "controller", "reservoir"))
+    if name := next(filter(None, whose), None):
+        keys = parsed(name).keys
+        found |= {**keys, "kind": keys["forecaster"]}
+    return found
+
+
+def _change(old: Any, new: Any) -> str:
+    if isinstance(old, list) and isinstance(new, list) and len(old) + len(new) > 4:
+        added = [f"with {_shown(value)}" for value in new if value not in old]
+        removed = [f"without {_shown(value)}" for value in old if value not in new]
+        if len(added) + len(removed) < min(len(old), len(new)):
+            return ", ".join([*added, *removed]) or "in another order"
+    return f"{_shown(old)} -> {_shown(new)}"
+
+
+def _shown(value: Any) -> str:
+    if value is _MISSING:
+        return "none"
+    if value is None:
+        return "null"
+    text = value if isinstance(value, str) else repr(value)
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
+
+
+def changed_modules(old: Sequence[str], new: Sequence[str]) -> list[str]:
+    """Names of the modules whose fingerprints differ; of those that are new or gone otherwise."""
+    before, after = (dict(entry.rsplit("@", 1) for entry in entries) for entries in (old, new))
+    changed = sorted(name for name in before if name in after and before[name] != after[name])
+    return changed or sorted(before.keys() ^ after.keys())
+
+
+# -- causes ----------------------------------------------------------------------------------------
+
+
+def causes(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> list[Cause]:
+    """Why jobs would run, each cause with all jobs that it sets off, directly or further down.
+
+    Parameters
+    ----------
+    jobs
+        All jobs that would run.
+    known
+        Wildcards of the jobs that have results already, by rule.
+    """
+    found: dict[str, Cause] = {}
+    for number, job in enumerate(jobs):
+        for case, text in _own_causes(job, known):
+            cause = found.setdefault(text, Cause(text))
+            cause.jobs.add(number)
+            cause.cases.update(filter(None, [case or job.wildcards.get("case", "")]))
+    downstream = _downstream(jobs)
+    for cause in found.values():
+        cause.jobs = set().union(*(downstream[number] for number in cause.jobs))
+    unexplained = set(range(len(jobs))).difference(*(cause.jobs for cause in found.values()))
+    if unexplained:
+        # nothing of their own has changed, nor anything they come from: Snakemake knows why
+        text = "other reasons (see snakemake -n)"
+        found[text] = Cause(text, jobs=unexplained)
+    return _joined(found.values())
+
+
+def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[tuple[str, str]]:
+    """Yield case and text of each cause that lies in the job itself."""
+    if job.forced:
+        yield "", "asked for by an option"
+    for path in job.changed_files:
+        yield "", f"file {path} changed"
+    if job.incomplete:
+        yield "", "interrupted before it was complete"
+    for problem in job.problems:
+        yield "", problem
+    if job.missing and job.recorded_settings is None:
+        others = known.get(job.rule, [])
+        texts = new_values([job.wildcards], others) if others and job.wildcards else []
+        for text in texts or ["not made yet"]:
+            yield "", text
+        return
+    settled = False
+    if job.recorded_settings is not None:
+        for case, text in differences(job.recorded_settings, job.settings):
+            settled = True
+            yield case, text
+    if job.recorded_code is not None:
+        for module in changed_modules(job.recorded_code, job.code):
+            settled, read = True, module.partition("file:")[2]
+            yield "", f"file {read} changed" if read else f"code of {module} changed"
+    if job.missing and not settled:
+        yield "", "results were deleted"
+    recorded = job.recorded_inputs
+    if not settled and recorded is not None:
+        former = sorted(path for path, same in recorded.items() if not same)
+        other = []
+        if {*recorded} != {*job.inputs}:
+            makers = [
+                [job.makers[path] for path in paths if path in job.makers]
+                for paths in (recorded, job.inputs)
+            ]
+            other = more_and_fewer(*makers) or ["made from other files"]
+        for text in [f"made from another {path}" for path in former] or other:
+            yield "", text
+
+
+def _downstream(jobs: Sequence[Job]) -> list[set[int]]:
+    """All jobs that a job sets off, itself included; jobs come after those that they come from."""
+    reached: list[set[int]] = [{number} for number in range(len(jobs))]
+    for number in reversed(range(len(jobs))):
+        for earlier in jobs[number].upstream:
+            reached[earlier] |= reached[number]
+    return reached
+
+
+def _joined(found: Iterable[Cause]) -> list[Cause]:
+    """Join causes that set off the same jobs: settings that were changed together."""
+    by_jobs: dict[tuple[frozenset[int], frozenset[str]], Cause] = {}
+    for cause in found:
+        first = by_jobs.setdefault((frozenset(cause.jobs), frozenset(cause.cases)), cause)
+        if first is not cause:
+            first.text += f"; {cause.text}"
+    return list(by_jobs.values())
+
+
+def report(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> str:
+    """What would run again, and why, as text: what sets off most comes first."""
+    if not jobs:
+        return "Nothing would run: all results are up to date."
+    lines = []
+    found = sorted(causes(jobs, known), key=lambda cause: -len(cause.jobs))
+    for cause in found:
+        cases = f" ({', '.join(sorted(cause.cases, key=natural_order))})" if cause.cases else ""
+        counted = _counted(jobs[number] for number in sorted(cause.jobs))
+        lines.append(f"{cause.text}{cases}: {counted}")
+    rules = f": {_counted(jobs)}" if len(found) > 1 else ""
+    lines.append(f"\nIn all {len(jobs)} jobs{rules}")
+    return "\n".join(lines)
+
+
+def _counted(jobs: Iterable[Job]) -> str:
+    counts = Counter(job.rule for job in jobs)
+    return ", ".join(f"{rule} ({count})" for rule, count in counts.items())
+
+
+# -- from Snakemake --------------------------------------------------------------------------------
+
+
+def jobs_to_run(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
+    """Tell which jobs would run.
+
+    Parameters
+    ----------
+    workflow
+        Of Snakemake, after planning (`planned`).
+
+    Returns
+    -------
+    Jobs in the order of the workflow, and the wildcards of those that have results already, by
+    rule.
+    """
+    dag, results = workflow.dag, KnownResults(names_of_rules(workflow)["run"].results)
+    known: dict[str, list[Identity]] = {}
+    running = {}
+    for level in dag.toposorted():
+        for job in sorted(level, key=lambda job: [job.rule.name, *map(str, job.output)]):
+            if not job.output:
+                continue  # a target: it runs nothing
+            found = [results.of(str(path)) for path in job.output]
+            if dag.needrun(job):
+                running[job] = found
+            if any(one.record or one.problem for one in found):
+                known.setdefault(job.rule.name, []).append(dict(job.wildcards_dict))
+    numbers = {job: number for number, job in enumerate(running)}
+    jobs = [_described_job(job, dag, results, found, numbers) for job, found in running.items()]
+    return jobs, known
+
+
+def _described_job(
+    job: Any, dag: Any, results: KnownResults, known: Sequence[Known], numbers: Mapping[Any, int]
+) -> Job:
+    reason = dag.reason(job)
+    record = next((one.record for one in known if one.record), None)
+    inputs = None if record is None else results.inputs(record)
+    parameters = {} if record is None else record.parameters
+    makers: dict[str, Identity] = {
+        str(path): dict(maker.wildcards_dict)
+        for maker, paths in dag.dependencies[job].items()
+        for path in paths
+    }
+    for path in inputs or ():
+        if path not in makers and path in results and (made := results.of(path).record):
+            makers[path] = {name: made.identity[name] for name in made.identity if name != "rule"}
+    return Job(
+        rule=job.rule.name,
+        wildcards=dict(job.wildcards_dict),
+        settings=job.params.get("settings"),
+        code=job.params.get("code", []),
+        inputs=[str(path) for path in job.input],
+        recorded_settings=parameters.get("settings"),
+        recorded_code=parameters.get("code"),
+        recorded_inputs=inputs,
+        missing=[str(path) for path in reason.missing_output],
+        incomplete=[str(path) for path in reason.incomplete_output],
+        changed_files=[str(path) for path in reason.updated_input],
+        problems=[one.problem for one in known if one.problem],
+        forced=bool(reason.forced),
+        upstream=[numbers[earlier] for earlier in dag.dependencies[job] if earlier in numbers],
+        makers=makers,
+    )
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print what would run again, and why."""
+    print(report(*jobs_to_run(planned(arguments))))
+    return 0

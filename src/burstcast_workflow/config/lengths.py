@@ -1,0 +1,118 @@
+"""Whether what a case asks of its series fits into them, as far as the config tells.
+
+The checks are the library's, which refuses the same in a job and in a notebook.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from operator import attrgetter
+
+from burstcast import durations
+from burstcast.control.experiment import Schedule
+from burstcast.control.strategies.registry import make_strategy as make_control_strategy
+from burstcast.forecast.starting_points import starting_points, steps_before_events
+from burstcast.forecasters._options import sections_of_kind
+from burstcast.forecasters.quadratic import window_steps
+from burstcast.tuning.strategies.base import ValidationPlan
+from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
+from burstcast_workflow.campaign.control_plans import block_plans
+from burstcast_workflow.config.model import Configuration, Simulated
+
+
+def misfits(
+    config: Configuration,
+    name: str,
+    case: Simulated,
+    kinds: Iterable[str],
+    validations: Iterable[str],
+) -> list[str]:
+    """What does not fit into the series of a case; nothing where its Lyapunov time is computed.
+
+    Parameters
+    ----------
+    config
+        The whole configuration.
+    name, case
+        The case.
+    kinds, validations
+        Kinds of its forecasters, and validation strategies of its networks.
+    """
+    ensemble, exponent = case.ensemble, case.lyapunov.known_exponent
+    if exponent is None:
+        return []
+    problems: list[str] = []
+
+    @contextmanager
+    def telling(settings: str) -> Iterator[None]:
+        try:
+            yield
+        except ValueError as error:
+            problems.append(f"{settings}: {error}".removeprefix(": "))
+
+    steps = 0
+    with telling("lyapunov.published_exponent"):
+        steps = durations.steps_per_lyapunov_time(exponent, ensemble.sampling_interval)
+    if not steps:
+        return problems
+    # both ends of a series are sampled
+    samples = math.floor(ensemble.duration / ensemble.sampling_interval + 1e-9) + 1
+    counts: dict[str, int] = {}
+    for path in _DURATIONS:
+        with telling(""):
+            counts[path] = durations.positive_steps(attrgetter(path)(config), steps, path)
+    if len(counts) == len(_DURATIONS):
+        washout, classified = counts["washout_lt"], config.classification
+        training, intervals = case.training.series, case.recycle_validation.intervals_per_series
+        validated = min(case.recycle_validation.series, training)  # more are another mistake
+        plan = ValidationPlan(washout, counts["search.interval_lt"], validated, intervals)
+        for validation in dict.fromkeys([*VALIDATED_TOGETHER, *validations]):
+            with telling(_VALIDATION):
+                make_strategy(validation).folds(plan, training, samples)
+        reach_lt = classified.longest_prediction_time_lt + classified.window_lt
+        with telling(_CLASSIFICATION):
+            starting_points(1, samples, 1, washout, durations.steps(reach_lt, steps))
+        with telling(_HORIZON):
+            steps_before_events(samples, counts["horizon.longest_lead_time_lt"], washout)
+    if any("quadratic" in sections_of_kind(kind) for kind in kinds):
+        with telling(""):
+            window_steps(config.forecasters.quadratic.window_lt, steps, samples)
+    for index, block in enumerate(config.control.strategies):
+        if case.actuation is None or (block.cases and name not in block.cases):
+            continue
+        for plan_of_control in block_plans(block):
+            with telling(f"control.strategies[{index}]"):
+                schedule = Schedule(
+                    washout=max(1, durations.steps(config.washout_lt, steps)),
+                    quiet_lt=plan_of_control.quiet_lt,
+                    span_lt=plan_of_control.span_lt or config.control.span_lt,
+                    delay_lt=plan_of_control.delay_lt,
+                    actuation_start_lt=case.actuation.start_lt,
+                    actuation_duration_lt=case.actuation.duration_lt,
+                    steps_per_lyapunov_time=steps,
+                    sampling_stride=ensemble.sampling_stride,
+                    time_step=ensemble.time_step,
+                )
+                settings = dict(plan_of_control.settings)
+                make_control_strategy(plan_of_control.strategy, settings).check(schedule)
+    return list(dict.fromkeys(problems))
+
+
+_DURATIONS = (
+    "washout_lt",
+    "search.interval_lt",
+    "classification.start_spacing_lt",
+    "classification.resolution_lt",
+    "probability.start_spacing_lt",
+    "horizon.longest_lead_time_lt",
+    "horizon.lead_time_step_lt",
+)
+"""Durations of the config that take a step of the network at least."""
+
+_VALIDATION = (
+    "recycle_validation.intervals_per_series, search.interval_lt, washout_lt or ensemble.duration"
+)
+_CLASSIFICATION = (
+    "classification.longest_prediction_time_lt, window_lt, washout_lt or ensemble.duration"
+)
+_HORIZON = "horizon.longest_lead_time_lt, washout_lt or ensemble.duration"

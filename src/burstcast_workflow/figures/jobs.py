@@ -1,0 +1,83 @@
+"""What the one rule of figures asks for each job (`burstcast_workflow.figures.registry`)."""
+
+from typing import Any
+
+from snakemake.io import local
+
+from burstcast.figures.registry import caption
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.figures.registry import (
+    FIGURES,
+    figure_case,
+    files_of,
+    is_of_several_cases,
+    settings_of,
+)
+from burstcast_workflow.harness.settings import THRESHOLDS
+from burstcast_workflow.stages.stages import Stages
+from burstcast_workflow.tables.declarations import SECTIONS
+from burstcast_workflow.tables.registry import table_names, table_of
+from snaketrust.fingerprint import Sources
+
+
+class FigureJobs:
+    """Inputs, parameters and place in the report, by the wildcards of a figure's job.
+
+    Parameters
+    ----------
+    stages
+        Where files lie.
+    sources
+        The code that jobs run.
+    published
+        File of the published values.
+    """
+
+    def __init__(self, stages: Stages, sources: Sources, published: str) -> None:
+        self._stages, self._sources, self._published = stages, sources, published
+        self._campaign = stages.campaign
+
+    def case(self, wildcards: Any) -> str:
+        """The case that a figure shows."""
+        return figure_case(self._campaign, wildcards.figure, wildcards.of_case)
+
+    def files(self, wildcards: Any) -> dict[str, Any]:
+        """What a figure is drawn from."""
+        figure = FIGURES[wildcards.figure]
+        paths = files_of(self._campaign, figure, self.case(wildcards))
+        found: dict[str, Any] = {
+            name: self._stages.in_results(path) for name, path in paths.items()
+        }
+        if self._stages.has_quantiles:
+            found[THRESHOLDS] = self._stages.thresholds_of(self.settings(wildcards))
+        if figure.published and self._campaign.config.figures.published_overlay:
+            found["published"] = local(self._published)
+        return found
+
+    def settings(self, wildcards: Any) -> Any:
+        """Settings of a figure."""
+        return settings_of(self._campaign, FIGURES[wildcards.figure], self.case(wildcards))
+
+    def code(self, wildcards: Any) -> list[str]:
+        """Code that draws a figure: the script of all figures, and the figure's own module."""
+        modules = self._campaign.modules({"case": self.case(wildcards)})
+        found = {**modules, "burstcast.figures": [wildcards.figure]}
+        return self._sources.fingerprint("figures/figure.py", found)
+
+    def category(self, wildcards: Any) -> str:
+        """Section of the report that a figure stands in."""
+        return SECTIONS[FIGURES[wildcards.figure].section]
+
+    def labels(self, wildcards: Any) -> dict[str, str]:
+        """What the report calls a figure: its name, and the case, which is a switch there."""
+        several = is_of_several_cases(FIGURES[wildcards.figure])
+        case = "several" if several else self.case(wildcards)
+        return {"figure": wildcards.figure, "case": case}
+
+
+def captions(campaign: Campaign) -> dict[str, dict[str, str]]:
+    """What figures and tables show, by their names, as the report asks for it."""
+    return {
+        "figures": {name: caption(name) for name in FIGURES},
+        "tables": {name: table_of(name).says for name in table_names(campaign)},
+    }

@@ -1,0 +1,345 @@
+"""What figures declare by name: the places of files, the choices of cases, what is to be shown.
+
+A figure is a module of `burstcast.figures`, which declares what it is made of
+(`burstcast.figures.registry.Declaration`). One rule makes all of them
+(``workflow/rules/figures.smk``).
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from burstcast.discovery import suggestion
+from burstcast.figures.registry import Declaration, available_figures, declaration
+from burstcast.systems.state_space import StateSpace
+from burstcast_workflow.campaign.alarm_sources import shown_voters
+from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
+from burstcast_workflow.config.measured_cases import OBSERVABLE, space_of
+from burstcast_workflow.tables.declarations import SECTIONS
+
+Value = TypeVar("Value")
+
+
+def _declared() -> dict[str, Declaration]:
+    figures = {name: declaration(name) for name in available_figures()}
+
+    def place(name: str) -> tuple[str, int]:
+        return _named(SECTIONS, figures[name].section, "section"), figures[name].position
+
+    return {name: figures[name] for name in sorted(figures, key=place)}
+
+
+# -- what figures choose of the campaign -----------------------------------------------------------
+
+
+def _reynolds_cases(campaign: Campaign) -> list[str]:
+    """One case for each Reynolds number that has networks of the size that is held fixed."""
+    cases: dict[float, str] = {}
+    for one in campaign.select(neurons=campaign.config.figures.fixed_neurons):
+        reynolds = campaign.reynolds(one.case)
+        if reynolds is not None:
+            cases.setdefault(reynolds, one.case)
+    return list(cases.values())
+
+
+def long_term_candidates(campaign: Campaign, case: str) -> list[CaseForecaster]:
+    """Networks of a case, the best of which stands for all where only one can be shown."""
+    size = campaign.config.figures.fixed_neurons
+    networks = [
+        one
+        for one in campaign.long_term_forecasters
+        if one.case == case and one.name.neurons == size
+    ]
+    example = campaign.example.name.validation
+    strategies = {str(one.name.validation) for one in networks}
+    shown = example if example in strategies else min(strategies, default=example)
+    return [one for one in networks if one.name.validation == shown]
+
+
+def _by_network(run: ControlRun) -> bool:
+    return run.controller.kind == "esn" and run.controller.role is None
+
+
+def _network_runs(campaign: Campaign) -> list[ControlRun]:
+    """The paper's control by networks."""
+    return [run for run in campaign.control_runs if _by_network(run)]
+
+
+def control_example(campaign: Campaign) -> ControlRun | None:
+    """Run of control that the figures of one event are taken from; None if there is none.
+
+    The example's network, or else the first one that controls so far ahead.
+    """
+    time = campaign.config.figures.control_prediction_time_lt
+    runs = [run for run in _network_runs(campaign) if run.prediction_time_lt == time]
+    example = campaign.example
+    own = [run for run in runs if (run.case, run.controller) == (example.case, example.name)]
+    return next(iter([*own, *runs]), None)
+
+
+def _control_kind(campaign: Campaign, case: str) -> dict[str, Any]:
+    """Size and validation strategy that the figures of control show for a case."""
+    names = [run.controller for run in _network_runs(campaign) if run.case == case]
+    kinds = [{"neurons": name.neurons, "validation": name.validation} for name in names]
+    wanted = {
+        "neurons": campaign.config.figures.fixed_neurons,
+        "validation": campaign.example.name.validation,
+    }
+    return wanted if wanted in kinds else kinds[0]
+
+
+def _controlled_cases(campaign: Campaign, case: str) -> list[str]:
+    """All controlled cases of a case's system."""
+    system = campaign.cases[case].system
+    return [one for one in _controlled(campaign) if campaign.cases[one].system == system]
+
+
+def _panels(campaign: Campaign, case: str) -> list[dict[str, Any]]:
+    """Event threshold of each controlled case, and the kind of networks that are shown."""
+    path = "case.event_threshold"
+    return [
+        {
+            "case": other,
+            "event_threshold": campaign.settings([path], {"case": other}, {})[path],
+            **_control_kind(campaign, other),
+        }
+        for other in _controlled_cases(campaign, case)
+    ]
+
+
+def _frontier_network(campaign: Campaign, case: str) -> dict[str, Any] | None:
+    """Network whose control by all strategies is shown: the example's, or else the first one."""
+    names = [
+        run.controller for run in campaign.strategy_runs if run.case == case and _by_network(run)
+    ]
+    name = next((name for name in names if name == campaign.example.name), next(iter(names), None))
+    return None if name is None else name.keys
+
+
+def _observed(campaign: Campaign, case: str) -> dict[str, int]:
+    """How many components are observed beside the observable, in a case and in its parts.
+
+    Parts whose past is seen, too, are others.
+    """
+    parts = {
+        part: sum(name != OBSERVABLE for name in campaign.data(part).components)
+        for part in campaign.measured_cases
+        if campaign.source_case(part) == case and not campaign.data(part).delays
+    }
+    return {case: campaign.dimension(case), **parts} if parts else {}
+
+
+def _strategies(campaign: Campaign, case: str) -> list[str]:
+    names = {one.name.validation for one in campaign.networks if one.case == case}
+    return sorted((str(name) for name in names), reverse=True)
+
+
+def _with_other_strategies(campaign: Campaign, case: str) -> list[str]:
+    name = campaign.example.name
+    networks = campaign.select(case=case, kind="esn", neurons=name.neurons, seed=name.seed)
+    return [one.directory for one in networks]
+
+
+def _space(campaign: Campaign, case: str) -> StateSpace:
+    space = space_of(campaign.cases[case])
+    assert space is not None
+    return space
+
+
+def _suppressed_event(campaign: Campaign, case: str) -> str:
+    run = control_example(campaign)
+    assert run is not None
+    return f"{run.directory}/suppressed_event.nc"
+
+
+# Places of inputs: directories or files below the results directory, lists where there are several.
+_PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
+    "case": lambda campaign, case: case,
+    # the file of the computed exponents, if they are the unit of time
+    "time_unit": Campaign.time_unit,
+    "example": lambda campaign, case: campaign.example.directory,
+    "example_hyperparameters": lambda campaign, case: (
+        f"{campaign.example.directory}/{campaign.hyperparameters_file}"
+    ),
+    # networks that differ from the example in the validation strategy only
+    "example_strategies": _with_other_strategies,
+    # networks the best of which is shown
+    "long_term_networks": lambda campaign, case: [
+        one.directory for one in long_term_candidates(campaign, case)
+    ],
+    "suppressed_event": _suppressed_event,
+    "reynolds_cases": lambda campaign, case: _reynolds_cases(campaign),
+    "controlled_cases": _controlled_cases,
+    # a case and those that are parts of it
+    "parts": lambda campaign, case: list(_observed(campaign, case)),
+}
+_OF_SEVERAL_CASES = ("reynolds_cases", "controlled_cases", "parts")
+
+# Settings that are not in the config, by what follows ``shown.``
+_SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
+    "symbol": lambda campaign, case: _space(campaign, case).observable_symbol,
+    "observable_name": lambda campaign, case: _space(campaign, case).observable_name,
+    "dimension": lambda campaign, case: _space(campaign, case).dimension,
+    "neurons": lambda campaign, case: campaign.example.name.neurons,
+    "validation": lambda campaign, case: campaign.example.name.validation,
+    "observed": _observed,
+    "strategies": _strategies,
+    "control_prediction_time_lt": lambda campaign, case: getattr(
+        control_example(campaign), "prediction_time_lt", None
+    ),
+    "control_networks": _control_kind,
+    "frontier_network": _frontier_network,
+    "panels": _panels,
+}
+
+
+# -- for which cases a figure is made: the first of them has the plain name ------------------------
+
+
+def _example(campaign: Campaign) -> list[str]:
+    return [campaign.example.case]
+
+
+def _every(campaign: Campaign) -> list[str]:
+    """All cases, the example's first."""
+    return list(dict.fromkeys([campaign.example.case, *campaign.case_names]))
+
+
+def _with_sizes(campaign: Campaign) -> list[str]:
+    """The example's, and others with networks of several sizes."""
+    sizes = {
+        case: {one.name.neurons for one in campaign.networks if one.case == case}
+        for case in _every(campaign)
+    }
+    return [case for case in sizes if case == campaign.example.case or len(sizes[case]) > 1]
+
+
+def _with_reynolds(campaign: Campaign) -> list[str]:
+    return _example(campaign) if len(_reynolds_cases(campaign)) > 1 else []
+
+
+def _with_committees(campaign: Campaign) -> list[str]:
+    return [case for case in _example(campaign) if shown_voters(campaign, case)]
+
+
+def _with_parts(campaign: Campaign) -> list[str]:
+    """Cases that others are parts of."""
+    return [case for case in _every(campaign) if _observed(campaign, case)]
+
+
+def _with_long_term(campaign: Campaign) -> list[str]:
+    return [case for case in _every(campaign) if long_term_candidates(campaign, case)]
+
+
+def _with_spectrum(campaign: Campaign) -> list[str]:
+    cases = {one.case for one in campaign.spectrum_forecasters} & {*campaign.simulated_cases}
+    return [case for case in _with_long_term(campaign) if case in cases]
+
+
+def _control_example(campaign: Campaign) -> list[str]:
+    run = control_example(campaign)
+    return [] if run is None else [run.case]
+
+
+def _controlled(campaign: Campaign) -> list[str]:
+    """Cases that networks control, the example's first if it is one of them."""
+    cases = dict.fromkeys(run.case for run in _network_runs(campaign))
+    return sorted(cases, key=lambda case: case != campaign.example.case)
+
+
+def _controlled_systems(campaign: Campaign) -> list[str]:
+    """One controlled case of each system: a figure shows all cases of a system."""
+    first: dict[str, str] = {}
+    for case in _controlled(campaign):
+        first.setdefault(campaign.cases[case].system, case)
+    return list(first.values())
+
+
+def _with_frontier(campaign: Campaign) -> list[str]:
+    """Cases that are controlled in other ways than the paper's, too, the example's first."""
+    own = set(campaign.control_runs)
+    cases = {run.case for run in campaign.strategy_runs if run not in own}
+    return [case for case in _every(campaign) if case in cases]
+
+
+CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
+    "example": _example,
+    "every": _every,
+    "several_sizes": _with_sizes,
+    "several_reynolds": _with_reynolds,
+    "committees": _with_committees,
+    "parts": _with_parts,
+    "long_term": _with_long_term,
+    "spectrum": _with_spectrum,
+    "control_example": _control_example,
+    "controlled": _controlled,
+    "controlled_systems": _controlled_systems,
+    "other_control": _with_frontier,
+}
+"""Choices of cases by name."""
+
+
+# -- what the rule asks for ------------------------------------------------------------------------
+
+
+def cases_of(campaign: Campaign, figure: Declaration) -> list[str]:
+    """Cases that a figure is made for."""
+    cases = _named(CASES, figure.cases, "choice of cases")(campaign)
+    return [case for case in cases if not figure.only_flows or campaign.has_flow(case)]
+
+
+def files_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str, str | list[str]]:
+    """Inputs of a figure by name, below the results directory."""
+    return {name: _paths(place, campaign, case) for name, place in figure.inputs.items()}
+
+
+def settings_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str, Any]:
+    """Settings of a figure by path."""
+    paths = set(figure.settings.values())
+    shown = {path: path.removeprefix("shown.") for path in paths if path.startswith("shown.")}
+    values = {
+        path: _named(_SHOWN, name, "setting to show")(campaign, case)
+        for path, name in shown.items()
+    }
+    return campaign.settings(sorted(paths - shown.keys()), {"case": case}, values)
+
+
+def is_of_several_cases(figure: Declaration) -> bool:
+    """Whether a figure shows more than one case."""
+    return any(place.partition("/")[0] in _OF_SEVERAL_CASES for place in figure.inputs.values())
+
+
+def figure_case(campaign: Campaign, name: str, suffix: str) -> str:
+    """Case that a figure shows: that of its name's end, or the first that it is made for."""
+    if suffix:
+        return suffix.removeprefix("_")
+    return next(iter(cases_of(campaign, FIGURES[name])), campaign.example.case)
+
+
+def figure_names(campaign: Campaign) -> list[str]:
+    """Names of all figures of a campaign."""
+    return [
+        name if index == 0 else f"{name}_{case}"
+        for name, figure in FIGURES.items()
+        for index, case in enumerate(dict.fromkeys(cases_of(campaign, figure)))
+    ]
+
+
+def _paths(place: str, campaign: Campaign, case: str) -> str | list[str]:
+    name, slash, file = place.partition(":")[0].partition("/")
+    found = _named(_PLACES, name, "place")(campaign, case)
+    if isinstance(found, str):
+        return f"{found}{slash}{file}"
+    return [f"{directory}{slash}{file}" for directory in found]
+
+
+def _named(known: Mapping[str, Value], name: str, what: str) -> Value:
+    if name not in known:
+        raise ValueError(
+            f"a figure declares the {what} {name!r}{suggestion(name, known)}; known are "
+            f"{', '.join(known)}"
+        )
+    return known[name]
+
+
+FIGURES: Mapping[str, Declaration] = _declared()
+"""Declarations of all figures by name, in the order of the report."""

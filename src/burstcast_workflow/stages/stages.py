@@ -1,0 +1,270 @@
+"""What stages are made from and need: functions of a job's wildcards, which Snakemake asks."""
+
+import inspect
+import re
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from functools import cached_property
+from typing import Any, TypeAlias
+
+from snakemake.io import local
+
+from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
+from burstcast_workflow.campaign.identifiers import parsed, realisation_of
+from burstcast_workflow.config.measured_cases import data_files
+from burstcast_workflow.costs.model import CostModel
+from burstcast_workflow.harness.settings import THRESHOLDS, cases_of_thresholds
+from burstcast_workflow.tables.registry import cases_of
+from snaketrust.fingerprint import Sources
+
+Paths: TypeAlias = str | list[str]
+OfJob: TypeAlias = Callable[..., Any]
+"""A function of a job's wildcards."""
+
+
+InCase: TypeAlias = CaseForecaster | ControlRun
+"""What belongs to a case, and has files in a directory."""
+
+Chosen: TypeAlias = Sequence[InCase] | Callable[[Campaign, str], Iterable[InCase]]
+
+
+def of_job(function: OfJob) -> OfJob:
+    """Keep the signature of a function of a job.
+
+    Snakemake asks for it several times for each job, and working it out takes longer than calling
+    the function: a tenth of the time of planning.
+    """
+    function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    return function
+
+
+def _once(function: OfJob) -> OfJob:
+    """A function of a job that is called once for all networks that differ in size and seed.
+
+    Neither settings nor code depend on these, and a campaign has hundreds of such networks.
+    """
+    known: dict[tuple[object, ...], Any] = {}
+
+    @of_job
+    def found(wildcards: Any) -> Any:
+        names: dict[str, object] = dict(wildcards.items())
+        for key in {"forecaster", "controller"} & names.keys():
+            name = parsed(str(names[key]))
+            names[key] = (name.kind, name.validation, name.role)
+        names.pop("reservoir", None)
+        about = tuple(names.values())
+        if about not in known:
+            known[about] = function(wildcards)
+        return known[about]
+
+    return found
+
+
+def one_of(names: Iterable[str]) -> str:
+    """Regular expression of a wildcard that is one of these names."""
+    return "|".join(map(re.escape, names)) or "(?!)"
+
+
+class Stages:
+    """Files, settings, code and resources of stages.
+
+    Parameters
+    ----------
+    campaign
+        Who is in it.
+    sources
+        The code that jobs run.
+    costs
+        What stages take.
+    """
+
+    def __init__(self, campaign: Campaign, sources: Sources, costs: CostModel) -> None:
+        self.campaign, self._sources, self._costs = campaign, sources, costs
+        self.results: str = campaign.config.results
+        # Outputs of stages by the name of the script's argument; several make a name ambiguous. A
+        # function is asked for each job, which takes time: not for the unit of time where all
+        # exponents are published.
+        self._files: dict[str, list[Any]] = {"time_unit": [[]]}
+        if any(map(campaign.time_unit, campaign.cases)):
+            self._files["time_unit"] = [
+                of_job(lambda wildcards: self.in_results(campaign.time_unit(wildcards.case)))
+            ]
+
+    # -- files -------------------------------------------------------------------------------------
+
+    def in_results(self, paths: str | Iterable[str]) -> Paths:
+        """Paths below the results directory, or one of them."""
+        if isinstance(paths, str):
+            return f"{self.results}/{paths}"
+        return [f"{self.results}/{path}" for path in paths]
+
+    def of_cases(self, name: str, cases: Iterable[str] | None = None) -> Paths:
+        """The file called ``name`` of every case, of the whole campaign unless told otherwise."""
+        cases = self.campaign.case_names if cases is None else cases
+        return self.in_results(f"{case}/{name}" for case in cases)
+
+    def of_forecasters(self, name: str, forecasters: Iterable[InCase] | None = None) -> Paths:
+        """The file called ``name`` of every forecaster, or of every run of control.
+
+        They are the forecasters of the whole campaign unless told otherwise.
+        """
+        forecasters = self.campaign.forecasters if forecasters is None else forecasters
+        return self.in_results(f"{one.directory}/{name}" for one in forecasters)
+
+    def made(self, outputs: Mapping[str, str]) -> None:
+        """Register a stage's outputs by name. A name of two different files is ambiguous."""
+        for name, path in outputs.items():
+            paths = self._files.setdefault(name, [])
+            if path not in paths:
+                paths.append(path)
+
+    def files(self, names: str) -> dict[str, Any]:
+        """Outputs of earlier stages by name: inputs of a stage.
+
+        Raises
+        ------
+        ValueError
+            If a name is ambiguous, or if no earlier stage has an output of that name.
+        """
+        return {name: self._file(name) for name in names.split()}
+
+    def _file(self, name: str) -> Any:
+        paths = self._files.get(name, [])
+        if len(paths) != 1:
+            found = f"is ambiguous: {' and '.join(paths)}" if paths else "is no output so far"
+            raise ValueError(f"files: {name} {found}; give the path of the file instead")
+        return paths[0]
+
+    def files_in_case(self, name: str, chosen: Chosen | None = None) -> OfJob:
+        """The file called ``name`` of forecasters, or runs of control, of a job's case."""
+        chosen = self.campaign.forecasters if chosen is None else chosen
+
+        @of_job
+        def found(wildcards: Any) -> Any:
+            case = wildcards.case
+            if callable(chosen):
+                return self.of_forecasters(name, chosen(self.campaign, case))
+            return self.of_forecasters(name, [one for one in chosen if one.case == case])
+
+        return found
+
+    def file_of_case(self, name: str, cases: Container[str]) -> OfJob:
+        """The file called ``name`` of a job's case; nothing if the case is none of ``cases``."""
+        return of_job(
+            lambda wildcards: (
+                self.in_results(f"{wildcards.case}/{name}") if wildcards.case in cases else []
+            )
+        )
+
+    def tables_of_case(self, names: str) -> dict[str, OfJob]:
+        """Tables of a job's case, by their names; nothing for those that it does not have."""
+        return {
+            name: self.file_of_case(f"tables/{name}.csv", cases_of(self.campaign, name))
+            for name in names.split()
+        }
+
+    def of_case(self, function: Callable[[Campaign, str], Any]) -> OfJob:
+        """``function`` of the campaign and a job's case."""
+        return of_job(lambda wildcards: function(self.campaign, wildcards.case))
+
+    def scan_of_network(self, suffix: str) -> OfJob:
+        """A file of the scan that a network's search goes on from."""
+
+        @of_job
+        def path(wildcards: Any) -> Paths:
+            reservoir, strategies = self.campaign.scan_of(wildcards.forecaster)
+            return self.in_results(f"{wildcards.case}/scan/{reservoir}-{strategies}.{suffix}")
+
+        return path
+
+    def ensemble_of_source(self, wildcards: Any) -> Paths:
+        """The ensemble that a case of other training series takes its series from."""
+        return self.in_results(f"{realisation_of(wildcards.case)[0]}/ensemble.nc")
+
+    def sources_of_data(self, wildcards: Any) -> Any:
+        """Files that the measured series of a case come in."""
+        data = self.campaign.data(wildcards.case)
+        if data.case is not None:
+            return [self.in_results(f"{data.case}/ensemble.nc")]
+        return [local(path) for path in data_files(data)]
+
+    def controlling(self, wildcards: Any) -> Paths:
+        """Forecasters that the controller of a job asks."""
+        asked = self.campaign.controlling(wildcards.case, wildcards.controller)
+        return self.of_forecasters("forecaster.nc", asked)
+
+    def matched_counts(self, wildcards: Any) -> Paths:
+        """Counts of the forecaster's own control, as often as which random alarms are raised."""
+        forecaster, _, role = wildcards.controller.rpartition("-")
+        own = f"{wildcards.case}/control/{forecaster}/{wildcards.strategy}/counts.json"
+        return self.in_results(own if role == "random" else [])
+
+    # -- event thresholds --------------------------------------------------------------------------
+
+    @cached_property
+    def has_quantiles(self) -> bool:
+        """Whether a threshold is a quantile. Settings of all jobs are gone through only then."""
+        of_case = self.campaign.event_quantile
+        return any(of_case(case) is not None for case in self.campaign.cases)
+
+    def thresholds_of(self, settings: Any) -> Paths:
+        """Files of the event thresholds that settings of a job only know as quantiles."""
+        return self.of_cases("event_threshold.json", cases_of_thresholds(settings))
+
+    def with_thresholds(self, inputs: Mapping[str, Any], settings: OfJob) -> dict[str, Any]:
+        """Inputs of a stage, with thresholds that its settings only know as quantiles."""
+        if not self.has_quantiles:
+            return dict(inputs)
+        thresholds = of_job(lambda wildcards: self.thresholds_of(settings(wildcards)))
+        return {**inputs, THRESHOLDS: thresholds}
+
+    # -- settings, code and resources --------------------------------------------------------------
+
+    def reads(self, script: str, paths: str = "", **values: Any) -> dict[str, OfJob]:
+        """Parameters of a stage: the settings that its script reads, and the code that it runs.
+
+        Parameters
+        ----------
+        script
+            Below ``workflow/scripts``.
+        paths
+            Of the config, and names of groups of them (`Campaign.settings`).
+        values
+            Given as they are, or by functions of the job's wildcards, without sizes and seeds.
+        """
+        names = paths.split()
+
+        def settings(wildcards: Any) -> Any:
+            found = {
+                name: value(wildcards) if callable(value) else value
+                for name, value in values.items()
+            }
+            return self.campaign.settings(names, wildcards, found)
+
+        def code(wildcards: Any) -> list[str]:
+            return self._sources.fingerprint(script, self.campaign.modules(wildcards))
+
+        return {"settings": _once(settings), "code": _once(code)}
+
+    def needs(self, stage: str, cost_class: str, cached: bool = False) -> dict[str, Any]:
+        """Resources of a stage: what a scheduler is asked for, and whether the cache has its files.
+
+        Parameters
+        ----------
+        stage
+            Its name, whatever the rule is called where this workflow is a module of another.
+        cost_class
+            The class of its work (`burstcast_workflow.costs.model.CLASSES`).
+        cached
+            Whether the cache keeps its results.
+        """
+        self._costs.classes[stage] = cost_class
+
+        @of_job
+        def memory(wildcards: Any, attempt: int) -> int:
+            return self._costs.predicted(cost_class, wildcards).mib_for(attempt)
+
+        @of_job
+        def runtime(wildcards: Any, attempt: int) -> int:
+            return self._costs.predicted(cost_class, wildcards).minutes_for(attempt)
+
+        return {"mem_mb": memory, "runtime": runtime, "cached": int(cached)}

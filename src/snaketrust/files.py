@@ -1,0 +1,60 @@
+"""Files: what is in them, and writing them completely or not at all."""
+
+import hashlib
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+PARTIAL_SUFFIX = ".partial"
+"""End of the names of temporary files."""
+
+
+def digest(path: str | Path) -> str:
+    """SHA-256 of a file's content."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def stamp(path: str) -> list[int]:
+    """State of a file: size, times of the last change of content and of status, inode."""
+    state = os.stat(path)
+    return [state.st_size, state.st_mtime_ns, state.st_ctime_ns, state.st_ino]
+
+
+@contextmanager
+def replaced(path: Path, check: Callable[[], None] | None = None) -> Iterator[Path]:
+    """Yield a temporary path to write to, which becomes ``path`` unless an exception is raised.
+
+    Parameters
+    ----------
+    path
+        The file; its directory is made if it is missing.
+    check
+        Called when the temporary file is complete; it may raise.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.urandom(6).hex()}{PARTIAL_SUFFIX}")
+    try:
+        yield partial
+        if check is not None:
+            check()
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def remove_partial(path: Path) -> None:
+    """Remove the temporary files that killed writers of ``path`` have left behind.
+
+    A writer that is still alive loses its temporary file and fails: the caller takes its place.
+    """
+    for other in [*path.parent.iterdir()]:
+        if other.name.startswith(f".{path.name}.") and other.name.endswith(PARTIAL_SUFFIX):
+            other.unlink(missing_ok=True)
+
+
+def flush(path: Path) -> None:
+    """Have a file written to the disk before what follows."""
+    with path.open("rb") as file:
+        os.fsync(file.fileno())

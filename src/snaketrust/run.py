@@ -1,0 +1,173 @@
+"""The run that a results directory belongs to: the newest.
+
+A workflow that is killed leaves jobs behind that still run, or wait in the queue of a cluster, with
+the settings of their time. Each run therefore writes a claim, ``.run.json`` in the results
+directory, when it starts, and its jobs know its token from an environment variable: a job whose run
+is no longer the newest may not write. This holds on shared file systems, too, and needs no lock: a
+job that was stopped between the look at the claim and its writing cannot write the record of the
+file, too, and a file without its own record is no result (`snaketrust.records`).
+
+The claim also says what was planned: the config, the fingerprints of the code, where the user's own
+modules lie, and the revision of the sources, which the records of results repeat. On a cluster,
+Snakemake reads the workflow anew for every job, but takes the config from there: edits during a
+campaign count at its next run.
+"""
+
+import json
+import os
+import secrets
+import socket
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from snaketrust.files import replaced
+
+VARIABLE = "SNAKETRUST_RUN"
+"""Environment variable that tells jobs which run they belong to: its token and its results."""
+
+CLAIM = ".run.json"
+"""File of the claim, in the results directory."""
+
+
+class OvertakenError(RuntimeError):
+    """Another run has the results directory now."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of the workflow: a token of its own, and where its results are."""
+
+    token: str
+    results: str
+
+    @classmethod
+    def new(cls, results: str) -> "Run":
+        """Make a run. It has nothing yet, and nobody knows it: one may merely plan."""
+        return cls(secrets.token_hex(8), results)
+
+    @classmethod
+    def of_job(cls) -> "Run":
+        """Tell the run that the job of this process belongs to.
+
+        Raises
+        ------
+        OvertakenError
+            If nothing says which it is.
+        """
+        run = cls.current()
+        if run is None:
+            raise OvertakenError(
+                f"the environment variable {VARIABLE} does not reach jobs: let the executor pass "
+                f"on the environment"
+            )
+        return run
+
+    @classmethod
+    def current(cls) -> "Run | None":
+        """Tell the run that this process belongs to; None outside of the workflow."""
+        value = os.environ.get(VARIABLE)
+        return cls(*value.split(" ", 1)) if value else None
+
+    def claim(
+        self,
+        config: Mapping[str, Any],
+        code: Mapping[str, str],
+        directories: Iterable[str] = (),
+        revision: str = "",
+    ) -> None:
+        """Take the results directory, and let the jobs that this process starts know the run.
+
+        Parameters
+        ----------
+        config
+            The whole config, as it was loaded.
+        code
+            Fingerprints of all code, each with the SHA-256 of its bytes.
+        directories
+            Where jobs find modules of the user's own.
+        revision
+            Of the sources.
+
+        Raises
+        ------
+        OvertakenError
+            If a run on this machine that is alive has it.
+        """
+        self.check_idle()
+        host, process = socket.gethostname(), os.getpid()
+        claim = {
+            "token": self.token,
+            "host": host,
+            "process": process,
+            "started": _started(process),
+            "config": config,
+            "code": code,
+            "directories": list(directories),
+            "revision": revision,
+        }
+        with replaced(Path(self.results) / CLAIM) as partial:
+            partial.write_text(json.dumps(claim, indent=1))
+        os.environ[VARIABLE] = f"{self.token} {self.results}"
+
+    def check_idle(self) -> None:
+        """Check that no other run is at work in the results directory, as far as one can see.
+
+        Raises
+        ------
+        OvertakenError
+            If a run on this machine that is alive has it.
+        """
+        found = self._read()
+        other = found.get("process", 0)
+        here = found.get("host") == socket.gethostname() and other != os.getpid()
+        started = found.get("started")  # empty where there is no /proc, and then nothing is known
+        if here and started and _started(other) == started:
+            raise OvertakenError(
+                f"another run, process {other}, is at work in {self.results}: wait for it, or "
+                f"choose another directory (results)"
+            )
+
+    def plan(self) -> dict[str, Any]:
+        """Tell what was planned: the claim with what `claim` has got.
+
+        Raises
+        ------
+        OvertakenError
+            If a newer run has the results directory.
+        """
+        claim = self._read()
+        if claim.get("token") != self.token:
+            by = f"{claim.get('host')}, process {claim.get('process')}" if claim else "nobody"
+            raise OvertakenError(
+                f"{self.results} belongs to a newer run now ({by}): nothing is written for this one"
+            )
+        return claim
+
+    def _read(self) -> dict[str, Any]:
+        try:
+            found = json.loads((Path(self.results) / CLAIM).read_bytes())
+        except (OSError, ValueError, RecursionError):
+            return {}
+        return found if isinstance(found, dict) else {}
+
+
+def check_ownership() -> None:
+    """Check that the run of this process, if there is one, still has its results directory.
+
+    Raises
+    ------
+    OvertakenError
+        If a newer run has it.
+    """
+    if run := Run.current():
+        run.plan()
+
+
+def _started(process: int) -> str:
+    """When a process started, in ticks of the machine's clock; empty if there is none."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[19]
+    except (OSError, IndexError):
+        return ""

@@ -1,0 +1,614 @@
+import importlib
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from forbidden_code import forbidden_imports, forbidden_reads
+from snaketrust.fingerprint import Sources, changed_code
+from snaketrust.project import Project
+
+VERSION = "pack.harness.version"
+
+
+def sources_of(root: Path, own_modules=None) -> Sources:
+    """What is read now: edits are seen by another one."""
+    harness = {"pack.harness": VERSION}
+    return Sources(Project(root, root / "scripts", root / "src", ("pack",), harness), own_modules)
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A project of a script and a few modules, and a function that edits it."""
+
+    def write(name: str, text: str) -> None:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(textwrap.dedent(text))
+
+    for name, text in {
+        "scripts/train.py": "import numpy\nfrom pack.middle import middle\n",
+        "src/pack/__init__.py": "",
+        "src/pack/middle.py": "from pack import deep\ndef middle(): return deep.VALUE\n",
+        "src/pack/deep.py": "VALUE = 1\n",
+        "src/pack/unused.py": "VALUE = 1\n",
+        "src/pack/sub/__init__.py": "",
+        "src/pack/sub/leaf.py": "LEAF = 1\n",
+        "src/pack/systems/__init__.py": "",
+        "src/pack/systems/mfe.py": "import pack.sub.leaf\n",
+    }.items():
+        write(name, text)
+    return write
+
+
+def taken(tmp_path):
+    return dict(entry.split("@") for entry in sources_of(tmp_path).fingerprint("train.py"))
+
+
+def hash_of(text: str, tmp_path) -> str:
+    path = tmp_path / "scripts" / "single.py"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(textwrap.dedent(text))
+    (entry,) = sources_of(tmp_path).fingerprint("single.py")
+    return entry.split("@")[1]
+
+
+def test_closure_follows_imports_and_nothing_else(tmp_path, project):
+    assert list(taken(tmp_path)) == ["pack.deep", "pack.middle", "pack", "train.py"]
+
+
+@pytest.mark.parametrize(
+    ("statement", "expected"),
+    [
+        ("import pack.sub.leaf", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("import pack.sub.leaf as l", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("from pack.sub import leaf", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("from pack.sub.leaf import LEAF", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("def f():\n    from pack.sub import leaf", {"pack", "pack.sub", "pack.sub.leaf"}),
+        ("if False:\n    import pack.unused", {"pack", "pack.unused"}),
+        ("try:\n    import pack.unused\nexcept ImportError: pass", {"pack", "pack.unused"}),
+        ("from pack import deep, unused", {"pack", "pack.deep", "pack.unused"}),
+        ("import neighbour", set()),  # Snakemake runs a copy of the script, elsewhere
+        ("import json, os.path", set()),
+        ("from pack import missing", {"pack"}),
+    ],
+)
+def test_forms_of_import(tmp_path, project, statement, expected):
+    project("scripts/neighbour.py", "X = 1\n")
+    project("scripts/train.py", statement + "\n")
+    assert set(taken(tmp_path)) == expected | {"train.py"}
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "from . import leaf",
+        "from .leaf import LEAF",
+        "from .. import deep",
+        "from ..deep import VALUE",
+        "def f():\n    from ..systems import mfe",
+    ],
+)
+def test_relative_imports(tmp_path, project, statement):
+    project("src/pack/sub/start.py", statement + "\n")
+    project("scripts/train.py", "import pack.sub.start\n")
+    wanted = {"leaf": "pack.sub.leaf", "mfe": "pack.systems.mfe"}
+    target = next((name for key, name in wanted.items() if key in statement), "pack.deep")
+    assert target in taken(tmp_path)
+
+
+def test_relative_import_in_a_package_itself(tmp_path, project):
+    project("src/pack/sub/__init__.py", "from .leaf import LEAF\n")
+    project("scripts/train.py", "import pack.sub\n")
+    assert "pack.sub.leaf" in taken(tmp_path)
+
+
+def test_import_cycles_end(tmp_path, project):
+    project("src/pack/deep.py", "import pack.middle\nVALUE = 1\n")
+    assert "pack.deep" in taken(tmp_path)
+
+
+def test_edit_changes_just_the_edited_module(tmp_path, project):
+    before = taken(tmp_path)
+    project("src/pack/deep.py", "VALUE = 2\n")
+    after = taken(tmp_path)
+    assert [name for name in before if before[name] != after[name]] == ["pack.deep"]
+    project("src/pack/unused.py", "VALUE = 2\n")
+    assert taken(tmp_path) == after
+
+
+def test_callers_cannot_spoil_the_cache(tmp_path, project):
+    sources = sources_of(tmp_path)
+    sources.fingerprint("train.py").clear()
+    assert sources.fingerprint("train.py")
+
+
+CODE = '''
+"""What it does."""
+import math
+
+LIMIT = 10  # a comment
+
+class Thing:
+    """A thing."""
+    size: float = 1.0
+    """Its size."""
+
+    def area(self, factor: float = 2, *, deep=None) -> float:
+        """Area."""
+        if self.size > LIMIT:
+            pass
+        return f"{factor * self.size ** 2:.3f} {deep!r}"
+'''
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("# a comment", "# another"),
+        ('"""What it does."""', '"""Something else."""'),
+        ('"""What it does."""', ""),
+        ('    """A thing."""', "    '''Two\n    lines.'''"),
+        ('    """Its size."""', ""),
+        ('        """Area."""', ""),
+        ("LIMIT = 10", "\n\n\nLIMIT   =   (10)"),
+        ("LIMIT = 10", "LIMIT = 1_0"),
+        (
+            "self, factor: float = 2, *, deep=None",
+            "self,\n        factor: float = 2, *,\n deep=None,",
+        ),
+        (
+            'f"{factor * self.size ** 2:.3f} {deep!r}"',
+            "(f'{factor * self.size ** 2:.3f} '\n            f'{deep!r}')",
+        ),
+    ],
+)
+def test_edits_without_meaning_change_nothing(tmp_path, old, new):
+    assert old in CODE
+    assert hash_of(CODE.replace(old, new), tmp_path) == hash_of(CODE, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("LIMIT = 10", "LIMIT = 11"),
+        ("LIMIT = 10", "LIMIT = 10.0"),
+        ("LIMIT = 10", "LIMIT = '10'"),
+        ("LIMIT = 10", "LIMIT = True"),
+        ("LIMIT = 10", "LIMIT: int = 10"),
+        ("import math", "import math as maths"),
+        ("import math", "from math import pi"),
+        ("import math", ""),
+        ("> LIMIT", ">= LIMIT"),
+        ("** 2", "** -2"),
+        ("** 2", "* 2"),
+        (":.3f", ":.4f"),
+        ("!r}", "!s}"),
+        ("factor: float", "factor: int"),
+        ("deep=None", "deep"),
+        ("deep=None", "deep=0"),
+        ("*, deep", "deep"),
+        ("size: float = 1.0", "size = 1.0"),
+        ("            pass", "            return 0"),
+        ("class Thing:", "class Thing(dict):"),
+        ("class Thing:", "@final\nclass Thing:"),
+        ("self.size ** 2", "self.area ** 2"),
+    ],
+)
+def test_edits_with_meaning_change_the_hash(tmp_path, old, new):
+    assert old in CODE
+    assert hash_of(CODE.replace(old, new), tmp_path) != hash_of(CODE, tmp_path)
+
+
+def test_structure_counts_as_well_as_the_sequence_of_names(tmp_path):
+    pairs = [
+        ("f(a)(b)", "f(a, b)"),
+        ("a - (b - c)", "a - b - c"),
+        ("[[a], b]", "[[a, b]]"),
+        ("if a:\n    b()\nc()", "if a:\n    b()\n    c()"),
+        ("if a:\n    b()\nelse:\n    c()", "if a:\n    b()\n    c()"),
+        ("f(a=b)", "f(b)"),
+        ("{**a}", "{None: a}"),
+        ("x = 'a\\x1fb'", "x = 'a', 'b'"),
+        ("lambda a, b=1: 0", "lambda a=1, b=1: 0"),
+        ("def f(*, a, b=1): f()", "def f(*, a=1, b): f()"),
+    ]
+    for one, other in pairs:
+        assert hash_of(one, tmp_path) != hash_of(other, tmp_path), (one, other)
+
+
+def test_hash_is_the_same_in_every_version_of_python(tmp_path):
+    # computed with Python 3.11; a version with another syntax tree must not rerun whole campaigns.
+    # Python 3.12 has empty text in a nested format specification and fields for type parameters.
+    code = (
+        CODE
+        + """
+def show(value, width, formats):
+    return f"{value:{formats[width]}}" rf"{value!r:>{width}}\\pi" "plain" f"{value=}"
+"""
+    )
+    assert hash_of(code, tmp_path) == "c0ace66b1615"
+
+
+def test_files_are_read_once(tmp_path, project, monkeypatch):
+    sources = sources_of(tmp_path)
+    found = sources.fingerprint("train.py")
+    monkeypatch.setattr(Path, "read_bytes", lambda path: pytest.fail(f"{path} is read again"))
+    assert sources.fingerprint("train.py") == found
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "import importlib",
+        "import importlib.metadata",  # binds importlib, and with it import_module
+        "from importlib import import_module",
+        "def f():\n    import importlib as i",
+        "import json, runpy",
+        "__import__('pack')",
+        "exec('x = 1')",
+        "y = eval",
+        "from pack import *",
+        "from .sub import *",
+    ],
+)
+def test_code_that_imports_do_not_show_is_found(tmp_path, statement):
+    path = tmp_path / "module.py"
+    path.write_text(f"import math\n{statement}\n")
+    (place,) = forbidden_imports(path)
+    assert place.startswith("line ")
+
+
+def test_ordinary_code_is_not_forbidden(tmp_path):
+    path = tmp_path / "module.py"
+    path.write_text(
+        "from importlib.metadata import version\nimport re\nre.compile('x')\nt.eval(1)\n"
+    )
+    assert forbidden_imports(path) == []
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "a = snakemake.config['horizon']",
+        "a = snakemake.wildcards.seed",
+        "a = snakemake.threads",
+        "s = snakemake",
+        "s: object = snakemake",
+        "f(snakemake)",
+        "run_job(snakemake, main)",
+        "getattr(snakemake, 'config')",
+    ],
+)
+def test_reads_that_nothing_tracks_are_found(tmp_path, statement):
+    path = tmp_path / "script.py"
+    path.write_text(f"def main():\n    {statement}\n")
+    assert len(forbidden_reads(path)) == 1
+
+
+def test_ordinary_script_reads_nothing_forbidden(tmp_path):
+    path = tmp_path / "script.py"
+    path.write_text("@job\ndef main(*, settings):\n    pass\n")
+    assert forbidden_reads(path) == []
+
+
+# -- errors, the log, the harness and registries ---------------------------------------------------
+
+SPEAKING = """
+import logging
+logger = logging.getLogger(__name__)
+
+def check(value):
+    logger.info("value %s", value)
+    if value < 0:
+        raise ValueError(f"{value} is negative")
+    try:
+        return 1 / value
+    except ZeroDivisionError as error:
+        logger.warning("no inverse")
+        raise KeyError("zero") from error
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('f"{value} is negative"', '"value must not be negative"'),
+        ('f"{value} is negative"', 'f"{value:.3g} of {len(name)} is", "negative"'),
+        ('KeyError("zero")', 'KeyError("there is no inverse")'),
+        ('logger.info("value %s", value)', 'logger.info("checking")'),
+        ('logger.info("value %s", value)', 'logger.info("a %s", type(value).__name__)'),
+        ('    logger.info("value %s", value)\n', ""),
+        ('logger.warning("no inverse")', 'logger.error("no inverse of %s", value)'),
+    ],
+)
+def test_what_errors_and_the_log_say_changes_nothing(tmp_path, old, new):
+    assert old in SPEAKING
+    assert hash_of(SPEAKING.replace(old, new), tmp_path) == hash_of(SPEAKING, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('raise ValueError(f"', 'raise TypeError(f"'),
+        ('raise KeyError("zero") from error', "raise"),
+        ('raise KeyError("zero") from error', 'return KeyError("zero")'),
+        ('raise ValueError(f"{value} is negative")', "pass"),
+        ("except ZeroDivisionError", "except ValueError"),
+        ("if value < 0", "if value < 1"),
+        ('logger.info("value %s", value)', 'print("value %s", value)'),
+        ('logger.info("value %s", value)', 'value = logger.info("value %s", value)'),
+        ('logger.info("value %s", value)', 'other.info("value %s", value)'),
+        ('logger.info("value %s", value)', 'logger.info("value %s", float(value))'),
+        ('KeyError("zero")', "KeyError(value)"),
+        ("logging.getLogger(__name__)", "recorder()"),
+    ],
+)
+def test_the_kind_of_an_error_and_other_calls_change_the_hash(tmp_path, old, new):
+    assert old in SPEAKING
+    assert hash_of(SPEAKING.replace(old, new), tmp_path) != hash_of(SPEAKING, tmp_path)
+
+
+SHOWN = """
+class Network:
+    def size(self):
+        return 3
+
+def network():
+    return Network()
+"""
+
+
+@pytest.mark.parametrize(
+    ("after", "more"),
+    [
+        ("    return Network()\n", "\ndef __getattr__(name):\n    raise AttributeError(name)\n"),
+        ("    return Network()\n", "\ndef __dir__():\n    return ['network']\n"),
+    ],
+)
+def test_what_only_people_ask_for_changes_nothing(tmp_path, after, more):
+    assert hash_of(SHOWN.replace(after, after + more), tmp_path) == hash_of(SHOWN, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("after", "more"),
+    [
+        ("        return 3\n", "\n    def __getattr__(self, name):\n        return 4\n"),
+        ("        return 3\n", "\n    def __repr__(self):\n        return 'network'\n"),
+        ("        return 3\n", "\n    def __str__(self):\n        return 'network'\n"),
+        ("    return Network()\n", "\ndef __repr__():\n    return 'module'\n"),
+    ],
+)
+def test_what_code_asks_for_counts(tmp_path, after, more):
+    assert hash_of(SHOWN.replace(after, after + more), tmp_path) != hash_of(SHOWN, tmp_path)
+
+
+def test_a_package_may_offer_what_nobody_loads_by_importing_it(tmp_path, project):
+    """The package itself is in each of its modules' fingerprints."""
+    before = taken(tmp_path)
+    text = (tmp_path / "src" / "pack" / "__init__.py").read_text()
+    offered = "\ndef __getattr__(name):\n    import pack.offered\n    return pack.offered\n"
+    project("src/pack/offered.py", "X = 1\n")
+    project("src/pack/__init__.py", f'"""What it is."""\n{text}{offered}')
+    assert taken(tmp_path) == before
+
+
+@pytest.fixture
+def harnessed(project):
+    """The project, with a harness that the script runs in, and two registries."""
+    for name, text in {
+        "src/pack/harness/__init__.py": "",
+        "src/pack/harness/version.py": "VERSION = 1\n",
+        "src/pack/harness/job.py": "import pack.deep\n",
+        "src/pack/systems/registry.py": "",
+        "src/pack/systems/lorenz.py": "X = 1\n",
+        "src/pack/kinds/__init__.py": "",
+        "src/pack/kinds/registry.py": "",
+        "src/pack/kinds/linear.py": "",
+        "scripts/train.py": "from pack.harness.job import run_job\n",
+    }.items():
+        project(name, text)
+    return project
+
+
+def test_of_the_harness_only_the_version_counts(tmp_path, harnessed):
+    before = taken(tmp_path)
+    # nor does what only the harness imports
+    assert set(before) == {"train.py", "pack", VERSION}
+    harnessed("src/pack/harness/job.py", "import pack.middle\nX = 1\n")
+    assert taken(tmp_path) == before
+    harnessed("src/pack/harness/version.py", "VERSION = 2\n")
+    after = taken(tmp_path)
+    assert [name for name in before if before[name] != after[name]] == [VERSION]
+
+
+FOUND = {"pack.systems": ["mfe"], "pack.kinds": ["linear"]}
+
+
+@pytest.mark.parametrize(
+    ("statement", "found"),
+    [
+        ("import pack.deep", set()),
+        ("import pack.systems.registry", {"pack.systems.mfe", "pack.sub", "pack.sub.leaf"}),
+        ("import pack.kinds.registry", {"pack.kinds.linear"}),
+    ],
+)
+def test_registries_add_the_modules_that_a_job_is_about(tmp_path, harnessed, statement, found):
+    harnessed("scripts/train.py", statement + "\n")
+    sources = sources_of(tmp_path)
+    plain, named = (
+        {entry.split("@")[0] for entry in sources.fingerprint("train.py", modules)}
+        for modules in ({}, FOUND)
+    )
+    assert named - plain == found
+    assert plain <= named
+    assert "pack.systems.lorenz" not in named
+
+
+def test_a_module_that_a_registry_does_not_have_is_an_error(tmp_path, harnessed):
+    harnessed("scripts/train.py", "import pack.systems.registry\n")
+    with pytest.raises(FileNotFoundError, match=r"pack\.systems\.rossler"):
+        sources_of(tmp_path).fingerprint("train.py", {"pack.systems": ["rossler"]})
+
+
+# -- modules of a user -----------------------------------------------------------------------------
+
+
+class User:
+    """Two directories that Python finds modules in, and a system of the user's own."""
+
+    def __init__(self, directory):
+        self.project, self.here, self.beside = (
+            directory / name for name in ("project", "user/here", "user/beside")
+        )
+
+    def write(self, path, text):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        importlib.invalidate_caches()  # files that are new within a tick of the clock
+
+    def entries(self, files=None):
+        """Fingerprints of a job that is about the system, and of all code of the plan."""
+        sources = sources_of(self.project, {"flows.system": files})
+        found = sources.fingerprint("job.py", {"pack.systems": ["flows.system:System"]})
+        everything = {*sources.all_code()}
+        assert {entry for entry in found if not entry.startswith(("pack", "job"))} <= everything
+        return dict(entry.rsplit("@", 1) for entry in found)
+
+
+@pytest.fixture
+def user(tmp_path, monkeypatch):
+    user = User(tmp_path)
+    for path, text in {
+        user.project / "src/pack/systems/registry.py": "",
+        user.project / "src/pack/systems/__init__.py": "",
+        user.project / "src/pack/__init__.py": "",
+        user.project / "scripts/job.py": "import pack.systems.registry\n",
+        user.here / "flows/__init__.py": "",
+        user.here / "flows/system.py": "from . import part\nimport scan, numpy, json\n",
+        user.here / "flows/part.py": "X = 1\n",
+        user.here / "flows/table.csv": "1\n",
+        user.here / "scan.py": "X = 1\n",
+        user.beside / "scan.py": "X = 1\n",
+        user.beside / "other.py": "X = 1\n",
+        user.project / "scripts/scan.py": "X = 1\n",
+    }.items():
+        user.write(path, text)
+    for directory in (user.beside, user.here):
+        monkeypatch.syspath_prepend(str(directory))
+    return user
+
+
+PLAIN = {"job.py", "pack", "pack.systems", "pack.systems.registry"}
+OWN = {"flows", "flows.system", "flows.part", "scan"}
+
+
+# What is edited, and what else there is then: each has to change the fingerprint of one module.
+@pytest.mark.parametrize(
+    ("path", "text", "changed"),
+    [
+        ("here/flows/part.py", '"""Words."""\nX = 1\n', {"flows.part"}),
+        ("here/flows/part.py", "X = 1\npass\n", {"flows.part"}),
+        ("here/flows/part.py", "# a comment\nX  =  1\n", set()),
+        ("here/scan.py", "X = 2\n", {"scan"}),  # the first that Python finds
+        ("beside/scan.py", "X = 2\n", set()),
+        ("../project/scripts/scan.py", "X = 2\n", set()),
+        ("here/flows/part/__init__.py", "X = 1\nY = 1\n", {"flows.part"}),  # a package comes first
+        ("here/flows/part.abi3.so", b"\x7fELF", {"flows.part"}),  # and what is compiled
+        ("here/flows/part.pyi", "X: int\n", set()),
+        ("here/flows/unused.py", "X = 1\n", set()),
+        (
+            "here/flows/system.py",
+            "from . import part\nimport other, scan\n",
+            {"flows.system", "other"},
+        ),
+        ("here/flows/table.csv", "2\n", {"file:flows.system:table.csv"}),
+    ],
+)
+def test_all_of_a_users_modules_counts(user, path, text, changed):
+    before = user.entries(["table.csv"])
+    assert set(before) == PLAIN | OWN | {"file:flows.system:table.csv"}
+    user.write(user.here.parent / path, text)
+    after = user.entries(["table.csv"])
+    assert {name for name in after if before.get(name) != after[name]} == changed
+
+
+def test_a_link_counts_as_what_it_leads_to(user):
+    (user.here / "flows/part.py").unlink()
+    (user.here / "flows/part.py").symlink_to(user.beside / "other.py")
+    before = user.entries()
+    user.write(user.beside / "other.py", "X = 2\n")
+    assert before.keys() == user.entries().keys()
+    assert before["flows.part"] != user.entries()["flows.part"]
+
+
+def test_packages_without_a_file_of_their_own_are_followed(user):
+    user.write(user.here / "space/deep/one.py", "import space.deep.two\n")
+    user.write(user.beside / "space/deep/two.py", "X = 1\n")  # the other part of the package
+    user.write(user.here / "scan.py", "import space.deep.one\n")
+    assert set(user.entries()) == PLAIN | OWN | {"space.deep.one", "space.deep.two"}
+
+
+def test_what_a_star_imports_is_followed(user):
+    user.write(user.here / "scan.py", "from stars import *\n")
+    user.write(user.here / "stars/__init__.py", "__all__ = ['a']\n")
+    user.write(user.here / "stars/a.py", "X = 1\n")
+    assert set(user.entries()) == PLAIN | OWN | {"stars", "stars.a"}
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("x = numpy.loadtxt('a.csv')", "line 1: numpy.loadtxt()"),
+        ("with open('a.csv') as f: pass", "line 1: open()"),
+        ("x = (Path(__file__).parent / 'a').read_text()", "line 1: (Path(__file__).parent / 'a')"),
+        ("x = importlib.import_module('a')", "line 1: importlib.import_module()"),
+        ("x = pandas.read_csv('a')", "line 1: pandas.read_csv()"),
+        ("x = importlib.resources.files('a')", "line 1: importlib.resources.files()"),
+        ("import sys; sys.path.append('a')", "line 1: sys.path"),
+        ("x = re.compile('a')", ""),
+        ("x = opened('a')", ""),
+    ],
+)
+def test_what_a_users_module_reads_is_to_be_declared(user, line, said):
+    user.write(user.here / "flows/part.py", line)
+    found = sources_of(user.project, {"flows.system": None}).undeclared()
+    assert {path for path, _ in found} == ({user.here / "flows/part.py"} if said else set())
+    assert [place.startswith(said) for _, place in found] == [True] * bool(said)
+    assert sources_of(user.project, {"flows.system": []}).undeclared() == []
+
+
+# -- in a job --------------------------------------------------------------------------------------
+
+
+def test_a_job_names_the_code_that_is_not_what_was_planned(tmp_path, project, monkeypatch):
+    monkeypatch.syspath_prepend(str(tmp_path / "src"))
+    script, sources = tmp_path / "scripts" / "train.py", sources_of(tmp_path)
+    code, planned = sources.fingerprint("train.py"), sources.all_code()
+
+    def changed(code=code, planned=planned):
+        return changed_code(script, code, planned)
+
+    assert changed() == changed(planned={}) == []
+    project("src/pack/deep.py", "# a comment\nVALUE = 1\n")
+    assert changed() == changed(planned={}) == []
+    project("src/pack/deep.py", "VALUE = 2\n")
+    assert changed() == changed(planned={}) == ["pack.deep"]
+    project("src/pack/deep.py", "VALUE =\n")
+    assert changed() == ["pack.deep"]
+    (tmp_path / "src/pack/deep.py").unlink()
+    assert changed() == ["pack.deep"]
+    # on a cluster fingerprints are taken anew, and agree with the files
+    project("src/pack/deep.py", "VALUE = 2\n")
+    assert changed(sources_of(tmp_path).fingerprint("train.py")) == ["pack.deep"]
+
+
+def test_a_job_sees_the_files_of_a_users_module(user):
+    sources = sources_of(user.project, {"flows.system": ["table.csv"]})
+    code = sources.fingerprint("job.py", {"pack.systems": ["flows.system:System"]})
+    own = [entry for entry in code if not entry.startswith("pack")]
+    script, planned = user.project / "scripts" / "job.py", sources.all_code()
+    assert changed_code(script, own, planned) == []
+    user.write(user.here / "flows/table.csv", "2\n")
+    user.write(user.here / "flows/part.py", "X = 2\n")
+    assert changed_code(script, own, planned) == ["file:flows.system:table.csv", "flows.part"]

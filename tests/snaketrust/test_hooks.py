@@ -1,0 +1,227 @@
+"""What is done to Snakemake, and that Snakemake is still as it is taken for."""
+
+import asyncio
+import inspect
+import io
+import logging
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from snakemake.cli import get_argument_parser
+from snakemake.persistence import PersistenceBase
+from snakemake.scheduling.job_scheduler import JobRateLimiter, JobScheduler
+from snakemake.script import PythonScript
+from snakemake.settings.types import MaxJobsPerTimespan
+from snakemake.workflow import Workflow
+
+from snaketrust import hooks
+from snaketrust.files import digest
+from snaketrust.hooks import FIRST_LINE, HOOKS, UnfitSnakemakeError, install
+from snaketrust.planning import KnownResults
+from snaketrust.records import Records
+from snaketrust.run import VARIABLE
+
+
+def known_as(monkeypatch, name, function):
+    """Let a function of Snakemake be another one."""
+    changed = [hook._replace(own=function) if hook.name == name else hook for hook in hooks.HOOKS]
+    monkeypatch.setattr(hooks, "HOOKS", changed)
+
+
+@pytest.fixture(autouse=True)
+def snakemakes_own(monkeypatch):
+    """Functions of Snakemake are put back after each test."""
+    for hook in HOOKS:
+        monkeypatch.setattr(hook.owner, hook.name, hook.own)
+    monkeypatch.setenv(VARIABLE, "")
+
+
+# -- Snakemake is as it is taken for ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("hook", HOOKS, ids=lambda hook: f"{hook.owner.__name__}.{hook.name}")
+def test_snakemake_has_the_functions_that_are_replaced(hook):
+    assert hook.fits()
+
+
+def test_what_was_recorded_is_asked_of_the_metadata():
+    """All that reruns rest on goes through the function that is replaced."""
+    for name in ("params", "input", "rule", "code", "software_stack_hash", "has_metadata"):
+        assert "self.metadata(" in inspect.getsource(getattr(PersistenceBase, name)), name
+
+
+def test_the_scheduler_is_made_between_planning_and_the_first_job():
+    source = inspect.getsource(Workflow.execute)
+    steps = ["self._build_dag()", "postprocess(", "JobScheduler(", "self.scheduler.schedule()"]
+    places = [source.index(step) for step in steps]
+    assert places == sorted(places)
+
+
+# -- with another release --------------------------------------------------------------------------
+
+
+@pytest.fixture
+def another(monkeypatch, caplog):
+    """Install with some functions that are not as they were; return what is said."""
+
+    def said(*changed: str) -> str:
+        monkeypatch.setattr(hooks, "__version__", "99.0")
+        for name in changed:
+            known_as(monkeypatch, name, lambda self, surprise: None)
+        with caplog.at_level(logging.WARNING):
+            install(KnownResults("results"), print)
+        return caplog.text
+
+    return said
+
+
+def test_a_release_that_was_not_tested_is_told(another):
+    assert "Snakemake 99.0 is none of the tested releases (9.20.0" in another()
+
+
+def test_what_is_not_needed_is_left_out(another):
+    text = another("incomplete", "write_script")
+    assert "another PersistenceBase.incomplete now: such jobs run again" in text
+    assert "tracebacks on the terminal" in text
+    assert (PersistenceBase.incomplete, PythonScript.write_script) == (HOOKS[2].own, HOOKS[3].own)
+
+
+@pytest.mark.parametrize("name", ["metadata", "__init__"])
+def test_without_what_all_rests_on_nothing_starts(another, name):
+    with pytest.raises(UnfitSnakemakeError, match=r"has another .*install one of the releases 9"):
+        another(name)
+
+
+# -- what Snakemake is told of results -------------------------------------------------------------
+
+
+def test_snakemake_is_told_what_records_say(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    source, made, records = Path("series.csv"), Path("results/a.nc"), Records("results")
+    made.parent.mkdir()
+    source.write_text("series")
+    made.write_text("a")
+    inputs = {str(source): digest(source)}
+    records.write([str(made)], {"rule": "train"}, {"seed": 1}, inputs, "results/a.log", 5.0)
+    changed = made.stat().st_mtime
+    install(KnownResults("results"), print)
+
+    def known(path=made):
+        return PersistenceBase.metadata(None, str(path))
+
+    assert known("results/b.nc") is None
+    found = known()
+    assert (found.rule, found.params, found.log) == ("train", ["1"], ["results/a.log"])
+    assert (found.starttime, found.endtime) == pytest.approx((changed - 5, changed), abs=1e-3)
+    assert found.input == ["series.csv"]
+    assert found.input_checksums == {"series.csv": f"sha256:{inputs['series.csv']}"}
+    source.write_text("another")
+    install(KnownResults("results"), print)
+    assert known().input != ["series.csv"]
+    made.write_text("damaged")
+    assert known().params == ["results/a.nc is not what its job wrote"]
+
+
+def test_outputs_without_a_record_are_incomplete(tmp_path, monkeypatch):
+    """Of those that Snakemake marked; one of an earlier run that has its record is whole."""
+    made = [tmp_path / "results" / f"{name}.nc" for name in ("whole", "half", "missing")]
+
+    async def marked(self, job):
+        return [str(path) for path in made]
+
+    known_as(monkeypatch, "incomplete", marked)
+    made[0].parent.mkdir()
+    for path in made[:2]:
+        path.write_text("content")
+    records = Records(str(tmp_path / "results"))
+    records.write([str(made[0])], {"rule": "train"}, {}, {}, "a.log", 1.0)
+    install(KnownResults(str(tmp_path / "results")), print)
+    found = asyncio.run(PersistenceBase.incomplete(None, None))
+    assert found == [str(path) for path in made[1:]]
+
+
+# -- when planning is over -------------------------------------------------------------------------
+
+
+def limit_left(monkeypatch, limit, local=True):
+    """Limit that a scheduler keeps."""
+    told = []
+
+    def make(self, workflow, executor_plugin, scheduler, greedy_scheduler_settings):
+        assert told == [workflow]
+        self.job_rate_limiter = limit and JobRateLimiter(limit)
+
+    known_as(monkeypatch, "__init__", make)
+    install(KnownResults("results"), told.append)
+    workflow = SimpleNamespace(local_exec=local)
+    return JobScheduler(workflow, "plugin", "scheduler", "greedy").job_rate_limiter
+
+
+@pytest.fixture
+def default():
+    """What Snakemake's command line has where nobody says otherwise."""
+    text = get_argument_parser().get_default("max_jobs_per_timespan")
+    return MaxJobsPerTimespan.parse_choice(text)
+
+
+def test_jobs_of_this_machine_start_at_once(monkeypatch, default):
+    assert limit_left(monkeypatch, default) is None
+    assert limit_left(monkeypatch, None) is None
+
+
+def test_a_cluster_is_not_flooded(monkeypatch, default):
+    assert limit_left(monkeypatch, default, local=False).max_jobs == default.max_jobs
+
+
+def test_a_limit_that_was_set_is_kept(monkeypatch):
+    limit = MaxJobsPerTimespan.parse_choice("60/1m")
+    assert limit_left(monkeypatch, limit).max_jobs == 60
+
+
+# -- an interruption that meets a job while it imports ---------------------------------------------
+
+WAITS = "import sys, time; print('ready', flush=True); time.sleep(60)"
+
+
+def interrupted(first_line, patience=20.0, disposition=signal.SIG_DFL):
+    """Status of a Python process that SIGINT meets, None if it goes on; and what it says.
+
+    What runs in a shell's background ignores SIGINT, and hands that on: so the process is told.
+    """
+    process = subprocess.Popen(
+        [sys.executable, "-c", first_line + WAITS],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, disposition),
+    )
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGINT)
+    try:
+        status = process.wait(patience)
+    except subprocess.TimeoutExpired:
+        status = None
+    process.kill()
+    return status, process.communicate()[1]
+
+
+def test_a_process_ends_at_once_and_says_nothing():
+    assert interrupted(FIRST_LINE.decode()) == (-signal.SIGINT, "")
+    assert "KeyboardInterrupt" in interrupted("")[1]
+
+
+def test_an_interruption_that_is_ignored_stays_so():
+    assert interrupted(FIRST_LINE.decode(), 0.5, signal.SIG_IGN) == (None, "")
+
+
+def test_scripts_of_snakemake_begin_with_it():
+    install(KnownResults("results"), print)
+    script = PythonScript.__new__(PythonScript)
+    script.source = "print(1)"
+    file = io.BytesIO()
+    script.write_script("preamble\n", file)
+    assert file.getvalue() == FIRST_LINE + b"preamble\nprint(1)"

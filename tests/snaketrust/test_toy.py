@@ -1,0 +1,227 @@
+"""A workflow of another project, run where burstcast cannot be imported."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+import snaketrust
+
+HERE = Path(__file__).parent
+BLOCK = """
+import sys
+for name in ("burstcast", "burstcast_workflow"):
+    sys.modules[name] = None
+"""
+OPTIONS = ("--cores", "1", "--rerun-triggers", "mtime", "params", "input", "software-env")
+
+
+class Toy:
+    """A copy of the toy, and what Snakemake does in it."""
+
+    def __init__(self, directory):
+        self.directory = directory / "toy"
+        shutil.copytree(HERE / "toy", self.directory)
+        place = directory / "path"
+        place.mkdir()
+        (place / "sitecustomize.py").write_text(BLOCK)
+        (place / "snaketrust").symlink_to(Path(snaketrust.__path__[0]))
+        path = f"{place}{os.pathsep}{self.directory / 'lib'}"
+        self.environment = {**os.environ, "PYTHONPATH": path, "SNAKETRUST_RUN": ""}
+
+    def run(self, *arguments, fails=False, **variables):
+        """Rules of the jobs that ran, with their numbers; what is said, where the run fails."""
+        done = subprocess.run(
+            [sys.executable, "-m", "snakemake", *OPTIONS, *arguments],
+            cwd=self.directory,
+            env={**self.environment, **variables},
+            capture_output=True,
+            text=True,
+        )
+        said = done.stdout + done.stderr
+        assert (done.returncode != 0) == fails, said
+        if fails:
+            return said
+        return Counter(
+            line.split()[1].rstrip(":")
+            for line in said.splitlines()
+            if line.startswith(("rule ", "localrule "))
+        )
+
+    def edit(self, name, old, new):
+        path = self.directory / name
+        text = path.read_text()
+        assert old in text
+        path.write_text(text.replace(old, new))
+
+    def total(self):
+        return int((self.directory / "results" / "total.txt").read_text())
+
+
+EVERYTHING = {"draw": 2, "double": 2, "total": 1}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The toy, run once."""
+    toy = Toy(tmp_path_factory.mktemp("made"))
+    assert toy.run() == EVERYTHING
+    assert toy.total() == 6
+    return toy
+
+
+@pytest.fixture
+def toy(made, tmp_path):
+    """A copy of the toy that was run, in another directory."""
+    copy = Toy(tmp_path)
+    shutil.rmtree(copy.directory)
+    shutil.copytree(made.directory, copy.directory)
+    return copy
+
+
+def test_what_is_finished_stays(toy):
+    assert toy.run() == {}
+    shutil.rmtree(toy.directory / ".snakemake")  # the records belong to the results
+    assert toy.run() == {}
+
+
+@pytest.mark.parametrize(
+    ("path", "old", "new", "jobs", "total"),
+    [
+        ("lib/toy/scaling.py", "number * factor", "number + factor", {"double": 2, "total": 1}, 7),
+        ("lib/toy/texts.py", "{number}", "{number + 1}", EVERYTHING, 10),
+        ("lib/toy/texts.py", "Text of", "Words for", {}, 6),
+        ("lib/toy/scaling.py", "    return", "    # a comment\n    return", {}, 6),
+        ("scripts/total.py", "sum(", "10 * sum(", {"total": 1}, 60),
+        ("config.yaml", "two: 2", "two: 5", {"draw": 1, "double": 1, "total": 1}, 12),
+        ("config.yaml", "factor: 2", "factor: 3", {"double": 2, "total": 1}, 9),
+    ],
+)
+def test_an_edit_runs_the_jobs_that_use_it(toy, path, old, new, jobs, total):
+    toy.edit(path, old, new)
+    assert toy.run() == jobs
+    assert toy.total() == total
+    assert toy.run() == {}
+
+
+def test_a_damaged_result_is_made_again(toy):
+    result = toy.directory / "results" / "doubled" / "one.txt"
+    state = result.stat()
+    result.write_text("7\n")
+    os.utime(result, ns=(state.st_atime_ns, state.st_mtime_ns))  # same size, same time
+    assert toy.run() == {"double": 1, "total": 1}
+    assert toy.total() == 6
+
+
+def test_results_that_were_exchanged_are_made_again(toy):
+    one, two = (toy.directory / "results" / "drawn" / f"{name}.txt" for name in ("one", "two"))
+    one.rename(one.with_suffix(".txt.x"))
+    two.rename(one)
+    one.with_suffix(".txt.x").rename(two)
+    assert toy.run() == EVERYTHING
+    assert toy.total() == 6
+
+
+def test_a_deleted_intermediate_stays_away_until_it_is_needed(toy):
+    drawn = toy.directory / "results" / "drawn" / "one.txt"
+    drawn.unlink()
+    assert toy.run() == {}
+    assert not drawn.exists()
+    toy.edit("config.yaml", "one: 1", "one: 4")
+    assert toy.run() == {"draw": 1, "double": 1, "total": 1}
+    assert toy.total() == 12
+
+
+def test_results_without_a_record_are_none(toy):
+    (toy.directory / "results" / ".records" / "total.txt.json").unlink()
+    assert toy.run() == {"total": 1}
+
+
+def test_results_may_be_moved(toy):
+    (toy.directory / "results").rename(toy.directory / "moved")
+    toy.edit("config.yaml", "results: results", "results: moved")
+    assert toy.run() == {}
+
+
+def test_another_directory_takes_results_from_the_cache(toy, tmp_path):
+    shelf = {"TOY_CACHE": str(tmp_path / "cache")}
+    toy.edit("config.yaml", "factor: 2", "factor: 5")
+    toy.run(**shelf)
+    (entry, _) = (tmp_path / "cache" / "entries").glob("*/*/doubled")
+    entry.write_text("7\n")  # one of the two is damaged
+    toy.edit("config.yaml", "results: results", "results: others")
+    toy.run(**shelf)
+    assert (toy.directory / "others" / "total.txt").read_text() == "15\n"
+    touched = [path.stat().st_mtime_ns for path in (tmp_path / "cache").glob("entries/*/*")]
+    assert len(touched) == 2
+    toy.edit("lib/toy/scaling.py", "number * factor", "number * factor + 1")
+    toy.run(**shelf)
+    assert len([*(tmp_path / "cache").glob("entries/*/*")]) == 4
+
+
+def test_code_that_is_edited_while_a_job_waits_fails_it(toy):
+    toy.edit("config.yaml", "one: 1", "one: 3")
+    # an edit by the first of the jobs that run
+    toy.edit(
+        "scripts/draw.py",
+        "def compute():\n",
+        "def compute():\n    scaling = Path('lib/toy/scaling.py')\n"
+        "    scaling.write_text(scaling.read_text().replace('*', '+'))\n",
+    )
+    assert "scaling changed after the workflow was planned" in toy.run(fails=True)
+    toy.edit("scripts/draw.py", "scaling.read_text().replace('*', '+')", "scaling.read_text()")
+    toy.run()
+    assert toy.total() == (3 + 2) + (2 + 2)
+
+
+def test_a_job_of_a_cluster_does_what_was_planned(toy):
+    claim = json.loads((toy.directory / "results" / ".run.json").read_bytes())
+    assert "note" not in claim["config"]
+    run = {"SNAKETRUST_RUN": f"{claim['token']} results"}
+    on_a_node = (
+        *("--mode", "remote", "--nolock", "--ignore-incomplete", "--force", "--no-hooks"),
+        *("--target-jobs", "double:case=one", "--allowed-rules", "double"),
+    )
+    toy.edit("config.yaml", "factor: 2", "factor: 3")
+    assert toy.run(*on_a_node, **run) == {"double": 1}
+    assert (toy.directory / "results" / "doubled" / "one.txt").read_text() == "2\n"
+    toy.edit("lib/toy/scaling.py", "number * factor", "number + factor")
+    said = toy.run(*on_a_node, fails=True, **run)
+    assert "toy.scaling changed after the workflow was planned" in said
+    assert "does not reach jobs" in toy.run(*on_a_node, fails=True)
+
+
+def test_what_nothing_makes_is_an_error(toy):
+    toy.edit(
+        "Snakefile",
+        'drawn/{{case}}.txt",\n    output:\n        doubled',
+        'else/{{case}}.txt",\n    output:\n        doubled',
+    )
+    (toy.directory / "results" / "else").mkdir()
+    for name in ("one", "two"):
+        (toy.directory / "results" / "else" / f"{name}.txt").write_text("1\n")
+    for option in ((), ("--dry-run",)):
+        said = toy.run(*option, fails=True)
+        assert "results/else/one.txt is there, but nothing makes it, as 1 others" in said
+
+
+def test_a_second_run_for_the_same_results_is_refused(toy):
+    claim = toy.directory / "results" / ".run.json"
+    alive = json.loads(claim.read_bytes())
+    ticks = Path(f"/proc/{os.getpid()}/stat").read_text().rpartition(")")[2].split()[19]
+    claim.write_text(json.dumps({**alive, "process": os.getpid(), "started": ticks}))
+    toy.edit("config.yaml", "one: 1", "one: 3")
+    assert f"another run, process {os.getpid()}, is at work in results" in toy.run(fails=True)
+    assert toy.run("--dry-run")  # one may plan
+
+
+def test_another_copy_of_the_packages_is_refused(toy, tmp_path):
+    other = tmp_path / "other" / "toy"
+    shutil.copytree(toy.directory / "lib" / "toy", other)
+    path = toy.environment["PYTHONPATH"].replace(str(toy.directory / "lib"), str(other.parent))
+    assert "another copy" in toy.run(fails=True, PYTHONPATH=path)

@@ -1,0 +1,5 @@
+from toy import scaling
+
+
+def double(text, factor):
+    return f"{scaling.scaled(int(text), factor)}\n"

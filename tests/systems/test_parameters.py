@@ -1,0 +1,166 @@
+"""Schedules of parameters, and integration under them."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from burstcast.control.actuation import ActuatorShare, actuated_system
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.parameters import (
+    Parameters,
+    SystemParameters,
+    integrate_scheduled,
+    stretches,
+    values_in,
+)
+
+MFE = MoehlisFaisstEckhardt(400.0)
+REYNOLDS = SystemParameters.of(MFE, ["reynolds"])
+PUSH = [0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+
+
+def states(batch, seed=3):
+    return 0.1 * np.random.default_rng(seed).standard_normal((9, batch))
+
+
+def telegraph(steps, batch, values, seed=5):
+    """Every trajectory changes its value at steps of its own."""
+    generator = np.random.default_rng(seed)
+    which = np.cumsum(generator.random((steps, batch)) < 0.2, axis=0) % len(values)
+    return np.asarray(values)[which][:, np.newaxis, :]
+
+
+def by_scipy(right_hand_side, schedule, state, interval):
+    """One trajectory, stretch by stretch, with an adaptive scheme of order eight."""
+    found = [state]
+    for values in schedule:
+        solution = solve_ivp(
+            lambda _, x, values=values: right_hand_side(values, x),
+            (0.0, interval),
+            found[-1],
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-13,
+        )
+        found.append(solution.y[:, -1])
+    return np.array(found)
+
+
+@pytest.mark.parametrize("values", [(400.0, 2000.0), tuple(np.linspace(300.0, 900.0, 20))])
+def test_a_switched_reynolds_number_is_integrated_as_scipy_does(values):
+    schedule = telegraph(60, 5, values)
+    start = states(5)
+    found = integrate_scheduled(REYNOLDS, schedule, start, 1 / 32, 32)
+    for flow in range(5):
+        expected = by_scipy(
+            lambda value, x: MoehlisFaisstEckhardt(float(value[0])).right_hand_side(x[:, None])[
+                :, 0
+            ],
+            schedule[:, :, flow],
+            start[:, flow],
+            1.0,
+        )
+        np.testing.assert_allclose(found[:, :, flow], expected, atol=2e-6)
+
+
+def test_the_share_of_a_force_is_integrated_as_scipy_does():
+    share = ActuatorShare.of(MFE, {}, PUSH)
+    schedule, start = telegraph(40, 3, (0.0, 1.0, -1.0, 0.4)), states(3)
+    found = integrate_scheduled(share, schedule, start, 1 / 32, 32)
+    for flow in range(3):
+        expected = by_scipy(
+            lambda value, x: MFE.right_hand_side(x[:, None])[:, 0] + value[0] * np.array(PUSH),
+            schedule[:, :, flow],
+            start[:, flow],
+            1.0,
+        )
+        np.testing.assert_allclose(found[:, :, flow], expected, atol=2e-6)
+
+
+def test_two_parameters_change_together():
+    parameters = SystemParameters.of(Lorenz63(), ["rho", "sigma"])
+    assert parameters.own == (28.0, 10.0)
+    schedule = np.array([[28.0, 10.0], [25.0, 10.0], [25.0, 8.0]])[:, :, np.newaxis]
+    start = np.array([[1.0], [2.0], [20.0]])
+    found = integrate_scheduled(parameters, schedule, start, 0.002, 10)
+    state = start
+    for row, (rho, sigma) in enumerate(schedule[:, :, 0]):
+        state = integrate(Lorenz63(rho=rho, sigma=sigma), state, 0.002, 10, 10)[-1]
+        assert np.array_equal(found[row + 1], state)
+
+
+@pytest.mark.parametrize("value", [400.0, 650.0])
+def test_a_constant_schedule_is_plain_integration_bit_for_bit(value):
+    start = states(11)
+    found = integrate_scheduled(REYNOLDS, REYNOLDS.constant(30, 11, [value]), start, 0.25, 4)
+    plain = integrate(MoehlisFaisstEckhardt(value), start, 0.25, 120, 4)
+    assert np.array_equal(found, plain)
+
+
+def test_trajectories_do_not_depend_on_one_another():
+    schedule, start = telegraph(25, 9, (400.0, 500.0, 2000.0)), states(9)
+    together = integrate_scheduled(REYNOLDS, schedule, start, 0.25, 4)
+    for flow in range(9):
+        one = slice(flow, flow + 1)
+        alone = integrate_scheduled(REYNOLDS, schedule[..., one], start[:, one], 0.25, 4)
+        assert np.array_equal(alone[:, :, 0], together[:, :, flow])
+
+
+def test_many_values_by_numpy_are_few_values_compiled_bit_for_bit():
+    """A schedule with more values than are compiled: its first trajectories have few of them."""
+    few = telegraph(20, 4, (400.0, 2000.0))
+    many = np.concatenate([few, telegraph(20, 30, tuple(range(300, 330)))], axis=2)
+    start = states(34)
+    compiled = integrate_scheduled(REYNOLDS, few, start[:, :4], 0.25, 4)
+    assert np.array_equal(integrate_scheduled(REYNOLDS, many, start, 0.25, 4)[..., :4], compiled)
+
+
+def test_stretches_end_where_any_trajectory_changes():
+    schedule = np.array([[[1, 1]], [[1, 1]], [[2, 1]], [[2, 3]], [[2, 3]]], dtype=float)
+    found = [(part.start, part.stop, values.tolist()) for part, values in stretches(schedule)]
+    assert found == [(0, 2, [[1, 1]]), (2, 3, [[2, 1]]), (3, 5, [[2, 3]])]
+    assert list(stretches(schedule[:0])) == []
+
+
+def test_values_of_a_schedule_put_it_together_again():
+    schedule = telegraph(12, 6, (400.0, 600.0, 2000.0))
+    different, which = values_in(schedule)
+    assert different[:, 0].tolist() == [400.0, 600.0, 2000.0]
+    assert np.array_equal(different[which].transpose(0, 2, 1), schedule)
+
+
+def test_the_share_of_an_actuator():
+    share = ActuatorShare.of(MFE, {"reynolds": 2000.0}, PUSH)
+    assert share.names == ("share",)
+    assert share.own == (0.0,)
+    assert share.system([0.0]) is MFE
+    assert share.system([0.25]) is share.system([0.25])
+    state = states(4)
+    for strength in (0.25, 1.0):
+        expected = actuated_system(MFE, {"reynolds": 2000.0}, PUSH, strength)
+        assert np.array_equal(
+            share.system([strength]).right_hand_side(state), expected.right_hand_side(state)
+        )
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: SystemParameters.of(MFE, ["reynold"]), "did you mean 'reynolds'"),
+        (lambda: SystemParameters.of(MFE, []), "a value for each name"),
+        (lambda: Parameters(("flow",), (1.0, 2.0)), "a value for each name"),
+        (lambda: Parameters(("flow",), (1.0,)).system([1.0]), "no equations are known"),
+        (lambda: ActuatorShare.of(MFE, {}), "changes a parameter"),
+        (lambda: REYNOLDS.check(np.ones((4, 1, 2)), 5, 2), r"shape \(5, 1, 2\)"),
+        (lambda: REYNOLDS.check(np.full((4, 1, 2), np.nan), 4, 2), "must be finite"),
+        (
+            lambda: integrate_scheduled(REYNOLDS, np.ones((4, 2, 3)), states(3), 0.25),
+            r"shape \(4, 1, 3\)",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(made, message):
+    with pytest.raises(ValueError, match=message):
+        made()

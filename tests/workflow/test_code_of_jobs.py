@@ -1,0 +1,166 @@
+"""The code of the project is such that its fingerprints tell what a job depends on."""
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from burstcast_workflow.project import PACKAGES, code_of
+from forbidden_code import forbidden_imports, forbidden_reads, offered_late, words_read
+from snaketrust.fingerprint import Sources
+
+ROOT = Path(__file__).parents[2]
+PROJECT = code_of(ROOT)
+SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
+SOURCES = sorted((ROOT / "src").rglob("*.py"))
+
+
+def modules_of(path: Path) -> set[str]:
+    """Modules that a script reaches."""
+    sources = Sources(replace(PROJECT, scripts=path.parent))
+    return {entry.split("@")[0] for entry in sources.fingerprint(path.name)}
+
+
+def test_all_packages_are_those_of_the_project():
+    assert {path.name for path in (ROOT / "src").iterdir() if path.suffix == ""} == {*PACKAGES}
+
+
+@pytest.mark.parametrize("path", SOURCES + SCRIPTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_fingerprints_see_all_code_of_the_project(path):
+    # what finds modules by their names, what compares the code that runs with its text, and the
+    # command, which no job imports
+    if path.name not in ("discovery.py", "modules.py", "command_line.py"):
+        assert forbidden_imports(path) == []
+
+
+# Functions that pass words on to people: where a module's mistake is, a figure's caption in the
+# report, what is wrong with a file of series, why a system is not compiled.
+PASS_WORDS_ON = {
+    "burstcast.discovery": {"imported", "_place"},
+    "burstcast.figures.registry": {"caption"},
+    "burstcast.systems.compiled": {"_attempt", "_place"},
+    "burstcast.data.series_files": {"read_runs"},
+}
+
+
+def test_no_job_depends_on_what_fingerprints_leave_out():
+    registries = {
+        f"burstcast.{name}": [
+            path.stem
+            for path in (ROOT / "src" / "burstcast" / name).glob("*.py")
+            if path.stem not in ("__init__", "base", "check", "registry")
+        ]
+        for name in ("systems", "forecasters", "control/strategies", "tuning/strategies")
+    }
+    found_by_name = {name.replace("/", "."): modules for name, modules in registries.items()}
+    sources, paths = Sources(PROJECT), {}
+    for script in SCRIPTS:
+        name = str(script.relative_to(ROOT / "workflow" / "scripts"))
+        for entry in sources.fingerprint(name, found_by_name):
+            module = entry.partition("@")[0]
+            path = ROOT / "src" / module.replace(".", "/")
+            inside = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+            paths[module] = script if module.endswith(".py") else inside
+    assert len(paths) > 200
+    for module, path in paths.items():
+        allowed = frozenset(PASS_WORDS_ON.get(module, ()))
+        assert words_read(path, allowed) == [], module
+        # these offer what notebooks begin with, and no job asks for that
+        packages = "burstcast", "burstcast_workflow", "snaketrust"
+        for package in packages if module not in packages else ():
+            assert offered_late(path, ROOT / "src" / package) == [], module
+    for module, functions in PASS_WORDS_ON.items():  # none in vain
+        for function in functions:
+            assert words_read(paths[module], frozenset(functions - {function})), function
+
+
+def test_no_job_depends_on_the_checks_of_a_config():
+    sources = Sources(PROJECT)
+    for script in SCRIPTS:
+        name = str(script.relative_to(ROOT / "workflow" / "scripts"))
+        modules = [entry.partition("@")[0] for entry in sources.fingerprint(name, {})]
+        assert [one for one in modules if one.startswith("burstcast_workflow.config")] == []
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.name)
+def test_scripts_read_only_what_parameters_carry(path):
+    assert forbidden_reads(path) == []
+
+
+def test_packages_import_nothing_by_themselves():
+    # else every closure would be everything
+    packages = {
+        path
+        for path in SOURCES
+        if path.name == "__init__.py" and ast.parse(path.read_text()).body[1:]  # not only words
+    }
+    # Snakemake asks for its plugins' classes there, and no job imports them
+    plugins = {
+        ROOT / "src" / f"snakemake_{kind}_plugin_burstcast" / "__init__.py"
+        for kind in ("logger", "report")
+    }
+    # what notebooks begin with is loaded when it is asked for
+    notebook = {ROOT / "src" / name / "__init__.py" for name in ("burstcast", "burstcast_workflow")}
+    assert packages == plugins | notebook
+    for path in notebook:
+        assert modules_of(path) == {"__init__.py"}
+
+
+def test_closure_in_the_project_is_selective(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("from burstcast_workflow.jobs.gather import gathered\n")
+    entries = modules_of(script)
+    assert "burstcast_workflow.campaign.identifiers" in entries  # through gather
+    assert "burstcast_workflow.harness.version" in entries
+    library = {name for name in entries if name.startswith("burstcast.")}
+    assert library == {"burstcast.files"}  # empty; the version stands for netcdf
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_every_script_carries_the_version_of_the_harness_and_nothing_else_of_it(path):
+    left_out = "burstcast_workflow.harness.", "snaketrust"
+    of_harness = {name for name in modules_of(path) if name.startswith(left_out)}
+    assert of_harness == {"burstcast_workflow.harness.version"}
+
+
+@pytest.mark.parametrize("rule", ["control", "suppressed_event"])
+def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
+    strategy = {"burstcast.control.strategies": ["prediction_triggered"]}
+    entries = Sources(PROJECT).fingerprint(f"control/{rule}.py", strategy)
+    modules = {entry.split("@")[0] for entry in entries}
+    assert "burstcast.control.windowed.simulation" in modules
+    assert "burstcast.control.sampled.simulation" not in modules
+    for name in ("statistics.measures", "statistics.profiles", "systems.mfe_modes"):
+        assert f"burstcast.{name}" not in modules
+
+
+def test_control_depends_on_its_own_controller_only():
+    for name in ("forecaster", "committee", "random"):
+        by_name = {"burstcast.control.controllers": [name]}
+        entries = Sources(PROJECT).fingerprint("control/control.py", by_name)
+        modules = {entry.split("@")[0] for entry in entries}
+        controllers = {module for module in modules if ".controllers." in module}
+        package = "burstcast.control.controllers"
+        assert controllers == {f"{package}.registry", f"{package}.{name}"}
+        assert ("burstcast.control.monitors.random" in modules) == (name == "random")
+        assert ("burstcast.control.monitors.members" in modules) == (name == "committee")
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "forecasters/fit.py",
+        "evaluation/forecast.py",
+        "evaluation/long_term.py",
+        "control/control.py",
+    ],
+)
+def test_the_equations_do_not_depend_on_the_networks(script):
+    sources = Sources(PROJECT)
+    for kind, expected in (("equations", False), ("esn", True)):
+        modules = {"burstcast.forecasters": [kind], "burstcast.systems": ["mfe"]}
+        names = {entry.split("@")[0] for entry in sources.fingerprint(script, modules)}
+        assert f"burstcast.forecasters.{kind}" in names
+        assert "burstcast.systems.lorenz63" not in names
+        assert any(name.startswith("burstcast.esn.") for name in names) == expected
