@@ -11,7 +11,7 @@ from test_control_decisions import FLOW, RAISED, TIMING
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.control.actuation import actuated_system
 from burstcast.control.records import (
-    SCORES,
+    FLOW_SCORES,
     FlowRecords,
     Interval,
     Span,
@@ -87,7 +87,7 @@ def test_scores_of_two_flows_by_hand() -> None:
         [series(3, 4, 5), series(6), series(8, level=3.0)], [series(3), series(), series()]
     )
     scores = score(record_flows(flows, 2.0))
-    assert tuple(scores) == SCORES
+    assert tuple(scores) == FLOW_SCORES
     # the third flow laminarises without control: it counts in neither sample
     value = {name: interval.value for name, interval in scores.items()}
     assert value["exceedance_uncontrolled"] == pytest.approx(4 / 12)

@@ -22,7 +22,8 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.parameters import SystemParameters, integrate_scheduled
 from burstcast.tuning.hyperparameters import SearchSpace
-from burstcast.tuning.network_search import NetworkSearch, trained
+from burstcast.tuning.network_search import best, search
+from burstcast.tuning.scan import scan
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.validation import PointValidator
@@ -275,9 +276,9 @@ def test_the_search_of_a_network_is_that_of_plain_ones(training):
     validator = PointValidator(
         seed.reservoir(3), series, lambda state: state[0], plan, [1e-9, 1e-6], "compiled"
     )
-    search = NetworkSearch(SearchSpace((0.05, 1.0), (0.2, 2.0)), 2, 1)
-    strategy = make_strategy("RV")
-    found = search.best(validator, strategy, [strategy], 3)
-    network = trained(validator, found, 20)
-    assert len(network.readout.weights) > 2 * 60 - 10
+    space, strategy = SearchSpace((0.05, 1.0), (0.2, 2.0)), make_strategy("RV")
+    found = best(search(validator, space, strategy, scan(validator, space, [strategy], 2), 1, 3))
+    dynamics, tikhonov = validator.dynamics(found.point), found.validation.tikhonov
+    readout = train(dynamics, series, washout=20, tikhonov=tikhonov)
+    assert len(readout.weights) > 2 * 60 - 10
     assert np.isfinite(found.objective)

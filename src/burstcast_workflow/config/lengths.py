@@ -18,6 +18,7 @@ from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.config.model import Configuration, Simulated
+from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, VALIDATION
 
 
 def misfits(
@@ -67,12 +68,12 @@ def misfits(
         validated = min(case.recycle_validation.series, training)  # more are another mistake
         plan = ValidationPlan(washout, counts["search.interval_lt"], validated, intervals)
         for validation in dict.fromkeys([*VALIDATED_TOGETHER, *validations]):
-            with telling(_VALIDATION):
+            with telling(f"{VALIDATION} or ensemble.duration"):
                 make_strategy(validation).folds(plan, training, samples)
         reach_lt = classified.longest_prediction_time_lt + classified.window_lt
-        with telling(_CLASSIFICATION):
+        with telling(f"{CLASSIFICATION} or ensemble.duration"):
             starting_points(1, samples, 1, washout, durations.steps(reach_lt, steps))
-        with telling(_HORIZON):
+        with telling(f"{HORIZON} or ensemble.duration"):
             steps_before_events(samples, counts["horizon.longest_lead_time_lt"], washout)
     if any("quadratic" in sections_of_kind(kind) for kind in kinds):
         with telling(""):
@@ -108,11 +109,3 @@ _DURATIONS = (
     "horizon.lead_time_step_lt",
 )
 """Durations of the config that take a step of the network at least."""
-
-_VALIDATION = (
-    "recycle_validation.intervals_per_series, search.interval_lt, washout_lt or ensemble.duration"
-)
-_CLASSIFICATION = (
-    "classification.longest_prediction_time_lt, window_lt, washout_lt or ensemble.duration"
-)
-_HORIZON = "horizon.longest_lead_time_lt, washout_lt or ensemble.duration"

@@ -1,6 +1,7 @@
 """The settings of a job, by the names that they have in the config."""
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 
@@ -71,6 +72,27 @@ def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
             yield from leaves(below, f"{path}.{key}".removeprefix("."))
     else:
         yield path, value
+
+
+VALIDATION = "recycle_validation.intervals_per_series, search.interval_lt, washout_lt"
+CLASSIFICATION = "classification.longest_prediction_time_lt, classification.window_lt, washout_lt"
+HORIZON = "horizon.longest_lead_time_lt, washout_lt"
+LONG_RUNS = "statistics.duration, statistics.fixed_point_interval_lt"
+
+
+@contextmanager
+def concerning(settings: str) -> Iterator[None]:
+    """Put the settings that a mistake is about before what the library says of it.
+
+    Raises
+    ------
+    ValueError
+        Where one is raised within.
+    """
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{settings}: {error}") from error
 
 
 THRESHOLDS = "event_thresholds"

@@ -8,7 +8,7 @@ from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE
 from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.starting_points import segments
 from burstcast.forecast.windows import WindowForecasts, window_boundaries
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import CLASSIFICATION, Settings, concerning
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.systems import system_of
@@ -79,14 +79,15 @@ def write_point_set(
     system, steps = system_of(settings), steps_per_lyapunov_time
     states = read_rows(ensemble, "state", rows.start, rows.stop)
     resolution_lt, count = windows_of(settings)
-    found = observed_points(
-        observed_rows(settings, ensemble, rows.start, states),
-        read_rows(ensemble, "observable", rows.start, rows.stop),
-        system.observable,
-        spacing=durations.positive_steps(spacing_lt, steps, spacing),
-        washout=durations.positive_steps(settings["washout_lt"], steps, "washout_lt"),
-        boundaries=window_boundaries(resolution_lt, count, steps),
-    )
+    with concerning(CLASSIFICATION):
+        found = observed_points(
+            observed_rows(settings, ensemble, rows.start, states),
+            read_rows(ensemble, "observable", rows.start, rows.stop),
+            system.observable,
+            spacing=durations.positive_steps(spacing_lt, steps, spacing),
+            washout=durations.positive_steps(settings["washout_lt"], steps, "washout_lt"),
+            boundaries=window_boundaries(resolution_lt, count, steps),
+        )
     points, summaries = found.points, found.truth
     name = system.observable_name
     write_netcdf(

@@ -12,7 +12,7 @@ from burstcast.statistics.long_term import (
     LongTermSettings,
     long_term_starting_points,
 )
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import LONG_RUNS, Settings, concerning
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import seen_rows
 from burstcast_workflow.jobs.time_unit import long_run_steps, lyapunov_time
@@ -63,7 +63,7 @@ def long_term_settings(settings: Settings, time_unit: str | Sequence[str]) -> Lo
     interval = durations.steps(
         settings["statistics.fixed_point_interval_lt"], lyapunov_time(settings, time_unit)
     )
-    try:
+    with concerning(LONG_RUNS):
         return LongTermSettings(
             steps=long_run_steps(settings),
             edges=bin_edges(low, high, density["bins"]),
@@ -72,7 +72,3 @@ def long_term_settings(settings: Settings, time_unit: str | Sequence[str]) -> Lo
                 settings["case.fixed_point.variation"], settings["case.fixed_point.above"], interval
             ),
         )
-    except ValueError as error:
-        raise ValueError(
-            f"{error} (statistics.duration, statistics.fixed_point_interval_lt)"
-        ) from error

@@ -14,7 +14,7 @@ from burstcast.forecast.starting_points import (
 )
 from burstcast.statistics.warning_signs import few_events
 from burstcast_workflow.harness.job import Provenance, job, tell
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import HORIZON, Settings, concerning
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.data import check_kept_series, observed_rows
 from burstcast_workflow.jobs.time_unit import lyapunov_time
@@ -36,11 +36,12 @@ def events_of_case(
     observable = read_netcdf(ensemble, "observable")["observable"]
     check_kept_series(len(observable), {"training.series": first})
     longest_lt = settings["horizon.longest_lead_time_lt"]
-    before = steps_before_events(
-        observable.shape[1],
-        durations.positive_steps(longest_lt, steps, "horizon.longest_lead_time_lt"),
-        durations.positive_steps(settings["washout_lt"], steps, "washout_lt"),
-    )
+    with concerning(HORIZON):
+        before = steps_before_events(
+            observable.shape[1],
+            durations.positive_steps(longest_lt, steps, "horizon.longest_lead_time_lt"),
+            durations.positive_steps(settings["washout_lt"], steps, "washout_lt"),
+        )
     if not threshold > observable.mean():
         raise ValueError(
             f"event_threshold is {threshold}, but it must exceed the mean of the "

@@ -5,7 +5,7 @@ import pandas as pd
 from burstcast.tuning.scan import scan as scan_points
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast_workflow.harness.job import Provenance, job
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import VALIDATION, Settings, concerning
 from burstcast_workflow.harness.tables import write_table
 from burstcast_workflow.jobs.networks import point_validator, search_space, write_log_errors
 
@@ -23,6 +23,7 @@ def scan_grid(
     """Write the objective at every point, for every strategy and Tikhonov parameter."""
     validator = point_validator(settings, settings["reservoir"], ensemble, time_unit)
     strategies = [make_strategy(name) for name in settings["strategies"].split("+")]
-    found = scan_points(validator, search_space(settings), strategies, settings["search.grid"])
+    with concerning(VALIDATION):
+        found = scan_points(validator, search_space(settings), strategies, settings["search.grid"])
     write_table(scan, pd.DataFrame([one.record() for one in found]))
     write_log_errors(scan_errors, found, provenance)
