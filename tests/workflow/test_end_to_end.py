@@ -447,7 +447,7 @@ COMPUTED = {"lyapunov": {"published_exponent": None}}
             "scan",
             "Re400/scan/esn-N30-seed0-RV+SSV.csv",
             {**COMPUTED, "recycle_validation": {"intervals_per_series": 50}},
-            r"recycle_validation.intervals_per_series, .*: 50 validation intervals .* only \d intervals",
+            r"recycle_validation.intervals_per_series, .*: 50 validation intervals .* only \d int",
         ),
         (
             "events",
