@@ -38,18 +38,18 @@ from burstcast.data.dataset import (
     initial_states,
     observe,
 )
+from burstcast.data.starting_points import (
+    crossing_points,
+    horizon_events,
+    segments,
+    starting_points,
+)
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import MomentsAccumulator, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.training import TrainingSeries, collect, train
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecast.starting_points import (
-    crossing_points,
-    horizon_events,
-    segments,
-    starting_points,
-)
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
 from burstcast.forecasters.base import Forecaster

@@ -21,9 +21,9 @@ import numpy as np
 
 from burstcast import random_streams
 from burstcast.data.dataset import component_scales, observed_series
+from burstcast.data.starting_points import segments, starting_points
 from burstcast.files.netcdf import read_attributes, read_netcdf, read_rows
 from burstcast.filters.square_root import assimilate, mean
-from burstcast.forecast.starting_points import segments, starting_points
 from burstcast.forecast.windows import WindowSummaries, crosses, summarise, window_boundaries
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.forecasters.esn import NetworkForecaster

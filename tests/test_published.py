@@ -7,8 +7,9 @@ import pandas as pd
 import pytest
 
 from burstcast.statistics.moments import StateMoments
-from burstcast.statistics.profiles import flow_modes, velocity_profiles
+from burstcast.statistics.profiles import velocity_profiles
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.mfe_modes import flow_modes
 from burstcast.tables.published import (
     compare,
     intervals_of_control,

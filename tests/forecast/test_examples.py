@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from burstcast.data.starting_points import SeriesPoints
 from burstcast.forecast.examples import (
     evaluate_lead_times,
     forecast_observable,
@@ -13,7 +14,6 @@ from burstcast.forecast.examples import (
     stretch,
 )
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries
 from helpers_forecasters import MadeUpForecaster
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.forecast.starting_points import SeriesPoints
+from burstcast.data.starting_points import SeriesPoints
 from burstcast.probability.lead_times import lead_time_scores, lead_times
 
 WINDOWS = [(10, 30), (20, 40), (30, 50)]

@@ -7,10 +7,10 @@ import pytest
 
 from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.measures import Measures, compare
-from burstcast.statistics.profiles import flow_modes
 from burstcast.statistics.reductions import reduce_series
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.mfe_modes import flow_modes
 from burstcast_workflow.jobs.statistics import (
     described_reductions,
     read_reductions,

@@ -14,7 +14,6 @@ from burstcast.statistics.densities import (
 from burstcast.statistics.measures import Measures, compare, nearest, sampling_floor
 from burstcast.statistics.profiles import (
     equally_spaced_profiles,
-    flow_modes,
     midplane_mean_square,
     normalised_root_mean_square_error,
     velocity_profiles,
@@ -23,6 +22,7 @@ from burstcast.statistics.reductions import SeriesAccumulator, reduce_series
 from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.mfe_modes import flow_modes
 
 EDGES = np.linspace(0.5, 8.0, 21)
 ALL = slice(None)

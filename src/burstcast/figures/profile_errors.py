@@ -32,8 +32,9 @@ from burstcast.figures.parts.style import (
     styled,
 )
 from burstcast.figures.registry import Declaration
-from burstcast.statistics.profiles import flow_modes, velocity_profiles
+from burstcast.statistics.profiles import velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tables.published import published_beside
 

@@ -11,10 +11,10 @@ from typing import Annotated
 import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
+from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.events import upward_crossings
 from burstcast.files.described import Described
 from burstcast.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
-from burstcast.forecast.starting_points import SeriesPoints, segments
 from burstcast.forecasters.base import Forecaster
 from burstcast.systems.state_space import StateSpace
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray, IntArray
+from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.described import Described
 from burstcast.files.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 from burstcast.forecast.horizon import HorizonSearch, accurate_steps
-from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.forecasters.base import Forecaster
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from burstcast.arrays import FloatArray
-from burstcast.forecast.starting_points import SeriesPoints, segments, starting_points
+from burstcast.data.starting_points import SeriesPoints, segments, starting_points
 from burstcast.forecast.windows import WindowSummaries, summarise
 
 

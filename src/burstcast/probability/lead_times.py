@@ -11,7 +11,7 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.forecast.starting_points import SeriesPoints
+from burstcast.data.starting_points import SeriesPoints
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def lead_times(
     scored
         Those at which no event is under way, ``(points,)``.
     events
-        Starts of the events (`burstcast.forecast.starting_points.crossing_points`).
+        Starts of the events (`burstcast.data.starting_points.crossing_points`).
     """
     begins, ends = np.array(windows, dtype=np.int64).reshape(-1, 2).T
     found = []

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.forecast.starting_points import SeriesPoints, starting_points
+from burstcast.data.starting_points import SeriesPoints, starting_points
 from burstcast.forecasters.base import Forecaster
 from burstcast.laminarisation import first_laminar_step
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator, SeriesReductions

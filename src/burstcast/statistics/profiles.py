@@ -1,7 +1,7 @@
 """Velocity statistics of the flow, from the moments of its modes' amplitudes.
 
 Moments and errors are those of any system. Velocities belong to systems whose state is the
-amplitudes of velocity modes: `flow_modes` tells which ones these are. Averages over time of
+amplitudes of velocity modes (`systems/mfe_modes.flow_modes`). Averages over time of
 velocities and of products of two of them follow from the mean of a_i and of a_i a_j alone, so that
 no velocity field is ever averaged step by step.
 
@@ -14,8 +14,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.statistics.moments import StateMoments
-from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes, ProfileMatrices
+from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes, ProfileMatrices, flow_modes
 from burstcast.systems.state_space import StateSpace
 
 
@@ -32,13 +31,6 @@ class Profiles:
     u: FloatArray
     uu: FloatArray
     uv: FloatArray
-
-
-def flow_modes(system: StateSpace) -> MoehlisFaisstEckhardtModes | None:
-    """Velocity modes that a system's state is the amplitudes of; None for other systems."""
-    if isinstance(system, MoehlisFaisstEckhardt):
-        return MoehlisFaisstEckhardtModes(system.length_x, system.length_z)
-    return None
 
 
 def equally_spaced_profiles(system: StateSpace, points: int) -> ProfileMatrices | None:

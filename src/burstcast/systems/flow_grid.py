@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.statistics.profiles import flow_modes
-from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes
+from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes, flow_modes
 from burstcast.systems.state_space import StateSpace
 
 

@@ -14,6 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from burstcast.arrays import FloatArray
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.state_space import StateSpace
 
 _MODES = 9
 
@@ -281,6 +283,13 @@ def _fields(
             field += np.multiply.outer(amplitudes[term.mode], shape)
         fields.append(field)
     return np.stack(fields)
+
+
+def flow_modes(system: StateSpace) -> MoehlisFaisstEckhardtModes | None:
+    """Velocity modes that a system's state is the amplitudes of; None for other systems."""
+    if isinstance(system, MoehlisFaisstEckhardt):
+        return MoehlisFaisstEckhardtModes(system.length_x, system.length_z)
+    return None
 
 
 def _mean_products(first: Iterable[_Term], second: Iterable[_Term], y: FloatArray) -> FloatArray:

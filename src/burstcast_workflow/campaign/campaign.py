@@ -11,7 +11,7 @@ from burstcast.control.strategies.registry import strategy_class
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.registry import forecaster_class, linearises
-from burstcast.statistics.profiles import flow_modes
+from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
 from burstcast_workflow.campaign.control_plans import ControlPlan, block_plans, paper_plan

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from burstcast.control.controllers.committee import VOTE_SHARE, votes
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.forecasters.registry import forecaster_class
-from burstcast.statistics.profiles import flow_modes
+from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.campaign.identifiers import parsed, realisation_of

@@ -11,7 +11,7 @@ from operator import attrgetter
 from burstcast import durations
 from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy as make_control_strategy
-from burstcast.forecast.starting_points import starting_points, steps_before_events
+from burstcast.data.starting_points import starting_points, steps_before_events
 from burstcast.forecasters._options import sections_of_kind
 from burstcast.forecasters.quadratic import window_steps
 from burstcast.tuning.strategies.base import ValidationPlan

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 
 from burstcast import durations
+from burstcast.data.starting_points import segments
 from burstcast.files.netcdf import Variable, read_rows
 from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE
 from burstcast.forecast.observed_points import observed_points
-from burstcast.forecast.starting_points import segments
 from burstcast.forecast.windows import WindowForecasts, window_boundaries
 from burstcast_workflow.harness.settings import CLASSIFICATION, Settings, concerning
 from burstcast_workflow.harness.storage import write_netcdf

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.forecast.starting_points import segments
+from burstcast.data.starting_points import segments
 from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.densities import bin_edges
 from burstcast.statistics.long_term import (

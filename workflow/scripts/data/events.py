@@ -3,15 +3,15 @@
 import numpy as np
 
 from burstcast import durations
-from burstcast.files.netcdf import Variable, read_netcdf, read_rows
-from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE
-from burstcast.forecast.starting_points import (
+from burstcast.data.starting_points import (
     SeriesPoints,
     crossing_points,
     horizon_events,
     segments,
     steps_before_events,
 )
+from burstcast.files.netcdf import Variable, read_netcdf, read_rows
+from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE
 from burstcast.statistics.warning_signs import few_events
 from burstcast_workflow.harness.job import Provenance, job, tell
 from burstcast_workflow.harness.settings import HORIZON, Settings, concerning

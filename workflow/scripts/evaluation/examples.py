@@ -3,6 +3,7 @@
 import numpy as np
 
 from burstcast import durations
+from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.forecast.examples import (
     Evaluations,
@@ -14,7 +15,6 @@ from burstcast.forecast.examples import (
     stretch,
 )
 from burstcast.forecast.horizon import HorizonSearch
-from burstcast.forecast.starting_points import SeriesPoints
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.harness.job import Provenance, job

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from burstcast import durations
+from burstcast.data.starting_points import SeriesPoints, crossing_points
 from burstcast.files.netcdf import read_rows
 from burstcast.forecast.classification import count_by_series
-from burstcast.forecast.starting_points import SeriesPoints, crossing_points
 from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.lead_times import SeriesRatio, lead_time_scores, lead_times
 from burstcast_workflow.harness.job import job

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from burstcast.forecast.starting_points import (
+from burstcast.data.starting_points import (
     SeriesPoints,
     crossing_points,
     horizon_events,
