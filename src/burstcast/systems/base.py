@@ -1,7 +1,7 @@
 """The interface of a dynamical system: what the rest of the library asks of one."""
 
 import abc
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -23,6 +23,21 @@ class EnergyBudget(NamedTuple):
 
     input: FloatArray
     dissipation: FloatArray
+
+
+class Symmetry(NamedTuple):
+    """A linear map that takes solutions to solutions.
+
+    Attributes
+    ----------
+    transform
+        Of states ``(dimension, ...)``.
+    order
+        How often it is applied until every state is what it was.
+    """
+
+    transform: Callable[[FloatArray], FloatArray]
+    order: int
 
 
 class DynamicalSystem(abc.ABC):
@@ -92,6 +107,21 @@ class DynamicalSystem(abc.ABC):
         state, which the modes of a flow, being orthonormal, make its mean kinetic energy.
         """
         return None
+
+    def symmetries(self) -> tuple[Symmetry, ...]:
+        """Symmetries whose powers, one of each after the other, are all symmetries of the system.
+
+        Optional: training data are enlarged by them (`burstcast.encoders.pod`).
+        """
+        return ()
+
+    def invariants(self, state: FloatArray) -> FloatArray:
+        """Quantities of states that continuous symmetries do not change, ``(invariants, ...)``.
+
+        Optional: `burstcast.encoders.invariants` gives them to forecasters. A system that has them
+        has names for them, too (``invariant_names``).
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no invariants")
 
 
 def has_own(system: DynamicalSystem | type[DynamicalSystem], method: str) -> bool:

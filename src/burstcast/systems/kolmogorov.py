@@ -16,11 +16,13 @@ import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.systems.base import EnergyBudget
+from burstcast.systems.base import EnergyBudget, Symmetry
 from burstcast.systems.exponential import SemilinearSystem
 
 ComplexArray = NDArray[np.complex128]
 
+# Squared wavenumber up to which moduli are invariants: 54 wave vectors.
+_LOW = 34
 # Trajectories that are transformed together: their grids stay in the cache.
 _BLOCK = 16
 
@@ -149,6 +151,11 @@ class KolmogorovFlow(SemilinearSystem):
         size = 0.3 * np.exp(-square / 16.0) / np.sqrt(square)
         return np.asarray(size[:, np.newaxis] * generator.standard_normal((self.dimension, series)))
 
+    @property
+    def domain(self) -> tuple[float, float]:
+        """Periods of the flow along x and y."""
+        return 2.0 * math.pi, 2.0 * math.pi
+
     def vorticity(self, state: FloatArray, points: FloatArray) -> FloatArray:
         """Vorticity at points of the plane.
 
@@ -207,6 +214,51 @@ class KolmogorovFlow(SemilinearSystem):
         """Flow rotated by pi about the origin: a solution if the flow is one."""
         half = len(state) // 2
         return np.concatenate([state[:half], -state[half:]])
+
+    def symmetries(self) -> tuple[Symmetry, ...]:
+        """Symmetries of the flow: shifts along x, shifts with reflection, and the rotation by pi.
+
+        Shifts along x are represented by 2 K + 1 of them, which average second moments of states as
+        all shifts do.
+        """
+        shifts = 2 * int(self.largest_wavenumber) + 1
+        return (
+            Symmetry(lambda state: self.shifted(state, 2.0 * math.pi / shifts), shifts),
+            Symmetry(self.shift_reflected, 2 * int(self.forcing_wavenumber)),
+            Symmetry(self.rotated, 2),
+        )
+
+    def invariants(self, state: FloatArray) -> FloatArray:
+        r"""Quantities that a shift along x does not change, ``(invariants, ...)``.
+
+        The moduli of the amplitudes up to |k|^2 = 34; both parts of the amplitude of the mean flow,
+        that of (0, n), and of its products with those of the triads (1, 0) and (1, n), (1, 0) and
+        (1, -n), which carry energy into a burst (Farazmand and Sapsis 2017). The rotation by pi
+        changes the signs of imaginary parts; the shift with reflection exchanges (kx, ky) and (kx,
+        -ky).
+        """
+        c, place, n = _paired(state), self._modes.place, int(self.forcing_wavenumber)
+        mean_flow, large_scale = c[place[0, n]], c[place[1, 0]]
+        phased = np.stack(
+            [
+                mean_flow,
+                large_scale * mean_flow * np.conj(c[place[1, n]]),
+                large_scale * np.conj(mean_flow) * np.conj(c[place[1, -n]]),
+            ]
+        )
+        moduli = np.abs(c[self._modes.square <= _LOW])
+        return np.concatenate([moduli, phased.real, phased.imag])
+
+    @property
+    def invariant_names(self) -> tuple[str, ...]:
+        """Names of the `invariants`."""
+        low = [
+            f"modulus_{x}_{y}".replace("-", "m")
+            for (x, y), square in zip(self._modes.vectors, self._modes.square, strict=True)
+            if square <= _LOW
+        ]
+        phased = ("mean_flow", "triad", "triad_m")
+        return (*low, *(f"{name}_{part}" for part in ("real", "imaginary") for name in phased))
 
     def energy_of_last_shell(self, state: FloatArray) -> FloatArray:
         """Share of the energy in wave vectors with the largest wavenumber, ``(...)``.

@@ -1,0 +1,48 @@
+"""Mean and covariance of states, averaged over the symmetries of their system."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.systems.state_space import StateSpace
+
+
+class Moments(NamedTuple):
+    """First and second moments of states.
+
+    Attributes
+    ----------
+    mean
+        ``(dimension,)``.
+    covariance
+        ``(dimension, dimension)``.
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+
+
+def state_moments(states: FloatArray, space: StateSpace | None = None) -> Moments:
+    """Moments of snapshots, and of their images under all symmetries of their system.
+
+    The images themselves are never made: moments are averaged over the powers of one symmetry
+    after the other.
+
+    Parameters
+    ----------
+    states
+        ``(snapshots, dimension)``.
+    space
+        Where the states live; None, or a space without symmetries: moments of the snapshots alone.
+    """
+    mean = states.mean(axis=0)
+    second = states.T @ states / len(states)
+    for symmetry in () if space is None else getattr(space, "symmetries", tuple)():
+        matrix = symmetry.transform(np.eye(len(mean)))
+        means, seconds = [mean], [second]
+        for _ in range(symmetry.order - 1):
+            means.append(matrix @ means[-1])
+            seconds.append(matrix @ seconds[-1] @ matrix.T)
+        mean, second = np.mean(means, axis=0), np.mean(seconds, axis=0)
+    return Moments(mean, second - np.outer(mean, mean))

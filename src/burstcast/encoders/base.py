@@ -1,0 +1,103 @@
+"""The interface of an encoder: from what is observed to the channels that forecasters are given.
+
+A turbulent flow has hundreds of components, of which sensors see few. An encoder makes of the
+observed components the *channels* of a forecaster's state: fewer of them, or others, which are
+easier to learn. It is fitted to the training series. A new kind of encoder is one new module of
+this package with one concrete subclass of `Encoder` in it; its name is the module's.
+"""
+
+import abc
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Self
+
+from burstcast.arrays import FloatArray
+from burstcast.observation.base import Observation
+from burstcast.systems.state_space import StateSpace
+
+
+@dataclass(frozen=True)
+class EncodingCase:
+    """What encoders of a case may know beside the data.
+
+    Attributes
+    ----------
+    space
+        The states of the flow, and its symmetries where it has any.
+    options
+        Settings of the kind itself.
+    observation
+        How the observed components follow from states; None: they are the states themselves.
+    noise
+        Standard deviation of the errors of the observed components, ``(observed,)``; None: there
+        are none.
+    """
+
+    space: StateSpace
+    options: Mapping[str, Any] = field(default_factory=dict)
+    observation: Observation | None = None
+    noise: FloatArray | None = None
+
+
+class Encoder(abc.ABC):
+    """Makes channels of what is observed."""
+
+    decodes: ClassVar[bool] = False
+    """Whether `decode` leads back to what was encoded."""
+
+    @classmethod
+    @abc.abstractmethod
+    def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
+        """Fit the encoder to training series.
+
+        Parameters
+        ----------
+        training
+            True states where the kind needs them, and observed ones otherwise, of the training
+            series only: ``(series, time, component)``.
+        case
+            What may be known beside them.
+
+        Raises
+        ------
+        ValueError
+            If an option is out of bounds, or the states have no such encoding.
+        """
+
+    @property
+    @abc.abstractmethod
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels."""
+
+    @abc.abstractmethod
+    def encode(self, observed: FloatArray) -> FloatArray:
+        """Channels of what was observed.
+
+        Parameters
+        ----------
+        observed
+            ``(component, ...)``.
+
+        Returns
+        -------
+        ``(channel, ...)``.
+        """
+
+    def decode(self, channels: FloatArray) -> FloatArray:
+        """Components of channels ``(channel, ...)``, as near as the encoding allows.
+
+        Raises
+        ------
+        NotImplementedError
+            If the kind cannot decode.
+        """
+        raise NotImplementedError(f"{type(self).__name__} does not decode")
+
+    @abc.abstractmethod
+    def record(self) -> dict[str, FloatArray]:
+        """Arrays from which `restore` makes the same encoder."""
+
+    @classmethod
+    @abc.abstractmethod
+    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
+        """Encoder from its `record`."""

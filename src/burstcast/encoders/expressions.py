@@ -1,0 +1,62 @@
+"""Channels that are arithmetic expressions of what is observed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.encoders.base import Encoder, EncodingCase
+from burstcast.encoders.identity import IdentityEncoder
+from burstcast.systems.expressions import Expression
+
+
+@dataclass(frozen=True)
+class ExpressionsEncoder(Encoder):
+    """Values of expressions, the option ``expressions``: ``["a1", "a2**2 + a3**2"]``.
+
+    Attributes
+    ----------
+    components
+        Names of the observed components.
+    expressions
+        Of them.
+    """
+
+    components: tuple[str, ...]
+    expressions: tuple[Expression, ...]
+
+    @classmethod
+    def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
+        """Read the expressions; nothing is fitted."""
+        return cls.restore({}, case)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The expressions as they are written."""
+        return tuple(one.text for one in self.expressions)
+
+    def encode(self, observed: FloatArray) -> FloatArray:
+        """Values ``(expression, ...)`` of components ``(component, ...)``."""
+        values = dict(zip(self.components, observed, strict=True))
+        return np.stack([one(values) for one in self.expressions])
+
+    def record(self) -> dict[str, FloatArray]:
+        """Nothing was fitted."""
+        return {}
+
+    @classmethod
+    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
+        """Read the expressions."""
+        components = IdentityEncoder.restore({}, case).channels
+        expressions = tuple(map(Expression, case.options.get("expressions", ())))
+        if not expressions:
+            raise ValueError("expressions must name one expression at least")
+        for one in expressions:
+            unknown = sorted(set(one.names) - set(components))
+            if unknown:
+                raise ValueError(
+                    f"{one.text!r} names {', '.join(unknown)}; observed are {', '.join(components)}"
+                )
+        return cls(components, expressions)

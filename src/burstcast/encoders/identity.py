@@ -1,0 +1,48 @@
+"""No encoding: forecasters are given the observed components."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from burstcast.arrays import FloatArray
+from burstcast.encoders.base import Encoder, EncodingCase
+from burstcast.systems.state_space import component_names
+
+
+@dataclass(frozen=True)
+class IdentityEncoder(Encoder):
+    """Channels are the observed components.
+
+    Attributes
+    ----------
+    channels
+        Their names.
+    """
+
+    decodes: ClassVar[bool] = True
+
+    channels: tuple[str, ...] = ()
+
+    @classmethod
+    def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
+        """Take the names of the components; nothing is fitted."""
+        return cls.restore({}, case)
+
+    def encode(self, observed: FloatArray) -> FloatArray:
+        """Return what was observed, unchanged."""
+        return observed
+
+    def decode(self, channels: FloatArray) -> FloatArray:
+        """Return the channels, unchanged."""
+        return channels
+
+    def record(self) -> dict[str, FloatArray]:
+        """Nothing was fitted."""
+        return {}
+
+    @classmethod
+    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
+        """Take the names of the components."""
+        if case.observation is not None:
+            return cls(case.observation.channels)
+        return cls(component_names(case.space))

@@ -1,0 +1,53 @@
+"""Quantities of a flow that its continuous symmetries do not change.
+
+A flow that may be shifted has one event at every place. An encoding without the place has it once,
+and is learnt from fewer data (`DynamicalSystem.invariants`). It cannot be decoded.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+from burstcast.arrays import FloatArray
+from burstcast.encoders.base import Encoder, EncodingCase
+from burstcast.systems.base import DynamicalSystem, has_own
+
+
+@dataclass(frozen=True)
+class InvariantsEncoder(Encoder):
+    """Channels are the invariants of the system.
+
+    Attributes
+    ----------
+    system
+        The system.
+    """
+
+    system: DynamicalSystem
+
+    @classmethod
+    def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
+        """Take the system's invariants; nothing is fitted."""
+        return cls.restore({}, case)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the invariants."""
+        names: tuple[str, ...] = self.system.invariant_names  # type: ignore[attr-defined]
+        return names
+
+    def encode(self, observed: FloatArray) -> FloatArray:
+        """Invariants of states ``(dimension, ...)``."""
+        return self.system.invariants(observed)
+
+    def record(self) -> dict[str, FloatArray]:
+        """Nothing was fitted."""
+        return {}
+
+    @classmethod
+    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
+        """Take the system's invariants."""
+        system = case.space
+        if not isinstance(system, DynamicalSystem) or not has_own(system, "invariants"):
+            raise ValueError(f"{type(system).__name__} has no invariants to encode")
+        return cls(system)

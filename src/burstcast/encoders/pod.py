@@ -1,0 +1,105 @@
+"""Proper orthogonal decomposition: the modes that hold most of the variance.
+
+Source: Holmes, Lumley, Berkooz and Rowley, "Turbulence, Coherent Structures, Dynamical Systems and
+Symmetry" (2012). Snapshots are taken together with their images under all symmetries of the
+system, as if infinitely many data were there. Modes of much energy need not carry the event: the
+dissipation of a few leading modes of the Kolmogorov flow is anticorrelated with the true one, so
+that the observable should be a channel of its own.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.encoders._moments import state_moments
+from burstcast.encoders.base import Encoder, EncodingCase
+
+
+@dataclass(frozen=True)
+class PodEncoder(Encoder):
+    """Coefficients of the leading modes.
+
+    Options are ``modes``, how many modes are kept, or ``variance``, the share of the variance that
+    the kept modes have at least; and ``symmetrised``, whether images of the snapshots under the
+    symmetries of the system count (true by default).
+
+    Attributes
+    ----------
+    mean
+        Mean of the snapshots, ``(component,)``.
+    modes
+        Orthonormal modes, ``(component, mode)``; the largest entry of each is positive.
+    variances
+        Variance of the coefficient of each mode, kept or not, falling.
+    """
+
+    decodes: ClassVar[bool] = True
+
+    mean: FloatArray
+    modes: FloatArray
+    variances: FloatArray
+
+    @classmethod
+    def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
+        """Diagonalise the covariance of the training snapshots (see `Encoder.fit`)."""
+        snapshots = training.reshape(-1, training.shape[-1])
+        symmetric = case.options.get("symmetrised", True) and case.observation is None
+        moments = state_moments(snapshots, case.space if symmetric else None)
+        variances, modes = np.linalg.eigh(moments.covariance)
+        variances, modes = np.maximum(variances[::-1], 0.0), modes[:, ::-1]
+        count = _count(case.options, variances, len(snapshots))
+        kept = modes[:, :count]
+        largest = np.argmax(np.abs(kept), axis=0)
+        signs = np.sign(kept[largest, np.arange(count)])
+        return cls(moments.mean, np.ascontiguousarray(kept * signs), variances)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names by number: "mode_1" has the most variance."""
+        return tuple(f"mode_{number}" for number in range(1, self.modes.shape[1] + 1))
+
+    @property
+    def kept_variance(self) -> float:
+        """Share of the variance that the modes hold."""
+        return float(self.variances[: self.modes.shape[1]].sum() / self.variances.sum())
+
+    def encode(self, observed: FloatArray) -> FloatArray:
+        """Coefficients ``(mode, ...)`` of states ``(component, ...)``."""
+        flat = observed.reshape(len(observed), -1) - self.mean[:, np.newaxis]
+        return (self.modes.T @ flat).reshape(-1, *observed.shape[1:])
+
+    def decode(self, channels: FloatArray) -> FloatArray:
+        """States ``(component, ...)`` of coefficients ``(mode, ...)``."""
+        flat = self.modes @ channels.reshape(len(channels), -1) + self.mean[:, np.newaxis]
+        return flat.reshape(-1, *channels.shape[1:])
+
+    def record(self) -> dict[str, FloatArray]:
+        """Mean, modes and variances."""
+        return {"mean": self.mean, "modes": self.modes, "variances": self.variances}
+
+    @classmethod
+    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
+        """Put mean and modes together again."""
+        return cls(record["mean"], record["modes"], record["variances"])
+
+
+def _count(options: Mapping[str, float], variances: FloatArray, snapshots: int) -> int:
+    """Number of modes that the options ask for."""
+    if ("modes" in options) == ("variance" in options):
+        raise ValueError("a POD takes either modes or variance, the share that they shall hold")
+    if "variance" in options:
+        share = float(options["variance"])
+        if not 0.0 < share <= 1.0:
+            raise ValueError(f"variance must be above 0 and at most 1, not {share:g}")
+        held = np.cumsum(variances) / variances.sum()
+        return min(int(np.searchsorted(held, share)) + 1, len(variances))
+    count, most = int(options["modes"]), min(len(variances), snapshots)
+    if not 1 <= count <= most:
+        raise ValueError(
+            f"modes is {count}; {snapshots} snapshots of {len(variances)} components have 1 to "
+            f"{most} modes"
+        )
+    return count

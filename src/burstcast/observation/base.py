@@ -1,0 +1,24 @@
+"""The interface of an observation: what instruments see of the state of a flow."""
+
+import abc
+
+from burstcast.arrays import FloatArray
+
+
+class Observation(abc.ABC):
+    """A linear map from states to what is observed, without noise."""
+
+    @property
+    @abc.abstractmethod
+    def channels(self) -> tuple[str, ...]:
+        """Names of the observed components."""
+
+    @property
+    @abc.abstractmethod
+    def matrix(self) -> FloatArray:
+        """What is observed of each component of a state, ``(observed, dimension)``."""
+
+    def __call__(self, states: FloatArray) -> FloatArray:
+        """Observe states ``(dimension, ...)``: ``(observed, ...)``, without noise."""
+        flat = states.reshape(len(states), -1)
+        return (self.matrix @ flat).reshape(-1, *states.shape[1:])

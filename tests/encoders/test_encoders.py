@@ -1,0 +1,235 @@
+"""Encoders and what instruments see, against other libraries, by hand, and by symmetry."""
+
+import numpy as np
+import pytest
+from sklearn.decomposition import PCA
+from sklearn.linear_model import Ridge
+
+from burstcast.encoders.base import EncodingCase
+from burstcast.encoders.registry import available_encoders, encoder_class
+from burstcast.observation.velocity_sensors import VelocitySensors
+from burstcast.systems.integration import integrate
+from burstcast.systems.kolmogorov import KolmogorovFlow
+from burstcast.systems.lorenz63 import Lorenz63
+
+FLOW = KolmogorovFlow(20.0, 2, 5)
+SENSORS = VelocitySensors(FLOW, (4, 4), (0.2, 0.3))
+
+
+@pytest.fixture(scope="module")
+def training():
+    """Series of a developed flow, ``(series, time, component)``."""
+    start = FLOW.sample_initial_states(3, np.random.default_rng(2))
+    return np.moveaxis(integrate(FLOW, start, 0.05, 4000, 40)[-60:], (0, 1, 2), (1, 2, 0))
+
+
+def images(snapshots):
+    """All images of snapshots ``(snapshots, dimension)`` under the symmetries, made one by one."""
+    found = [snapshots.T]
+    for symmetry in FLOW.symmetries():
+        for block in list(found):
+            for _ in range(symmetry.order - 1):
+                block = symmetry.transform(block)
+                found.append(block)
+    return np.concatenate(found, axis=1).T
+
+
+def fitted(kind, training, **options):
+    return encoder_class(kind).fit(training, EncodingCase(FLOW, options))
+
+
+def test_modes_are_the_principal_components_of_all_images(training):
+    snapshots = training.reshape(-1, FLOW.dimension)
+    everything = images(snapshots)
+    assert len(everything) == len(snapshots) * 11 * 4 * 2
+    oracle = PCA().fit(everything)
+    encoder = fitted("pod", training, modes=9)
+    total = oracle.explained_variance_.sum()
+    np.testing.assert_allclose(
+        encoder.variances / encoder.variances.sum(), oracle.explained_variance_ / total, atol=1e-10
+    )
+    # modes of one variance may be rotated among themselves: the spaces must agree
+    gap = -np.diff(oracle.explained_variance_)
+    count = int(np.flatnonzero(gap[:9] > 1e-3 * total)[-1]) + 1
+    ours, theirs = encoder.modes[:, :count], oracle.components_[:count].T
+    np.testing.assert_allclose(ours @ ours.T, theirs @ theirs.T, atol=1e-8)
+    np.testing.assert_allclose(encoder.mean, oracle.mean_, atol=1e-10)
+
+
+def test_modes_without_symmetry_are_those_of_the_snapshots(training):
+    snapshots = training.reshape(-1, FLOW.dimension)
+    encoder, oracle = fitted("pod", training, modes=6, symmetrised=False), PCA(6).fit(snapshots)
+    ours, theirs = encoder.encode(snapshots.T), oracle.transform(snapshots).T
+    signs = np.sign((ours * theirs).sum(axis=1, keepdims=True))
+    np.testing.assert_allclose(ours, signs * theirs, atol=1e-9)
+    assert encoder.kept_variance == pytest.approx(oracle.explained_variance_ratio_.sum())
+
+
+def test_a_share_of_the_variance_chooses_the_modes(training):
+    encoder = fitted("pod", training, variance=0.9)
+    held = np.cumsum(encoder.variances) / encoder.variances.sum()
+    count = len(encoder.channels)
+    assert held[count - 2] < 0.9 <= held[count - 1] == pytest.approx(encoder.kept_variance)
+    whole = fitted("pod", training, variance=1.0)
+    states = np.moveaxis(training, 2, 0)
+    np.testing.assert_allclose(whole.decode(whole.encode(states)), states, atol=1e-10)
+    lost = states - encoder.decode(encoder.encode(states))
+    assert 0.0 < (lost**2).sum() < 0.3 * (states**2).sum()
+    assert np.linalg.norm(encoder.encode(lost + encoder.mean[:, None, None])) < 1e-9
+
+
+def test_symmetries_return_after_their_order_and_take_solutions_to_solutions(training):
+    state = training[:, -1].T
+    for symmetry in FLOW.symmetries():
+        image = state
+        for _ in range(symmetry.order):
+            image = symmetry.transform(image)
+        np.testing.assert_allclose(image, state, atol=1e-12)
+        np.testing.assert_allclose(
+            FLOW.right_hand_side(symmetry.transform(state)),
+            symmetry.transform(FLOW.right_hand_side(state)),
+            atol=1e-11,
+        )
+
+
+def test_invariants_do_not_change_with_shifts_and_are_named(training):
+    encoder = fitted("invariants", training)
+    state = training[:, -1].T
+    values = encoder.encode(state)
+    assert len(encoder.channels) == len(values) == len(set(encoder.channels))
+    np.testing.assert_allclose(encoder.encode(FLOW.shifted(state, 0.7)), values, atol=1e-12)
+    rotated = dict(zip(encoder.channels, encoder.encode(FLOW.rotated(state)), strict=True))
+    for name, value in zip(encoder.channels, values, strict=True):
+        sign = -1 if name.endswith("_imaginary") else 1
+        np.testing.assert_allclose(rotated[name], sign * value, atol=1e-12)
+    reflected = dict(
+        zip(encoder.channels, encoder.encode(FLOW.shift_reflected(state)), strict=True)
+    )
+    np.testing.assert_allclose(
+        reflected["modulus_1_2"], values[encoder.channels.index("modulus_1_m2")]
+    )
+    assert np.ptp(values[encoder.channels.index("triad_real")]) > 0
+
+
+def test_the_default_flow_has_sixty_invariants():
+    names = KolmogorovFlow().invariant_names
+    assert len(names) == 60
+    assert {"modulus_0_4", "modulus_1_m5", "triad_m_imaginary"} <= set(names)
+
+
+def test_triads_by_hand():
+    """A wave (1, 0), a mean flow (0, 2) and a wave (1, 2): their phases add up as the triad's."""
+    state = np.zeros(FLOW.dimension)
+    places = [tuple(vector) for vector in FLOW.wave_vectors]
+    half = len(places)
+    for vector, amplitude in {(1, 0): 2j, (0, 2): 3.0, (1, 2): 1 + 1j, (1, -2): 0.5}.items():
+        state[places.index(vector)] = np.real(amplitude)
+        state[half + places.index(vector)] = np.imag(amplitude)
+    found = dict(zip(FLOW.invariant_names, FLOW.invariants(state), strict=True))
+    triad, opposite = 2j * 3 * (1 - 1j), 2j * 3 * 0.5
+    assert found["triad_real"] + 1j * found["triad_imaginary"] == pytest.approx(triad)
+    assert found["triad_m_real"] + 1j * found["triad_m_imaginary"] == pytest.approx(opposite)
+    assert (found["mean_flow_real"], found["modulus_1_2"]) == pytest.approx((3.0, np.sqrt(2)))
+
+
+def test_sensors_see_the_velocity_where_they_are(training):
+    states = np.moveaxis(training, 2, 0)
+    seen = SENSORS(states)
+    assert seen.shape == (32, *states.shape[1:])
+    place = SENSORS.channels.index("v_2_1")
+    point = np.array([[0.2 + np.pi, 0.3 + np.pi / 2]])
+    np.testing.assert_allclose(seen[place], FLOW.velocity(states, point)[1, 0], atol=1e-12)
+
+
+def test_sensors_at_the_origin_miss_the_force_and_shifted_ones_see_it():
+    flow = KolmogorovFlow()
+    laminar = flow.laminar_state()
+    assert np.abs(VelocitySensors(flow, (8, 8), (0.0, 0.0))(laminar)).max() < 1e-12
+    assert np.abs(VelocitySensors(flow)(laminar)).max() > 1.0
+
+
+@pytest.mark.parametrize(
+    ("points", "offset", "message"),
+    [
+        ((0, 4), (0.1, 0.1), "points must be at least 1"),
+        ((4, 4), (1.6, 0.1), "4 sensors along x from 1.6 on reach 6.312"),
+        ((4, 8), (0.1, -0.1), "8 sensors along y from -0.1 on"),
+    ],
+)
+def test_sensors_outside_the_domain(points, offset, message):
+    with pytest.raises(ValueError, match=message):
+        VelocitySensors(FLOW, points, offset)
+
+
+def test_the_state_estimate_is_the_best_linear_one(training):
+    """Least squares over images with noise drawn for each converge to it."""
+    noise = np.full(32, 0.05)
+    case = EncodingCase(FLOW, {}, SENSORS, noise)
+    encoder = encoder_class("state_estimate").fit(training, case)
+    states = images(training.reshape(-1, FLOW.dimension))
+    generator = np.random.default_rng(5)
+    true = np.tile(states, (4, 1))
+    observed = SENSORS(true.T).T + noise * generator.standard_normal((len(true), 32))
+    oracle = Ridge(alpha=1e-9).fit(observed, true)
+    fresh = SENSORS(states.T) + noise[:, None] * generator.standard_normal((32, len(states)))
+    ours, theirs = encoder.encode(fresh), oracle.predict(fresh.T).T
+    error, of_oracle = (np.mean((one - states.T) ** 2) for one in (ours, theirs))
+    assert error == pytest.approx(of_oracle, rel=0.01)
+    assert error < 0.3 * states.var(axis=0).mean()
+    np.testing.assert_allclose(encoder.decode(states.T), SENSORS(states.T), atol=1e-12)
+
+
+def test_expressions_and_no_encoding():
+    case = EncodingCase(Lorenz63(), {"expressions": ["x", "x**2 + z"]})
+    states = np.arange(24.0).reshape(3, 4, 2)
+    encoder = encoder_class("expressions").fit(states, case)
+    assert encoder.channels == ("x", "x**2 + z")
+    assert np.array_equal(encoder.encode(states)[1], states[0] ** 2 + states[2])
+    identity = encoder_class("identity").fit(states, case)
+    assert identity.channels == ("x", "y", "z")
+    assert identity.encode(states) is states
+    assert identity.decode(states) is states
+
+
+@pytest.mark.parametrize("kind", available_encoders())
+def test_an_encoder_is_restored_bit_for_bit(kind, training):
+    options = {"pod": {"modes": 5}, "expressions": {"expressions": ["a_0_1 * b_1_0"]}}
+    estimated = kind == "state_estimate"
+    seen = (SENSORS, np.ones(32)) if estimated else (None, None)
+    case = EncodingCase(FLOW, options.get(kind, {}), *seen)
+    encoder = encoder_class(kind).fit(training, case)
+    again = encoder_class(kind).restore(encoder.record(), case)
+    states = np.moveaxis(training, 2, 0)
+    observed = SENSORS(states) if estimated else states
+    channels = encoder.encode(observed)
+    assert channels.shape == (len(encoder.channels), *observed.shape[1:])
+    assert np.array_equal(again.encode(observed), channels)
+    assert again.channels == encoder.channels
+    if encoder.decodes:
+        assert encoder.decode(channels).shape == observed.shape
+    else:
+        with pytest.raises(NotImplementedError, match="does not decode"):
+            encoder.decode(channels)
+
+
+@pytest.mark.parametrize(
+    ("kind", "case", "message"),
+    [
+        (
+            "pod",
+            EncodingCase(FLOW, {"modes": 500}),
+            "modes is 500; 180 snapshots of 120 components",
+        ),
+        ("pod", EncodingCase(FLOW, {}), "either modes or variance"),
+        ("pod", EncodingCase(FLOW, {"variance": 0.0}), "variance must be above 0"),
+        ("invariants", EncodingCase(Lorenz63()), "Lorenz63 has no invariants"),
+        ("state_estimate", EncodingCase(FLOW), "nothing to estimate"),
+        ("state_estimate", EncodingCase(FLOW, {}, SENSORS), "with noise"),
+        ("expressions", EncodingCase(FLOW), "one expression at least"),
+        ("expressions", EncodingCase(FLOW, {"expressions": ["a9"]}), "'a9' names a9"),
+        ("podd", EncodingCase(FLOW), "did you mean 'pod'"),
+    ],
+)
+def test_what_cannot_be_encoded_is_refused(kind, case, message, training):
+    with pytest.raises(ValueError, match=message):
+        encoder_class(kind).fit(training, case)
