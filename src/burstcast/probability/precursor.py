@@ -1,0 +1,231 @@
+"""Probabilities of an event straight from what is observed: no trajectory is forecast.
+
+A classifier of scikit-learn learns from the training series which present states, with some of the
+past, are followed by an event in each prediction window. It is the baseline of forecasts by
+trajectories: where the future of an observable can be recognised but not computed, it is the better
+one. Source of the term: Farazmand and Sapsis, "A variational approach to probing extreme events in
+turbulent dynamical systems", Science Advances 3 (2017) e1701533, whose precursor is one quantity
+that theory gives.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.discovery import suggestion
+
+CLASSIFIERS = ("boosting", "logistic")
+"""Gradient boosting of trees; logistic regression on features and their products."""
+
+
+@dataclass(frozen=True)
+class PrecursorOptions:
+    """How a precursor learns.
+
+    Attributes
+    ----------
+    classifier
+        One of `CLASSIFIERS`.
+    lags
+        Steps before the present whose components are features, beside those of the present.
+    trees, leaves, learning_rate
+        Of the boosting: number of trees, leaves of each, and the weight of each.
+    degree, penalty
+        Of the logistic regression: degree of the products of features, 1 or 2, and the strength of
+        the penalty on squared coefficients of features of unit variance.
+
+    Raises
+    ------
+    ValueError
+        If an option is out of bounds.
+    """
+
+    classifier: str = "boosting"
+    lags: Sequence[int] = ()
+    trees: int = 150
+    leaves: int = 12
+    learning_rate: float = 0.08
+    degree: int = 2
+    penalty: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.classifier not in CLASSIFIERS:
+            raise ValueError(
+                f"unknown classifier {self.classifier!r}{suggestion(self.classifier, CLASSIFIERS)};"
+                f" the available ones are {', '.join(CLASSIFIERS)}"
+            )
+        if any(lag < 1 for lag in self.lags) or len(set(self.lags)) < len(self.lags):
+            raise ValueError(f"lags must be different steps from 1 on, not {list(self.lags)}")
+        if self.degree not in (1, 2):
+            raise ValueError(f"degree must be 1 or 2, not {self.degree}")
+        for name, least in (("trees", 1), ("leaves", 2)):
+            if getattr(self, name) < least:
+                raise ValueError(f"{name} must be at least {least}, not {getattr(self, name)}")
+        for name in ("learning_rate", "penalty"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
+
+
+def precursor_features(washouts: FloatArray, lags: Sequence[int] = ()) -> FloatArray:
+    """Features of starting points: the present components, then those at each lag.
+
+    Parameters
+    ----------
+    washouts
+        Observed states up to each starting point, ``(points, steps, component)``.
+    lags
+        Steps before the present.
+
+    Returns
+    -------
+    ``(points, component * (1 + lags))``.
+
+    Raises
+    ------
+    ValueError
+        If a lag reaches beyond the washout.
+    """
+    steps = washouts.shape[1]
+    if max(lags, default=0) >= steps:
+        raise ValueError(f"a lag of {max(lags)} steps takes a longer washout than {steps} steps")
+    return np.concatenate([washouts[:, -1 - lag] for lag in (0, *lags)], axis=1)
+
+
+@dataclass(frozen=True)
+class Precursor:
+    """Classifiers of starting points, one for each prediction window.
+
+    Attributes
+    ----------
+    options
+        How they have learnt.
+    features, happened
+        What they have learnt from: ``(points, features)`` and ``(points, windows)``.
+    classifiers
+        The estimators of scikit-learn.
+
+    Examples
+    --------
+    >>> generator = np.random.default_rng(0)
+    >>> features = generator.normal(size=(2000, 2))
+    >>> happened = features[:, :1] ** 2 > 2.0
+    >>> precursor = Precursor.fit(features, happened, PrecursorOptions("logistic"))
+    >>> precursor.probabilities(np.array([[0.0, 0.0], [3.0, 0.0]])).round().ravel().tolist()
+    [0.0, 1.0]
+    """
+
+    options: PrecursorOptions
+    features: FloatArray
+    happened: BoolArray
+    classifiers: tuple[Any, ...]
+
+    @classmethod
+    def fit(cls, features: FloatArray, happened: BoolArray, options: PrecursorOptions) -> Self:
+        """Fit the classifiers.
+
+        Parameters
+        ----------
+        features
+            Of starting points in the training series, ``(points, features)``
+            (`precursor_features`).
+        happened
+            Whether an event followed in each window, ``(points, windows)``.
+        options
+            How to learn.
+
+        Raises
+        ------
+        ValueError
+            If a window has no event after any of the points, or after all of them.
+        """
+        for window, share in enumerate(happened.mean(axis=0)):
+            if share in (0.0, 1.0):
+                followed = "none" if share == 0.0 else "each"
+                raise ValueError(
+                    f"{followed} of the {len(happened)} training points is followed by an event in "
+                    f"prediction window {window}: there is nothing to tell apart"
+                )
+        classifiers = []
+        for window in range(happened.shape[1]):
+            classifiers.append(_classifier(options).fit(features, happened[:, window]))
+        return cls(options, features, happened, tuple(classifiers))
+
+    def probabilities(self, features: FloatArray) -> FloatArray:
+        """Probabilities of an event in each window: ``(points, windows)``.
+
+        Parameters
+        ----------
+        features
+            Of starting points, ``(points, features)``.
+        """
+        each = [one.predict_proba(features)[:, 1] for one in self.classifiers]
+        return np.stack(each, axis=1)
+
+    def record(self) -> dict[str, FloatArray]:
+        """Arrays from which `restore` fits the same precursor again: what it has learnt from."""
+        return {"features": self.features, "happened": self.happened.astype(np.float64)}
+
+    @classmethod
+    def restore(cls, record: Mapping[str, FloatArray], options: PrecursorOptions) -> Self:
+        """Precursor from its `record`: fitted again, to the same bits."""
+        return cls.fit(record["features"], record["happened"] > 0.5, options)
+
+
+def out_of_sample_probabilities(
+    features: FloatArray, happened: BoolArray, series: IntArray, options: PrecursorOptions
+) -> FloatArray:
+    """Probabilities for training points by precursors that have not learnt from their series.
+
+    Parameters
+    ----------
+    features, happened, options
+        As for `Precursor.fit`.
+    series
+        Row of the series of each point, ``(points,)``.
+
+    Returns
+    -------
+    ``(points, windows)``: what probabilities are calibrated with.
+
+    Raises
+    ------
+    ValueError
+        If there is one series only, or all events of a window lie in one series.
+    """
+    rows = np.unique(series)
+    if len(rows) < 2:
+        raise ValueError("leaving one series out takes two training series at least")
+    found = np.empty(happened.shape)
+    for row in rows:
+        here = series == row
+        others = Precursor.fit(features[~here], happened[~here], options)
+        found[here] = others.probabilities(features[here])
+    return found
+
+
+def _classifier(options: PrecursorOptions) -> Any:
+    """Estimator of scikit-learn that has not been fitted."""
+    # loaded here only: it takes longer than all the rest of the library
+    if options.classifier == "boosting":
+        from sklearn.ensemble import HistGradientBoostingClassifier
+
+        return HistGradientBoostingClassifier(
+            max_iter=options.trees,
+            max_leaf_nodes=options.leaves,
+            learning_rate=options.learning_rate,
+            early_stopping=False,
+            random_state=0,
+        )
+    from sklearn.linear_model import LogisticRegression
+    from sklearn.pipeline import make_pipeline
+    from sklearn.preprocessing import PolynomialFeatures, StandardScaler
+
+    return make_pipeline(
+        StandardScaler(),
+        PolynomialFeatures(options.degree, include_bias=False),
+        StandardScaler(),
+        LogisticRegression(C=1.0 / options.penalty, max_iter=1000),
+    )
