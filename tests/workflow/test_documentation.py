@@ -1,5 +1,6 @@
 """README and docs: every command is one that runs, every link leads somewhere, lines are short."""
 
+import pkgutil
 import re
 import shlex
 import shutil
@@ -170,3 +171,10 @@ def test_what_the_demo_is_said_to_take():
     """A few minutes on two cores, by the cost model."""
     jobs = predicted_jobs(["--configfile", str(ROOT / "workflow/presets/quick.yaml")])
     assert jobs["predicted_seconds"].sum() < 8 * 60
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_pages_name_in_the_library_is_there(name):
+    """``burstcast.statistics.neighbour_divergence``, whatever room it has moved to."""
+    for dotted in set(re.findall(r"\bburstcast(?:\.[A-Za-z_]\w*){2,}", (ROOT / name).read_text())):
+        assert pkgutil.resolve_name(dotted) is not None, dotted

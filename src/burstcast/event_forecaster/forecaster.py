@@ -21,6 +21,7 @@ from burstcast.event_forecaster.committee import Committee
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.observed_states import Observable, state_space
 from burstcast.event_forecaster.series_layout import as_series
+from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.event_forecaster.timing import EventTiming
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
 from burstcast.forecast.windows import WindowSummaries, crosses
@@ -125,6 +126,8 @@ class EventForecaster(Estimator):
     classes_
         False and True, the columns of `predict_proba`.
     """
+
+    _stream: ObservationStream | None = None
 
     def __init__(
         self,
@@ -235,6 +238,7 @@ class EventForecaster(Estimator):
             members, found = [kind.fit(observed, case)], []
         # nothing of a former fit is left before all can be replaced
         self.members_ = members
+        self._stream = None
         self.hyperparameters_ = found
         self.components_ = states.shape[2]
         every = states.reshape(-1, self.components_)
@@ -314,6 +318,48 @@ class EventForecaster(Estimator):
         probability = self.predict_proba(series, prediction_time)[:, 1]
         return np.asarray(probability >= self.alarms_[self._time(prediction_time)].threshold)
 
+    def update(self, observation: Any, time: float | None = None) -> Self:
+        """Take the next observation of a series that is watched while it goes on.
+
+        Only the latest observations count, as many as the washout has. A gap begins the washout
+        again, and a warning says so: an observation that is not finite, or a time that is more than
+        a sampling interval after the last one. `save` keeps the observations; `fit` forgets them.
+
+        Parameters
+        ----------
+        observation
+            ``(component,)``.
+        time
+            When it was made, in the unit of ``sampling_interval``; None: one sampling interval
+            after the one before.
+
+        Raises
+        ------
+        ValueError
+            If it has other components than the training series, or the time goes back.
+        """
+        self._check_fitted()
+        if self._stream is None:
+            self._stream = self._new_stream()
+        self._stream.append(observation, time)
+        return self
+
+    def probability(self, prediction_time: float | None = None) -> float:
+        """Probability of an event after the latest observation (`update`).
+
+        The same number as `predict_proba` of these observations; NaN while there are fewer than the
+        washout takes.
+
+        Parameters
+        ----------
+        prediction_time
+            One of ``prediction_times``; None: the first.
+        """
+        time = self._time(prediction_time)
+        if self._stream is None or self._stream.waiting:
+            return float("nan")
+        return float(self.predict_proba(self._stream.washout, time)[0, 1])
+
     def scores(self, series: Any, prediction_time: float | None = None) -> dict[str, float]:
         """All scores of the probabilities, and of the alarms that they raise, in series.
 
@@ -366,6 +412,7 @@ class EventForecaster(Estimator):
             "event_threshold": self.event_threshold_,
             "hyperparameters": self.hyperparameters_,
             "alarms": alarms,
+            "stream": None if self._stream is None else self._stream.record(),
         }
         members = [member.record() for member in self.members_]
         files.write_saved(path, files.SavedForecaster(self.get_params(), fitted, members))
@@ -408,6 +455,8 @@ class EventForecaster(Estimator):
         self.event_threshold_ = fitted["event_threshold"]
         self.classes_ = np.array([False, True])
         self.alarms_ = {one["prediction_time"]: AlarmRule.restore(one) for one in fitted["alarms"]}
+        if fitted.get("stream"):
+            self._stream = self._new_stream().restored(fitted["stream"])
         return self
 
     # -- what parameters mean ----------------------------------------------------------------------
@@ -486,6 +535,10 @@ class EventForecaster(Estimator):
                 f"{self.components_}"
             )
         return states
+
+    def _new_stream(self) -> ObservationStream:
+        washout = self._samples("washout")
+        return ObservationStream(self.components_, washout, self.sampling_interval)
 
     def _washouts(self, series: Any) -> FloatArray:
         states, washout = self._like_training(as_series(series)), self._samples("washout")
