@@ -21,6 +21,9 @@ REFUSALS = (ConfigError, OvertakenError, UnlikeCodeError)
 """Why a run does not start: what a person is told, without a traceback."""
 
 
+OFF_WITHOUT_NETWORKS = "hyperparameters, examples of forecasts, control by networks, their figures"
+
+
 class RefusedError(WorkflowError):  # type: ignore[misc]
     """A run does not start; Snakemake prints no lines of the rules below the reason."""
 
@@ -68,8 +71,10 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Star
     return started
 
 
-def tell_what_is_off(cases: Sequence[str]) -> None:
-    """Say to a person which cases are measured series, and what they do without."""
+def tell_what_is_off(cases: Sequence[str], *, has_networks: bool) -> None:
+    """Say to a person which cases are measured series, and what the campaign does without."""
+    if not has_networks:
+        print(f"no networks in the campaign; off: {OFF_WITHOUT_NETWORKS}", file=sys.stderr)
     if cases:
         print(f"{', '.join(cases)}: measured series; off: {OFF}", file=sys.stderr)
 

@@ -123,7 +123,8 @@ def test_thresholds_of_another_observable_are_not_inherited(config):
         load(config)
     text = "\n".join(caught.value.problems)
     assert "case part: event_threshold is missing" in text
-    assert "case part: density.range is missing" in text
+    config["cases"]["part"]["event_threshold"] = 0.3
+    assert case_records(load(config))["part"]["density"]["range"] is None  # of the data
 
 
 def test_what_a_campaign_makes_of_them(config):
@@ -171,11 +172,9 @@ def changed(name, value):
     ("name", "value", "part"),
     [
         ("lab.event_threshold", ..., "case lab: event_threshold is missing"),
-        ("lab.density", ..., "case lab: density.range is missing"),
         ("lab.data.observable", ..., "case lab: data.observable is missing"),
         ("lab.data.time_step", ..., "case lab: data.time_step is missing: the time between"),
         ("lab.data.time_step", 0, "data.time_step is 0; it must be a number above 0"),
-        ("lab.data.components", ..., "case lab: data.components is missing"),
         ("lab.data.files", [], "case lab: data needs files"),
         ("lab.data.case", "Re400", "case lab: data needs files: [...], or else the name"),
         ("lab.data.files", ["lab/x_*"], "case lab: data.files: no file is called lab/x_*"),
@@ -220,8 +219,49 @@ def test_control_needs_equations(config):
     assert "control.strategies[0].cases: control needs equations" in problem(config)
 
 
-def test_long_runs_need_a_duration(config):
+def test_long_runs_are_as_long_as_the_series(config):
     config["statistics"]["duration"] = None
-    assert "case lab: statistics.duration is null, but how long" in problem(config)
+    campaign = Campaign(load(config))
+    paths = ["statistics.duration"]
+    assert campaign.settings(paths, {"case": "lab"}, {}) == {"statistics.duration": None}
+    assert campaign.settings(paths, {"case": "Re400"}, {}) == {"statistics.duration": 4000}
     config["cases"] |= changed("lab.data.blocks", {"duration": 50})
     assert case_records(load(config))["lab"]["data"]["blocks"] == {"duration": 50, "gap": 0}
+
+
+def test_components_are_the_columns_of_the_header(config, tmp_path):
+    (tmp_path / "lab" / "run_1.csv").write_text("t,u,w,v,run\n0,1,2,3,1\n")
+    config["cases"] |= changed("lab.data.components", ...)
+    config["cases"]["lab"]["data"] |= {"time": "t", "series": "run"}
+    lab = case_records(load(config))["lab"]
+    assert lab["data"]["components"] == ["u", "w", "v"]
+    assert lab["parameters"]["components"] == ["u", "w", "v"]
+
+
+def test_what_no_header_says(config, tmp_path):
+    config["cases"] |= changed("lab.data.components", ...)
+    (tmp_path / "lab" / "run_1.csv").unlink()
+    (tmp_path / "lab" / "run_9.csv").write_text("1,2\n3.5,4\n")  # names, or numbers?
+    assert "case lab: data.components is missing, and the columns cannot be" in problem(config)
+    (tmp_path / "lab" / "run_9.csv").write_text("")
+    assert "lab/run_9.csv is empty" in problem(config)
+
+
+def test_what_is_left_out_of_a_case_follows_from_the_data(config):
+    config["cases"]["lab"] = {"data": DATA, "event_threshold": -1.5}
+    lab = case_records(load(config))["lab"]
+    assert lab["recycle_validation"] == {"series": 4, "intervals_per_series": None}
+    assert lab["density"] == {"bins": 200, "range": None}
+    assert lab["test_series"] is lab["fixed_point"] is None
+    costs = CostModel(Campaign(load(config)))
+    costs.classes["forecast"] = "forecast"
+    network = {"case": "lab", "forecaster": "esn-N2000-RV-seed0"}
+    assert costs.predicted("forecast", network).minutes_for(1) >= 0
+
+
+def test_axes_by_other_names(config):
+    config["cases"] |= changed("lab.data.axes", ["Realisation", "time", "variable"])
+    assert case_records(load(config))["lab"]["data"]["axes"] == ["series", "time", "component"]
+    config["cases"] |= changed("lab.data.axes", ["row", "time"])
+    assert "data.axes" in problem(config)
+    assert "realisation" in problem(config)

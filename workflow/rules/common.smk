@@ -83,7 +83,9 @@ INTEGRATED, IMPORTED = (
     for cases in (campaign.simulated_cases, campaign.measured_cases)
 )
 if workflow.is_main_process:
-    tell_what_is_off(campaign.measured_cases)
+    tell_what_is_off(
+        campaign.measured_cases, has_networks=bool(campaign.networks)
+    )
 
 
 wildcard_constraints:

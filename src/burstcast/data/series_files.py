@@ -29,6 +29,11 @@ TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet")
 NETCDF = (".nc", ".nc4", ".cdf", ".h5", ".hdf5", ".hdf")
 NUMPY = (".npy", ".npz")
 AXES = ("series", "time", "component")
+_SYNONYMS = {
+    **dict.fromkeys(("realisation", "realization", "run", "member", "trial", "ensemble"), "series"),
+    **dict.fromkeys(("t", "times", "step", "sample"), "time"),
+    **dict.fromkeys(("components", "variable", "feature", "channel", "state"), "component"),
+}
 
 _GAPS = frozenset({"", "nan", "na", "n/a", "#n/a", "<na>", "null", "none"})
 """How tables write that there is no number, in small letters."""
@@ -63,6 +68,8 @@ def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
             return _runs_of_netcdf(path, data, needed)
         if suffix in NUMPY:
             return _runs_of_numpy(path, data, needed)
+    except _Known:
+        raise
     except UnicodeError as error:
         raise ValueError(f"{path} is not written in UTF-8: save it so ({error})") from error
     except Exception as error:  # whatever the libraries of the formats raise
@@ -72,6 +79,39 @@ def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
         raise ValueError(told) from error
     known = ", ".join((*TABLES, *NETCDF, *NUMPY))
     raise ValueError(f"{path}: files of series end in {known}")
+
+
+class _Known(Exception):
+    """The names of the columns of a file, which is all that is asked of it."""
+
+
+def column_names(path: str, data: Mapping[str, Any]) -> list[str]:
+    """Names of the columns of a file, as its header or its arrays have them: no value is read.
+
+    Parameters
+    ----------
+    path, data
+        As in `read_runs`. The column that tells series apart is none of them.
+
+    Raises
+    ------
+    ValueError, OSError
+        If they cannot be read.
+    """
+
+    def told(known: Sequence[str]) -> Sequence[str]:
+        raise _Known(*known)
+
+    try:
+        read_runs(path, data, told)
+    except _Known as known:
+        return [*known.args]
+    raise ValueError(f"{path} has no columns")
+
+
+def axis_of(name: str) -> str:
+    """The axis of `AXES` that a name means: of "realisation", "series"; unknown names stay."""
+    return _SYNONYMS.get(name.lower(), name.lower() if name.lower() in AXES else name)
 
 
 def _asked(path: str, known: Iterable[object], needed: Needed) -> list[str]:
@@ -474,14 +514,14 @@ def _ordered(
     where: str, array: Array, dimensions: Sequence[str], data: Mapping[str, Any], *last: str
 ) -> Array:
     """Array as ``(series, time, component)``: by its axes as they are said, named, or evident."""
-    names = [name if name in AXES else None for name in dimensions]
+    names = [name if name in AXES else None for name in map(axis_of, dimensions)]
     order: list[str] = []
     if data["axes"]:
         order = [axis for axis in data["axes"] if axis != "component" or last]
         # an array of times has no series
         order = [axis for axis in order if axis != "series"] if array.ndim == 1 else order
     elif names and None not in names:
-        order = list(dimensions)
+        order = [name for name in names if name is not None]
     elif not any(names):
         lengths = [length == len(data["columns"]) for length in array.shape]
         if array.ndim == 1 and not last:

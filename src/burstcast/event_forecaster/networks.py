@@ -62,7 +62,7 @@ def networks(
         washout=washout,
         interval=interval,
         series=parameters["validation_series"] or min(_MOST_VALIDATION_SERIES, series),
-        intervals=parameters["intervals_per_series"] or max(1, (length - washout) // interval),
+        intervals=parameters["intervals_per_series"],
     )
     space = SearchSpace(
         _bounds(parameters["spectral_radius"]), _bounds(parameters["input_scaling"])

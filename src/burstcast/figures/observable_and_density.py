@@ -23,7 +23,7 @@ from burstcast.figures.parts.style import (
 )
 from burstcast.figures.parts.time_axis import samples_per_lyapunov_time
 from burstcast.figures.registry import Declaration
-from burstcast.statistics.densities import bin_edges, histogram
+from burstcast.statistics.densities import bin_edges, edges_over, histogram
 
 FIGURE = Declaration(
     section="data",
@@ -69,14 +69,17 @@ def draw(
     threshold
         Event threshold.
     density
-        ``range`` and number of ``bins`` of the histogram.
+        Number of ``bins`` of the histogram, and their ``range``: None for that of the data.
     symbol, observable_name
         Symbol and name of the observable.
     """
     shown = observable[np.argmax(observable.max(axis=1) >= threshold)]  # the first if none has any
     unit = samples_per_lyapunov_time(exponents, published_exponent, time_step, sampling_stride)
-    low, high = density["range"]
-    counts = histogram(observable, bin_edges(low, high, density["bins"]))
+    if density["range"] is None:
+        edges = edges_over(observable, density["bins"])
+    else:
+        edges = bin_edges(*density["range"], density["bins"])
+    counts = histogram(observable, edges)
     return observable_and_density(
         np.arange(observable.shape[1]) / unit,
         shown,

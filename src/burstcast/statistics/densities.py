@@ -13,6 +13,9 @@ from burstcast.arrays import FloatArray, IntArray
 SATURATED_ERROR = 1.0
 """Logarithmic error of a bin that is empty in either density (paper, below the MLE)."""
 
+SETTLED = 0.01
+"""Variation of an observable that has settled, in widths of its density's range."""
+
 
 @dataclass(frozen=True)
 class Histogram:
@@ -73,6 +76,11 @@ class Histogram:
 def bin_edges(low: float, high: float, bins: int) -> FloatArray:
     """Edges of equal bins from ``low`` to ``high``, ``(bins + 1,)``."""
     return np.linspace(low, high, bins + 1)
+
+
+def edges_over(values: FloatArray, bins: int) -> FloatArray:
+    """Edges of equal bins from the smallest to the largest value, ``(bins + 1,)``."""
+    return bin_edges(float(values.min()), float(values.max()), bins)
 
 
 def check_edges(edges: FloatArray) -> None:

@@ -170,9 +170,10 @@ class Campaign:
 
     @property
     def example(self) -> CaseForecaster:
-        """The network whose forecasts the figures show."""
+        """The network whose forecasts the figures show; none in a campaign without networks."""
         figures = self.config.figures
-        return CaseForecaster(figures.example_case, parsed(figures.example_forecaster))
+        case = figures.example_case or self.forecasters[0].case
+        return CaseForecaster(case, parsed(figures.example_forecaster or "none"))
 
     @property
     def hyperparameters_file(self) -> str:

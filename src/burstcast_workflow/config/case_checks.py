@@ -202,15 +202,10 @@ def _measured(config: Configuration, name: str) -> Iterator[str]:
     try:
         case = Measured.model_validate(record)
     except ValidationError as error:
-        follows = "fixed_point is missing" if "range" not in record["density"] else "none"
-        for problem in model_problems(error, Measured):
-            if not problem.startswith(follows):  # what follows from another setting
-                yield problem
+        yield from model_problems(error, Measured)
         return
     yield from out_of_bounds(case)
     yield from problems_of_data(case)
-    if config.statistics.duration is None and case.ensemble.duration is None:
-        yield "statistics.duration is null, but how long the series are, only the data tell: say it"
     kinds = _kinds(config, name)
     if needing := [kind for kind in kinds if forecaster_class(kind).needs_equations]:
         yield f"there are no equations of measured series to forecast with ({', '.join(needing)})"

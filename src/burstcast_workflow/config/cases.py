@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from burstcast.statistics.densities import SETTLED
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import system_class, system_module
 from burstcast_workflow.campaign.identifiers import realisation_of
@@ -118,9 +119,6 @@ WITHOUT_UNITS: Any = {
 }
 """What cases of all systems have of ``case_defaults``: counts, shares, and Lyapunov times."""
 
-_SETTLED = 0.01
-"""Variation of an observable that has settled, in widths of its density's range."""
-
 _ORTHONORMALISATION_STEPS = 5
 """Steps of a forecast between two QR factorisations."""
 
@@ -165,11 +163,11 @@ def _derive(record: Config) -> None:
     if "time_step" in ensemble and "sampling_stride" in ensemble:
         interval = ensemble["time_step"] * ensemble["sampling_stride"]
         lyapunov.setdefault("orthonormalisation_interval", _ORTHONORMALISATION_STEPS * interval)
-    if "range" in record["density"]:
+    if record["density"].get("range"):
         low, high = record["density"]["range"]
         if "controlled_density" in record:
             record["controlled_density"].setdefault("range", [low, high])
-        record.setdefault("fixed_point", {"variation": _SETTLED * (high - low), "above": low})
+        record.setdefault("fixed_point", {"variation": SETTLED * (high - low), "above": low})
 
 
 def _merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> Config:

@@ -186,8 +186,15 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
 
 def _figures(config: Configuration) -> Iterator[str]:
     figures = config.figures
-    name, example = figures.example_case, parsed(figures.example_forecaster)
-    if not any(
+    name = figures.example_case or ""
+    example = parsed(figures.example_forecaster or "esn")
+    if not figures.example_forecaster:
+        if any(block.forecasters.esn for block in config.campaign):
+            yield (
+                f"figures.example_case is {name}, which is not part of the campaign, or has no "
+                "network of the size figures.fixed_neurons"
+            )
+    elif not any(
         example.neurons in networks.neurons
         and example.validation in networks.validation
         and (example.seed or 0) < networks.seeds

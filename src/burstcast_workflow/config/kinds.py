@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from functools import cache, partial
 from types import UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import (
     AfterValidator,
@@ -19,6 +19,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from burstcast.data.series_files import axis_of
 from burstcast.control.strategies.registry import available_strategies as control_strategies
 from burstcast.tuning.strategies.registry import available_strategies
 from burstcast_workflow.stages.canonical import canonical
@@ -76,6 +77,11 @@ def _among(several: str, names: list[str]) -> AfterValidator:
     return AfterValidator(check)
 
 
+def _axes(values: Any) -> Any:
+    """Take realisation, member, ... for the axis that they mean."""
+    return [axis_of(one) if isinstance(one, str) else one for one in values or []]
+
+
 def _named(path: str) -> str:
     if posixpath.basename(posixpath.normpath(path)) in ("", ".", ".."):
         text = f"is {path}: results need a directory of their own, such as results/mine"
@@ -116,10 +122,9 @@ ControlStrategyName = Annotated[
     _among("strategies of control", control_strategies()),
     Words(f"a strategy of control: {', '.join(control_strategies())}"),
 ]
-NetworkName = Annotated[
-    str,
-    Field(pattern=r"^esn-N\d+-[A-Z]+-seed\d+\Z"),
-    Words("the name of a network, such as esn-N2000-RV-seed0"),
+NetworkOrNull = Annotated[
+    Annotated[str, Field(pattern=r"^esn-N\d+-[A-Z]+-seed\d+\Z")] | None,
+    Words("the name of a network, such as esn-N2000-RV-seed0, or null"),
 ]
 CaseName = Annotated[
     str,
@@ -131,6 +136,12 @@ CaseName = Annotated[
 ]
 ParameterName = Annotated[
     str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*\Z"), Words("the name of a parameter of the system")
+]
+Axes = Annotated[
+    list[Literal["series", "time", "component"]],
+    BeforeValidator(_axes),
+    AfterValidator(_distinct),
+    Words("a list of series (or realisation, run, member, trial), time and component (or variable)"),
 ]
 SystemName = Annotated[
     str,

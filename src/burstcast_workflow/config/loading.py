@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from snakemake.utils import update_config
 
 from burstcast_workflow.config.checks import contradictions
+from burstcast_workflow.config.derived import completed
 from burstcast_workflow.config.messages import model_problems
 from burstcast_workflow.config.model import Configuration
 
@@ -75,7 +76,7 @@ def load(
         config = whole
     problems = misread(files)
     try:
-        parsed = Configuration.model_validate(config)
+        parsed = completed(Configuration.model_validate(config))
         problems += contradictions(parsed)
     except ValidationError as error:
         problems += model_problems(error, Configuration)

@@ -1,12 +1,15 @@
 """Cases whose series were measured: in files, or as a part of what another case's state has."""
 
 import glob
+import json
 import os
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from typing import Any
 
 from burstcast.data.delay_coordinates import delayed_name
 from burstcast.data.measured_data import Quantity
+from burstcast.data.series_files import column_names
 from burstcast.systems.registry import make_system
 from burstcast.systems.state_space import MEASURED, StateSpace, component_names, make_measured
 from burstcast_workflow.config.model import Case, Data, Measured, Simulated
@@ -30,8 +33,7 @@ _WITHOUT_UNITS: Any = {
     "lyapunov": {"time_unit"},
     "training": {"series"},
     "density": {"bins"},
-    "test_series": True,
-    "recycle_validation": True,
+    "recycle_validation": {"series"},
 }
 
 
@@ -56,6 +58,7 @@ def measured_record(
     data = said.dump()
     record: Config = defaults.model_dump(include=_WITHOUT_UNITS)
     record["training"]["noise"] = 0.0
+    record["recycle_validation"]["intervals_per_series"] = None  # as many as fit
     steps: Config = {"duration": said.blocks and said.blocks.duration}
     if said.time_step is not None:
         # a power of two: their product is what was said, to the last bit
@@ -65,7 +68,7 @@ def measured_record(
         whole = source["ensemble"]
         steps = {key: whole.get(key) for key in ("time_step", "sampling_stride", "duration")}
         record |= _of_source(source, data)
-    data["components"] = said.components or data.get("columns", [])
+    data["components"] = said.components or data.get("columns") or _in_header(said)
     names = [Quantity(text).name for text in data["components"]]
     past = [delayed_name(name, delay) for delay in said.delays for name in names]
     if steps["duration"] is not None and "time_step" in steps:
@@ -83,6 +86,32 @@ def measured_record(
         },
         "ensemble": steps,
     }
+
+
+def _in_header(data: Data) -> list[str]:
+    """Columns that the first file has by its header; none where that cannot be read."""
+    try:
+        return header(data) if data.case is None else []
+    except (ValueError, OSError):  # told by `own_problems`
+        return []
+
+
+def header(data: Data) -> list[str]:
+    """Columns that the first file has, but times and labels of series.
+
+    Raises
+    ------
+    ValueError, OSError
+        If they cannot be read.
+    """
+    whole = Data.model_validate({"observable": "", **data.dump()})
+    return _header(data_files(data)[0], whole.model_dump_json())
+
+
+@cache
+def _header(path: str, data: str) -> list[str]:
+    said = json.loads(data)
+    return [name for name in column_names(path, said) if name != said["time"]]
 
 
 def _of_source(source: Mapping[str, Any], data: Config) -> Config:
@@ -155,8 +184,11 @@ def own_problems(own: Case) -> Iterator[str]:
         ):
             if getattr(data, key) is None:
                 yield f"data.{key} is missing: {meaning}"
-        if not (data.components or data.columns):
-            yield "data.components is missing: the columns that forecasters see"
+        if not (data.components or data.columns) and data.array is None:
+            try:
+                header(data)
+            except (ValueError, OSError) as error:
+                yield f"data.components is missing, and the columns cannot be found: {error}"
     else:
         if not data.components:
             yield "data.components is missing: what forecasters see of the other case"

@@ -11,13 +11,14 @@ from pydantic import AfterValidator, Field
 from burstcast.compiled.backends import usable_backend
 from burstcast.forecasters._options import DEFAULTS
 from burstcast_workflow.config.kinds import (
+    Axes,
     CaseName,
     ControlStrategyName,
     Count,
     CountOrNull,
     Directory,
     Distinct,
-    NetworkName,
+    NetworkOrNull,
     ParameterName,
     Positive,
     PositiveOrNull,
@@ -101,11 +102,15 @@ class BlockForecasters(SingleKinds):
 class NetworkChoice(Section):
     """Which of the campaign's networks; what is left out is not restricted."""
 
-    neurons: Distinct[Size] = setting(
-        "sizes of the reservoir; all if left out or empty", one_of=SIZES, default=[]
+    neurons: Distinct[Size] | None = setting(
+        "sizes of the reservoir; all if left out or empty; null: figures.fixed_neurons",
+        one_of=SIZES,
+        default=[],
     )
-    validation: Distinct[Strategy] = setting(
-        "validation strategies; all if left out or empty", one_of=STRATEGIES, default=[]
+    validation: Distinct[Strategy] | None = setting(
+        "validation strategies; all if left out or empty; null: that of the example network",
+        one_of=STRATEGIES,
+        default=[],
     )
 
 
@@ -221,6 +226,16 @@ class Density(Section):
     range: Range = setting("lower and upper end of the bins", OBSERVABLE)
 
 
+class MeasuredDensity(Density):
+    """Bins of the observable's probability density."""
+
+    range: Range | None = setting(  # type: ignore[assignment]
+        "lower and upper end of the bins; null: the smallest and the largest value of the data",
+        OBSERVABLE,
+        default=None,
+    )
+
+
 class FixedPoint(Section):
     """When a long forecast has settled on a fixed point."""
 
@@ -245,8 +260,8 @@ class RecycleValidation(Section):
     """Validation intervals, of Recycle and Walk Forward Validation."""
 
     series: Count = setting("training series with validation intervals", at_most="training.series")
-    intervals_per_series: Count = setting(
-        "validation intervals in each, end to end after the washout"
+    intervals_per_series: CountOrNull = setting(
+        "validation intervals in each, end to end after the washout; null: as many as fit"
     )
 
 
@@ -300,8 +315,9 @@ class Data(Section):
         default=None,
     )
     array: str | None = setting("array that holds all components", default=None)
-    axes: Distinct[Literal["series", "time", "component"]] = setting(
-        "axes of the arrays, in their order; needed unless all dimensions are called so, or only "
+    axes: Axes = setting(
+        "axes of the arrays, in their order (realisation, run, member and trial mean series, "
+        "variable and channel mean component); needed unless all dimensions are called so, or only "
         "one order is possible",
         default=[],
     )
@@ -330,7 +346,10 @@ class Case(Section):
     density: Density
     fixed_point: FixedPoint
     actuation: Actuation | None = setting("", default=None)
-    test_series: Count = setting("number of series that forecasts are classified on")
+    test_series: Count = setting(
+        "number of series that forecasts are classified on; of measured series, all after those of "
+        "the training if left out"
+    )
     recycle_validation: RecycleValidation
     data: Data | None = setting(
         "measured series instead of equations; null: the series are simulated", default=None
@@ -365,6 +384,9 @@ class Measured(Case):
 
     system: Literal["measured"]
     ensemble: MeasuredSteps
+    density: MeasuredDensity
+    fixed_point: FixedPoint | None = None  # type: ignore[assignment]
+    test_series: CountOrNull = None  # type: ignore[assignment]
     actuation: None = None
     data: Data
 
@@ -625,14 +647,29 @@ class Figures(Section):
     """What the figures show."""
 
     published_overlay: bool = setting("draw the paper's published values on ours")
-    example_case: CaseName = setting("case of the network whose forecasts are shown as examples")
-    example_forecaster: NetworkName = setting("network whose forecasts are shown as examples")
-    example_prediction_time_lt: Positive = setting("prediction time of the examples", one_of=TIMES)
+    example_case: CaseName | None = setting(
+        "case of the network whose forecasts are shown as examples; null: the first that has "
+        "networks of the fixed size"
+    )
+    example_forecaster: NetworkOrNull = setting(
+        "network whose forecasts are shown as examples; null: of the fixed size, of Recycle "
+        "Validation if there is any, seed 0"
+    )
+    example_prediction_time_lt: PositiveOrNull = setting(
+        "prediction time of the examples; null: the nearest to 2", one_of=TIMES
+    )
     example_horizon_lt: Positive = setting("horizon of the example event; the nearest one is shown")
-    fixed_neurons: Size = setting("size of the reservoir where panels hold it fixed", one_of=SIZES)
-    fixed_prediction_time_lt: Positive = setting("prediction time that panels share", one_of=TIMES)
-    reynolds_prediction_times_lt: SomeRising[Positive] = setting(
-        "prediction times of the figure over the Reynolds number", one_of=TIMES
+    fixed_neurons: Size | None = setting(
+        "size of the reservoir where panels hold it fixed; null: the size that most cases have, "
+        "the largest of those",
+        one_of=SIZES,
+    )
+    fixed_prediction_time_lt: PositiveOrNull = setting(
+        "prediction time that panels share; null: the nearest to 3", one_of=TIMES
+    )
+    reynolds_prediction_times_lt: SomeRising[Positive] | None = setting(
+        "prediction times of the figure over the Reynolds number; null: the nearest to 2 and 3",
+        one_of=TIMES,
     )
     flow_event: FlowEvent
     flow_points: list[Annotated[Whole, Field(ge=5, le=1000)]] = setting(
@@ -643,8 +680,8 @@ class Figures(Section):
     isosurface_level: Positive = setting(
         "vorticity of the isosurfaces", "largest vorticity shown", lt=1
     )
-    control_prediction_time_lt: Positive = setting(
-        "prediction time of the suppressed event that is shown",
+    control_prediction_time_lt: PositiveOrNull = setting(
+        "prediction time of the suppressed event that is shown; null: the nearest to 2",
         one_of="control.prediction_times_lt",
         when=CONTROL,
     )

@@ -85,7 +85,8 @@ class _Job:
         self.dimension = campaign.dimension(self.case)
         self.series, self.samples = _size(campaign, self.case)
         self.training_series = self("case.training.series")
-        self.test_series = max(0, min(self("case.test_series"), self.series - self.training_series))
+        left = max(0, self.series - self.training_series)
+        self.test_series = min(self("case.test_series") or left, left)
         self.numbers = self.series * self.samples * self.dimension
         self.transient = self("case.ensemble").get("transient", 0) / self.interval
         self.rows = self.training_series * max(0.0, self.samples - self.steps("washout_lt"))
@@ -114,7 +115,8 @@ class _Job:
     def long_runs(self) -> tuple[float, float]:
         """Runs for long-term statistics, and the steps of each."""
         starts = self.training_series * self.starts("statistics.start_spacing_lt")
-        steps = self("statistics.duration") / self.interval + self.start_up
+        duration = self("statistics.duration")
+        steps = (duration / self.interval if duration else self.samples) + self.start_up
         return min(self("statistics.starting_points"), starts), steps
 
 
@@ -126,7 +128,7 @@ def _size(campaign: Campaign, case: str) -> tuple[float, float]:
     # before the files are read, only their sizes are known
     files = map(Path, data_files(campaign.data(case)))
     held = sum(path.stat().st_size for path in files if path.exists())
-    series = one.training.series + one.test_series
+    series = one.training.series + (one.test_series or one.training.series)
     return series, held / 8 / campaign.dimension(case) / series
 
 
@@ -212,7 +214,8 @@ def _search(job: _Job, points: float) -> _Work:
     strategies = job.wildcards.get("strategies", str(job.name.validation)).split("+")
     recycle, betas = job("case.recycle_validation"), len(job("search.tikhonov"))
     # other strategies than these validate about as often as Recycle Validation
-    recycled = recycle["series"] * recycle["intervals_per_series"]
+    fitting = max(1.0, job.samples - job.steps("washout_lt")) / job.steps("search.interval_lt")
+    recycled = recycle["series"] * (recycle["intervals_per_series"] or fitting)
     intervals = sum(job.training_series if one == "SSV" else recycled for one in strategies)
     loops = betas * intervals * job.steps("search.interval_lt")
     return _training(job, points, loops, betas * len(strategies))

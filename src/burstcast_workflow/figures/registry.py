@@ -284,7 +284,18 @@ CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
 def cases_of(campaign: Campaign, figure: Declaration) -> list[str]:
     """Cases that a figure is made for."""
     cases = _named(CASES, figure.cases, "choice of cases")(campaign)
+    if not campaign.networks and _shows_networks(figure):
+        return []
     return [case for case in cases if not figure.only_flows or campaign.has_flow(case)]
+
+
+def _shows_networks(figure: Declaration) -> bool:
+    """Whether there is nothing to draw without networks: of the example, of sizes, of strategies."""
+    shown = [*figure.inputs.values(), *figure.settings.values()]
+    return figure.cases == "several_sizes" or any(
+        place.startswith(("example", "shown.strategies")) or "/classification_percentiles" in place
+        for place in shown
+    )
 
 
 def files_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str, str | list[str]]:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from burstcast.arrays import FloatArray
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.files.netcdf import read_netcdf, read_rows
+from burstcast.statistics.densities import bin_edges, edges_over
 from burstcast_workflow.harness.settings import Settings
 
 
@@ -33,6 +34,30 @@ def check_kept_series(kept: int, needs: Mapping[str, int]) -> None:
             f"raise ensemble.series, or ask for at most {kept}"
             f"{' in all' if len(needs) > 1 else ''}"
         )
+
+
+def test_series(settings: Settings, kept: int) -> int:
+    """Number of test series: as many as are asked for, or all that follow the training series.
+
+    Parameters
+    ----------
+    settings
+        With ``case.training.series`` and ``case.test_series``, null for all that follow.
+    kept
+        Series of the ensemble.
+    """
+    wanted = settings["case.test_series"]
+    # none is left: one is asked for, so that the check says how many there are
+    return int(wanted or max(1, kept - settings["case.training.series"]))
+
+
+def density_edges(settings: Settings, ensemble: str) -> FloatArray:
+    """Edges of the bins of the observable's density: over all the data where no range is said."""
+    density = settings["case.density"]
+    if density["range"] is not None:
+        low, high = density["range"]
+        return bin_edges(low, high, density["bins"])
+    return edges_over(read_netcdf(ensemble, "observable")["observable"], density["bins"])
 
 
 def observed_rows(settings: Settings, ensemble: str, first: int, states: FloatArray) -> FloatArray:

@@ -6,14 +6,14 @@ from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.data.starting_points import segments
 from burstcast.forecasters.base import Forecaster
-from burstcast.statistics.densities import bin_edges
+from burstcast.statistics.densities import SETTLED
 from burstcast.statistics.long_term import (
     FixedPointCriterion,
     LongTermSettings,
     long_term_starting_points,
 )
 from burstcast_workflow.harness.settings import LONG_RUNS, Settings, concerning
-from burstcast_workflow.jobs.data import training_states
+from burstcast_workflow.jobs.data import density_edges, training_states
 from burstcast_workflow.jobs.forecasters import seen_rows
 from burstcast_workflow.jobs.time_unit import long_run_steps, lyapunov_time
 
@@ -50,25 +50,33 @@ def long_run_washouts(
     return segments(states, points, washout - 1, 0)
 
 
-def long_term_settings(settings: Settings, time_unit: str | Sequence[str]) -> LongTermSettings:
+def long_term_settings(
+    settings: Settings, ensemble: str, time_unit: str | Sequence[str]
+) -> LongTermSettings:
     """How long runs are made, and when they are discarded.
+
+    A run has settled where it varies less than a hundredth of the bins' range, unless the config
+    says otherwise.
 
     Raises
     ------
     ValueError
         If the runs are shorter than what their ends are judged by.
     """
-    density = settings["case.density"]
-    low, high = density["range"]
+    edges = density_edges(settings, ensemble)
+    fixed_point = settings["case.fixed_point"] or {
+        "variation": SETTLED * (edges[-1] - edges[0]),
+        "above": edges[0],
+    }
     interval = durations.steps(
         settings["statistics.fixed_point_interval_lt"], lyapunov_time(settings, time_unit)
     )
     with concerning(LONG_RUNS):
         return LongTermSettings(
-            steps=long_run_steps(settings),
-            edges=bin_edges(low, high, density["bins"]),
+            steps=long_run_steps(settings, ensemble),
+            edges=edges,
             laminarisation_threshold=settings["case.laminarisation_threshold"],
             fixed_point=FixedPointCriterion(
-                settings["case.fixed_point.variation"], settings["case.fixed_point.above"], interval
+                fixed_point["variation"], fixed_point["above"], interval
             ),
         )

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from burstcast import durations
+from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 
@@ -13,9 +14,11 @@ def sampling_interval(settings: Settings) -> float:
     return float(settings["case.ensemble.time_step"] * stride)
 
 
-def long_run_steps(settings: Settings) -> int:
-    """Steps of each long run."""
-    duration: float = settings["statistics.duration"]
+def long_run_steps(settings: Settings, ensemble: str) -> int:
+    """Steps of each long run: those of a series of the ensemble where no duration is known."""
+    duration: float | None = settings["statistics.duration"]
+    if duration is None:
+        return len(read_netcdf(ensemble, "time")["time"]) - 1
     return round(duration / sampling_interval(settings))
 
 

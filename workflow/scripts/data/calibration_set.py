@@ -2,7 +2,7 @@
 
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import check_kept_series, kept_series
+from burstcast_workflow.jobs.data import check_kept_series, kept_series, test_series
 from burstcast_workflow.jobs.forecasts import write_point_set
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -17,11 +17,11 @@ def calibration_set_of_case(
     provenance: Provenance,
 ) -> None:
     """Write points in the training series, or in series that are neither training nor test."""
-    training, test = settings["case.training.series"], settings["case.test_series"]
-    more = settings["probability.calibration_series"]
+    kept, training = kept_series(ensemble), settings["case.training.series"]
+    test, more = test_series(settings, kept), settings["probability.calibration_series"]
     needs = {"training.series": training, "test_series": test}
     check_kept_series(
-        kept_series(ensemble), {**needs, "probability.calibration_series": more} if more else needs
+        kept, {**needs, "probability.calibration_series": more} if more else needs
     )
     write_point_set(
         calibration_set,

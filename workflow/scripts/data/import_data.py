@@ -7,6 +7,7 @@ from burstcast.data.measured_data import kept_series
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.jobs.data import test_series
 from burstcast_workflow.jobs.measured import measured_series, present_space, with_past
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
@@ -22,7 +23,7 @@ def import_data(
 ) -> None:
     """Write the series, their observable, and a summary."""
     states = measured_series(settings, sources)
-    training, test = settings["case.training.series"], settings["case.test_series"]
+    training, test = settings["case.training.series"], test_series(settings, len(states))
     if training + test > len(states):
         raise ValueError(
             f"training.series is {training} and test_series {test}, but the data have "

@@ -7,13 +7,13 @@ import numpy as np
 from burstcast import random_streams
 from burstcast.files.netcdf import Variable, read_rows
 from burstcast.files.units import NUMBER, OBSERVABLE
-from burstcast.statistics.densities import bin_edges
 from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
+from burstcast_workflow.jobs.data import density_edges
 from burstcast_workflow.jobs.statistics import write_statistics
 from burstcast_workflow.jobs.systems import system_of
 
@@ -33,8 +33,6 @@ def reference_statistics(
 ) -> None:
     """Write the statistics of the data and of the training set, and the floor of the measures."""
     system = system_of(settings)
-    density = settings["case.density"]
-    low, high = density["range"]
     kept = read_json(summary)["series_kept"]
     blocks = (
         read_rows(ensemble, "state", start, min(start + SERIES_AT_A_TIME, kept))
@@ -43,7 +41,7 @@ def reference_statistics(
     series = reduce_series(
         blocks,
         system.observable,
-        bin_edges(low, high, density["bins"]),
+        density_edges(settings, ensemble),
     )
     first = slice(0, settings["case.training.series"])
     write_statistics(data, series.merged(slice(None)), provenance)

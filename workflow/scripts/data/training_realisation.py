@@ -6,7 +6,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
-from burstcast_workflow.jobs.data import check_kept_series
+from burstcast_workflow.jobs.data import check_kept_series, test_series
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
@@ -27,7 +27,7 @@ def choose_training_series(
         len(data["series"]),
         {
             "training.series x realisations": training * (realisation + 1),
-            "test_series": settings["case.test_series"],
+            "test_series": test_series(settings, len(data["series"])),
             "probability.calibration_series": settings["probability.calibration_series"],
         },
     )

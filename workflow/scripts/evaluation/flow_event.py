@@ -13,6 +13,7 @@ from burstcast.forecast.example_events import (
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
+from burstcast_workflow.jobs.data import kept_series, test_series
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen_rows
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
@@ -32,7 +33,7 @@ def find_flow_event(
     """Write the observable through the event and the states at four times, true and forecast."""
     system, unit = system_of(settings), lyapunov_time(settings, time_unit)
     wanted, first = settings["figures.flow_event"], settings["case.training.series"]
-    last = first + settings["case.test_series"]
+    last = first + test_series(settings, kept_series(ensemble))
     truth = read_rows(ensemble, "observable", first, last)
     states = read_rows(ensemble, "state", first, last)
     trained = read_rows(ensemble, "state", 0, first)

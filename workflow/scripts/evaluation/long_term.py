@@ -24,7 +24,7 @@ def run_freely(
     """Write the forecaster's long-term statistics and what became of each closed loop."""
     bound = settings["forecaster.divergence_bound"]
     who = read_forecaster(forecaster, settings, time_unit, bound)
-    how = long_term_settings(settings, time_unit)
+    how = long_term_settings(settings, ensemble, time_unit)
     washouts = long_run_washouts(settings, ensemble, time_unit, who)
     run = run_long_term(who, system_of(settings).observable, washouts, how)
     fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)

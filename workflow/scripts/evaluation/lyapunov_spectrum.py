@@ -33,7 +33,7 @@ def lyapunov_spectrum(
     found = forecaster_spectrum(
         who,
         washouts[kept[: settings["statistics.lyapunov_runs"]]],
-        long_run_steps(settings),
+        long_run_steps(settings, ensemble),
         max(1, round(settings["case.lyapunov.orthonormalisation_interval"] / interval)),
         settings["statistics.lyapunov_exponents"],
         interval,

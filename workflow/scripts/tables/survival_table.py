@@ -38,7 +38,7 @@ def survival_table(
     data = read_netcdf(ensemble, "series", "lifetime", "time")
     of_data = Lifetimes.of_ensemble(data["lifetime"], data["series"], len(data["time"]) - 1)
     found = [({**of_case, "validation": None, "seed": None}, of_data)]
-    steps = long_run_steps(settings)
+    steps = long_run_steps(settings, ensemble)
     for keys, origin in gathered(settings, long_term):
         runs = read_netcdf(origin.path, "fate", "lifetime")
         found.append((keys, Lifetimes(runs["lifetime"], runs["fate"] != Fate.KEPT, steps)))

@@ -24,17 +24,23 @@ class ValidationPlan:
     series
         Number of training series with validation intervals, from the first.
     intervals
-        Intervals in each of them, laid end to end from the end of the washout.
+        Intervals in each of them, laid end to end from the end of the washout; None for as many as
+        fit.
     """
 
     washout: int
     interval: int
     series: int
-    intervals: int
+    intervals: int | None
 
-    def starts(self) -> tuple[int, ...]:
-        """First steps of the intervals that are laid end to end."""
-        return tuple(self.washout + index * self.interval for index in range(self.intervals))
+    def fitting(self, length: int) -> int:
+        """Number of intervals that fit into a series of ``length`` samples after the washout."""
+        return max(0, (length - self.washout) // self.interval)
+
+    def starts(self, length: int) -> tuple[int, ...]:
+        """First steps of the intervals, laid end to end in a series of ``length`` samples."""
+        count = self.fitting(length) if self.intervals is None else self.intervals
+        return tuple(self.washout + index * self.interval for index in range(count))
 
     def check_intervals(self, series: int, length: int) -> None:
         """Check that the intervals laid end to end fit ``series`` series of ``length`` samples.
@@ -49,10 +55,10 @@ class ValidationPlan:
                 f"{self.series} series are to have validation intervals, but there are only "
                 f"{series} training series"
             )
-        if self.washout + self.interval * self.intervals > length:
-            fit = max(0, (length - self.washout) // self.interval)
+        fit, wanted = self.fitting(length), 1 if self.intervals is None else self.intervals
+        if wanted > fit:
             raise ValueError(
-                f"{self.intervals} validation intervals per series are asked for, but only {fit} "
+                f"{wanted} validation intervals per series are asked for, but only {fit} "
                 f"intervals of {self.interval} steps fit into a series of {length} samples"
             )
 

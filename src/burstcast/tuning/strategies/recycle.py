@@ -20,4 +20,4 @@ class RecycleValidation(ValidationStrategy):
         """Lay out one fold with all the intervals (see `ValidationStrategy.folds`)."""
         plan.check_intervals(series, length)
         whole = Block(range(series), length)
-        return [Fold(trained=(whole,), series=range(plan.series), starts=plan.starts())]
+        return [Fold(trained=(whole,), series=range(plan.series), starts=plan.starts(length))]

@@ -41,7 +41,7 @@ class WalkForwardValidation(ValidationStrategy):
             ]
             del others[row]
             others = [block for block in others if len(block.series)]
-            for start in plan.starts():
+            for start in plan.starts(length):
                 before = Block(range(row, row + 1), start)
                 trained = (*others, *([before] if start > plan.washout else []))
                 if trained:

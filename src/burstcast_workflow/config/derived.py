@@ -1,0 +1,91 @@
+"""Settings that follow from the campaign where the config has null: examples, sizes, times."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
+from burstcast_workflow.config.cases import block_cases, campaign_cases
+from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.stages.canonical import natural_order
+
+_STRATEGY = "RV"
+"""Validation strategy of the example network, where the campaign has it."""
+_TIMES = {"example_prediction_time_lt": 2, "fixed_prediction_time_lt": 3}
+_SEVERAL = ("reynolds_prediction_times_lt", (2, 3))
+_OF_CONTROL = ("control_prediction_time_lt", 2)
+"""Prediction times of figures, in Lyapunov times: the nearest one that the campaign has is shown."""
+
+
+def completed(config: Configuration) -> Configuration:
+    """Fill in what follows from the campaign.
+
+    The example network is of the size that most cases have, the largest of those; of Recycle
+    Validation if there is any; of seed 0; of the first case that has such networks. Without
+    networks, the first case is the example, and there is no example network.
+    """
+    figures = config.figures
+    classified = config.classification.prediction_times_lt
+    several, wanted = _SEVERAL
+    shown = {
+        **_example(config),
+        **{name: _nearest(classified, time) for name, time in _TIMES.items()},
+        several: sorted({_nearest(classified, time) for time in wanted}),
+        _OF_CONTROL[0]: _nearest(config.control.prediction_times_lt, _OF_CONTROL[1]),
+    }
+    said = {name: getattr(figures, name) for name in shown}
+    shown |= {name: value for name, value in said.items() if value is not None}
+    update: dict[str, Any] = {"figures": figures.model_copy(update=shown)}
+    for name in ("statistics", "control"):
+        section = getattr(config, name)
+        forecasters = section.forecasters
+        if forecasters.esn is not None:
+            esn = forecasters.esn.model_copy(update=_followed(forecasters.esn, shown))
+            forecasters = forecasters.model_copy(update={"esn": esn})
+            update[name] = section.model_copy(update={"forecasters": forecasters})
+    return config.model_copy(update=update)
+
+
+def _example(config: Configuration) -> dict[str, Any]:
+    """Example case and network, and the size that panels hold fixed."""
+    figures = config.figures
+    found = [
+        (case, size, block.forecasters.esn.validation)
+        for block in config.campaign
+        if block.forecasters.esn is not None
+        for case in block_cases(block)
+        for size in block.forecasters.esn.neurons
+    ]
+    known = figures.example_forecaster and parsed(figures.example_forecaster)
+    size = figures.fixed_neurons or (known.neurons if known else None)
+    if size is None and found:
+        counts = Counter(one for _, one, _ in found)
+        size = max(counts, key=lambda one: (counts[one], one))
+    alike = [one for one in found if one[1] == size and figures.example_case in (None, one[0])]
+    cases = [case for case, *_ in alike] or campaign_cases(config)
+    case = min(cases, key=natural_order, default=None)
+    strategies = sorted({name for one, _, names in alike if one == case for name in names})
+    if not strategies:
+        return {"example_case": case, "example_forecaster": None, "fixed_neurons": None}
+    strategy = _STRATEGY if _STRATEGY in strategies else strategies[0]
+    name = ForecasterName("esn", size, strategy, 0).identifier
+    return {"example_case": case, "example_forecaster": name, "fixed_neurons": size}
+
+
+def _followed(chosen: Any, shown: Mapping[str, Any]) -> dict[str, Any]:
+    """Networks of a choice that leaves its size or strategy to the example: null."""
+    example = shown["example_forecaster"]
+    values = {
+        "neurons": shown["fixed_neurons"],
+        "validation": example and parsed(example).validation,
+    }
+    return {
+        axis: [] if value is None else [value]
+        for axis, value in values.items()
+        if getattr(chosen, axis) is None
+    }
+
+
+def _nearest(values: Sequence[float], wanted: float) -> float | None:
+    """The value nearest to the wanted one, the smaller of two; None without any."""
+    return min(values, key=lambda value: (abs(value - wanted), value), default=None)
