@@ -7,6 +7,7 @@ from burstcast_workflow.campaign.summary import (
     MOST_WARNINGS,
     campaign_summary,
     warnings_summary,
+    where_results_lie,
 )
 
 
@@ -117,3 +118,15 @@ def test_many_warnings_are_cut_and_none_are_nothing(tmp_path):
     lines = warnings_summary(tmp_path).splitlines()
     assert len(lines) == MOST_WARNINGS + 2
     assert lines[-1].strip() == "... and 3 more"
+
+
+def test_the_end_names_only_what_there_is(tmp_path):
+    assert where_results_lie(tmp_path) == f"Results: {tmp_path}"
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "tables" / "dataset.csv").write_text("")
+    assert where_results_lie(tmp_path) == f"Tables: {tmp_path}/tables/*.csv and *.tex."
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures" / "survival.png").write_text("")
+    assert "look first" not in where_results_lie(tmp_path)
+    (tmp_path / "figures" / "forecast_skill.png").write_text("")
+    assert where_results_lie(tmp_path).endswith("; look first at forecast_skill.")

@@ -26,7 +26,11 @@ from burstcast_workflow.start import (
     start,
     tell_what_is_off,
 )
-from burstcast_workflow.campaign.summary import campaign_summary, warnings_summary
+from burstcast_workflow.campaign.summary import (
+    campaign_summary,
+    warnings_summary,
+    where_results_lie,
+)
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import (
     cases_of,
@@ -83,9 +87,7 @@ INTEGRATED, IMPORTED = (
     for cases in (campaign.simulated_cases, campaign.measured_cases)
 )
 if workflow.is_main_process:
-    tell_what_is_off(
-        campaign.measured_cases, has_networks=bool(campaign.networks)
-    )
+    tell_what_is_off(campaign.measured_cases, has_networks=bool(campaign.networks))
 
 
 wildcard_constraints:
@@ -113,8 +115,7 @@ onsuccess:
     found = [
         campaign_summary(Path(TABLES)),
         warnings_summary(Path(TABLES)),
-        f"Tables: {TABLES}/*.csv and *.tex. Figures: {RESULTS}/figures/*.pdf and *.png; look first "
-        f"at classification_scores and forecast_skill.\n{stale_note(RESULTS, workflow)}",
+        f"{where_results_lie(Path(RESULTS))}\n{stale_note(RESULTS, workflow)}",
     ]
     print("\n" + "\n\n".join(filter(None, found)), file=sys.stderr)
 

@@ -68,7 +68,7 @@ def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
             return _runs_of_netcdf(path, data, needed)
         if suffix in NUMPY:
             return _runs_of_numpy(path, data, needed)
-    except _Known:
+    except _FoundError:
         raise
     except UnicodeError as error:
         raise ValueError(f"{path} is not written in UTF-8: save it so ({error})") from error
@@ -81,7 +81,7 @@ def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
     raise ValueError(f"{path}: files of series end in {known}")
 
 
-class _Known(Exception):
+class _FoundError(Exception):
     """The names of the columns of a file, which is all that is asked of it."""
 
 
@@ -100,11 +100,11 @@ def column_names(path: str, data: Mapping[str, Any]) -> list[str]:
     """
 
     def told(known: Sequence[str]) -> Sequence[str]:
-        raise _Known(*known)
+        raise _FoundError(*known)
 
     try:
         read_runs(path, data, told)
-    except _Known as known:
+    except _FoundError as known:
         return [*known.args]
     raise ValueError(f"{path} has no columns")
 

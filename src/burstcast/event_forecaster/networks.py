@@ -57,7 +57,7 @@ def networks(
         raise ValueError(f"members must be 1 at least, not {members}")
     strategy = make_strategy(parameters["validation"])
     together = [make_strategy(name) for name in scanned_with(strategy.name)]
-    series, length, dimension = training.observed.shape
+    series, _, dimension = training.observed.shape
     plan = ValidationPlan(
         washout=washout,
         interval=interval,

@@ -78,7 +78,8 @@ def draw(
     if density["range"] is None:
         edges = edges_over(observable, density["bins"])
     else:
-        edges = bin_edges(*density["range"], density["bins"])
+        low, high = density["range"]
+        edges = bin_edges(low, high, density["bins"])
     counts = histogram(observable, edges)
     return observable_and_density(
         np.arange(observable.shape[1]) / unit,

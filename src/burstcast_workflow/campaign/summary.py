@@ -18,6 +18,9 @@ MOST_ROWS = 16
 
 MOST_WARNINGS = 8
 
+LOOK_FIRST_AT = ("classification_scores", "forecast_skill")
+"""Figures that tell most, of those that there are."""
+
 _WARNINGS = "warnings.csv"
 _KEYS = ["case", "forecaster", "neurons", "validation"]
 
@@ -78,6 +81,19 @@ def summary_table(tables: Path) -> pd.DataFrame | None:
     table = table.sort_values("case", key=lambda cases: cases.map(place), kind="stable")
     table.insert(1, "who", [_who(row) for row in table[_KEYS].to_dict("records")])
     return table.drop(columns=_KEYS[1:])
+
+
+def where_results_lie(results: Path) -> str:
+    """Where tables and figures lie, of which there are any, and which figures to look at first."""
+    found = []
+    if any((results / "tables").glob("*.csv")):
+        found.append(f"Tables: {results}/tables/*.csv and *.tex.")
+    figures = results / "figures"
+    if any(figures.glob("*.png")):
+        first = [name for name in LOOK_FIRST_AT if (figures / f"{name}.png").exists()]
+        look = f"; look first at {' and '.join(first)}" if first else ""
+        found.append(f"Figures: {figures}/*.pdf and *.png{look}.")
+    return " ".join(found) or f"Results: {results}"
 
 
 def _control(path: Path) -> dict[str, "pd.Series[float]"]:

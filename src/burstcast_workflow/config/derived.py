@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
-from burstcast_workflow.config.cases import block_cases, campaign_cases
+from burstcast_workflow.config.cases import block_cases, campaign_cases, data_of
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.stages.canonical import natural_order
 
@@ -14,15 +14,15 @@ _STRATEGY = "RV"
 _TIMES = {"example_prediction_time_lt": 2, "fixed_prediction_time_lt": 3}
 _SEVERAL = ("reynolds_prediction_times_lt", (2, 3))
 _OF_CONTROL = ("control_prediction_time_lt", 2)
-"""Prediction times of figures, in Lyapunov times: the nearest one that the campaign has is shown."""
+"""Prediction times of figures, in Lyapunov times: the nearest that the campaign has is shown."""
 
 
 def completed(config: Configuration) -> Configuration:
     """Fill in what follows from the campaign.
 
     The example network is of the size that most cases have, the largest of those; of Recycle
-    Validation if there is any; of seed 0; of the first case that has such networks. Without
-    networks, the first case is the example, and there is no example network.
+    Validation if there is any; of seed 0; of the first case that has such networks, parts of
+    other cases last. Without networks, the first case is the example, and no network is.
     """
     figures = config.figures
     classified = config.classification.prediction_times_lt
@@ -30,7 +30,9 @@ def completed(config: Configuration) -> Configuration:
     shown = {
         **_example(config),
         **{name: _nearest(classified, time) for name, time in _TIMES.items()},
-        several: sorted({_nearest(classified, time) for time in wanted}),
+        several: sorted(
+            {time for one in wanted if (time := _nearest(classified, one)) is not None}
+        ),
         _OF_CONTROL[0]: _nearest(config.control.prediction_times_lt, _OF_CONTROL[1]),
     }
     said = {name: getattr(figures, name) for name in shown}
@@ -63,13 +65,19 @@ def _example(config: Configuration) -> dict[str, Any]:
         size = max(counts, key=lambda one: (counts[one], one))
     alike = [one for one in found if one[1] == size and figures.example_case in (None, one[0])]
     cases = [case for case, *_ in alike] or campaign_cases(config)
-    case = min(cases, key=natural_order, default=None)
+    case = min(cases, key=lambda one: (_is_part(config, one), natural_order(one)), default=None)
     strategies = sorted({name for one, _, names in alike if one == case for name in names})
     if not strategies:
         return {"example_case": case, "example_forecaster": None, "fixed_neurons": None}
     strategy = _STRATEGY if _STRATEGY in strategies else strategies[0]
     name = ForecasterName("esn", size, strategy, 0).identifier
     return {"example_case": case, "example_forecaster": name, "fixed_neurons": size}
+
+
+def _is_part(config: Configuration, case: str) -> bool:
+    """Whether a case is a part of another one's state."""
+    data = data_of(config, case)
+    return data is not None and data.case is not None
 
 
 def _followed(chosen: Any, shown: Mapping[str, Any]) -> dict[str, Any]:

@@ -19,8 +19,8 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from burstcast.data.series_files import axis_of
 from burstcast.control.strategies.registry import available_strategies as control_strategies
+from burstcast.data.series_files import axis_of
 from burstcast.tuning.strategies.registry import available_strategies
 from burstcast_workflow.stages.canonical import canonical
 
@@ -141,7 +141,7 @@ Axes = Annotated[
     list[Literal["series", "time", "component"]],
     BeforeValidator(_axes),
     AfterValidator(_distinct),
-    Words("a list of series (or realisation, run, member, trial), time and component (or variable)"),
+    Words("a list of series (or realisation, run, member, trial), time and component"),
 ]
 SystemName = Annotated[
     str,

@@ -290,7 +290,7 @@ def cases_of(campaign: Campaign, figure: Declaration) -> list[str]:
 
 
 def _shows_networks(figure: Declaration) -> bool:
-    """Whether there is nothing to draw without networks: of the example, of sizes, of strategies."""
+    """Whether there is nothing to draw without networks."""
     shown = [*figure.inputs.values(), *figure.settings.values()]
     return figure.cases == "several_sizes" or any(
         place.startswith(("example", "shown.strategies")) or "/classification_percentiles" in place

@@ -20,9 +20,7 @@ def calibration_set_of_case(
     kept, training = kept_series(ensemble), settings["case.training.series"]
     test, more = test_series(settings, kept), settings["probability.calibration_series"]
     needs = {"training.series": training, "test_series": test}
-    check_kept_series(
-        kept, {**needs, "probability.calibration_series": more} if more else needs
-    )
+    check_kept_series(kept, {**needs, "probability.calibration_series": more} if more else needs)
     write_point_set(
         calibration_set,
         settings,

@@ -41,7 +41,10 @@ def choose_by_survival(
         points["paired_standard_error"].to_numpy(dtype=np.float64),
     )
     points = points[good].sort_values("objective", kind="stable")
-    series, how = training_series(settings, ensemble), long_term_settings(settings, ensemble, time_unit)
+    series, how = (
+        training_series(settings, ensemble),
+        long_term_settings(settings, ensemble, time_unit),
+    )
     seed = reservoir_seed(settings, settings["forecaster"])
     rates = []
     for point in points.to_dict("records"):

@@ -1,0 +1,77 @@
+"""What a new user does first: own data with five lines of config, a campaign without networks."""
+
+import numpy as np
+import pytest
+from helpers_rebuilds import Project
+
+from burstcast.files.netcdf import read_netcdf
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast_workflow.harness.tables import read_table
+
+FIVE_LINES = """\
+results: results/own
+campaign: [{cases: [own], forecasters: {FORECASTERS}}]
+cases:
+  own: {event_threshold: {quantile: 0.95},
+        data: {files: [own.csv], observable: z, time_step: 0.02, blocks: {duration: 16}}}
+"""
+
+
+@pytest.fixture
+def project(tmp_path, job_server):
+    """A working copy with a table of three columns and a header, and nothing else."""
+    project = Project.create(tmp_path / "project", job_server, "own.yaml")
+    states = integrate(Lorenz63(), np.array([[1.0], [1.0], [20.0]]), 0.01, 2 * 14000, stride=2)
+    series = states[1000:, :, 0]
+    header = {"delimiter": ",", "header": "x,y,z", "comments": ""}
+    np.savetxt(project.directory / "own.csv", series, **header)
+    return project
+
+
+def configure(project, forecasters):
+    text = FIVE_LINES.replace("FORECASTERS", forecasters)
+    assert len(text.splitlines()) == 5
+    (project.directory / "own.yaml").write_text(text)
+
+
+def test_own_data_with_five_lines_of_config(project):
+    configure(project, "esn: {neurons: [30], validation: [RV], seeds: 1}")
+    own = "results/own/own"
+    network = f"{own}/esn-N30-RV-seed0"
+    outcome = project.snakemake(
+        f"{network}/forecast.nc",
+        f"{network}/search.csv",
+        "results/own/tables/survival.csv",
+        "results/own/tables/statistics.csv",
+        "results/own/figures/validation_strategies.png",
+        "results/own/figures/observable_and_density.png",
+    )
+    assert outcome.status == 0, outcome.text[-3000:]
+    ensemble = read_netcdf(project.directory / own / "ensemble.nc")
+    assert ensemble["state"].shape == (16, 801, 3)
+    points = read_netcdf(project.directory / own / "evaluation_set.nc")
+    assert set(points["series"]) == set(range(6))  # all after those of the training
+    statistics = read_netcdf(project.directory / own / "statistics_data.nc")
+    assert statistics["edge"][0] == ensemble["observable"].min()
+    assert statistics["edge"][-1] == ensemble["observable"].max()
+    survival = read_table(project.directory / "results/own/tables/survival.csv")
+    assert set(survival["forecaster"]) >= {"esn", "data"}
+
+
+@pytest.mark.long
+def test_a_campaign_without_networks_is_a_campaign(project):
+    configure(project, "analogues: {}, quadratic: {}, persistence: {}")
+    outcome = project.snakemake()
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert "no networks in the campaign; off: " in outcome.text
+    tables = project.directory / "results/own/tables"
+    assert set(read_table(tables / "horizon.csv")["forecaster"]) == {
+        "analogues",
+        "persistence",
+        "quadratic",
+    }
+    assert not (tables / "hyperparameters.csv").exists()
+    figures = {path.stem for path in (project.directory / "results/own/figures").glob("*.png")}
+    assert "forecast_skill" in figures
+    assert "classification_scores" not in outcome.text.partition("look first at")[2]
