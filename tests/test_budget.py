@@ -19,7 +19,7 @@ BUDGET = {
     "src/burstcast_workflow/costs": 515,
     "src/burstcast_workflow/figures": 439,
     "src/burstcast_workflow/harness": 673,
-    "src/burstcast_workflow/jobs": 1453,
+    "src/burstcast_workflow/jobs": 1460,
     "src/burstcast_workflow/stages": 333,
     "src/burstcast_workflow/tables": 276,
     "src/snakemake_logger_plugin_burstcast": 203,
@@ -31,7 +31,7 @@ BUDGET = {
     "workflow/scripts/evaluation": 440,
     "workflow/scripts/figures": 51,
     "workflow/scripts/forecasters": 214,
-    "workflow/scripts/probabilities": 421,
+    "workflow/scripts/probabilities": 423,
     "workflow/scripts/tables": 782,
 }
 

@@ -1,5 +1,7 @@
 """Isotonic calibration against scikit-learn's, and what its prior does."""
 
+import json
+
 import numpy as np
 import pytest
 from helpers_probability import count_by_series, samples
@@ -7,8 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sklearn.isotonic import IsotonicRegression, isotonic_regression
 
+from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.brier import brier_score, calibration_error
 from burstcast.probability.calibration import UNCALIBRATED, isotonic, pool_adjacent_violators
+from burstcast.probability.scores import resampled_scores
 
 
 @settings(deadline=None)
@@ -69,6 +73,18 @@ def test_what_cannot_be_calibrated():
     whole = count_by_series(np.array([0.5]), np.array([True]), np.array([0])).total()
     with pytest.raises(ValueError, match="0 forecasts or more"):
         isotonic(whole, -1)
+
+
+def test_without_any_forecast_no_probability_is_known():
     none = count_by_series(np.zeros(0), np.zeros(0, dtype=bool), np.zeros(0, dtype=int)).total()
-    with pytest.raises(ValueError, match="no forecast"):
-        isotonic(none)
+    rule = AlarmRule.chosen(none, isotonic(none, 30))
+    assert np.isnan(rule.calibration(np.array([0.0, 0.5]))).all()
+    restored = AlarmRule.restore(json.loads(json.dumps(rule.record())))
+    assert np.isnan(restored.calibration(np.array([1.0]))).all()
+    # forecasts of the test series then do not count: all scores are undefined
+    test = count_by_series(np.array([0.5, 0.7]), np.array([True, False]), np.array([0, 1]))
+    scored = test.at(restored.calibration(test.levels))
+    assert scored.points.shape[1] == 0
+    weights = np.ones((3, len(scored.points)), dtype=np.int64)
+    for name, score in resampled_scores(scored, weights, restored.threshold, 11).items():
+        assert np.isnan(score.value), name

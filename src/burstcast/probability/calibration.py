@@ -26,13 +26,17 @@ class Calibration:
         Knots, rising, ``(knots,)``.
     probabilities
         Probability of an event at each of them, never falling, ``(knots,)``.
+
+    Without knots, no probability is known.
     """
 
     values: FloatArray
     probabilities: FloatArray
 
     def __call__(self, values: FloatArray) -> FloatArray:
-        """Probability of an event for each forecast value."""
+        """Probability of an event for each forecast value; NaN without any knot."""
+        if not self.values.size:
+            return np.full(np.shape(values), np.nan)
         return np.asarray(np.interp(values, self.values, self.probabilities))
 
 
@@ -73,7 +77,7 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     Parameters
     ----------
     outcomes
-        ``(levels,)``, with one forecast at least.
+        ``(levels,)``. Without any forecast the calibration has no knots.
     prior
         As how many forecasts each value counts that came true as often as it says. The values must
         be probabilities then. 0: the regression alone; infinitely many: the values as they are.
@@ -81,14 +85,14 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     Raises
     ------
     ValueError
-        If there are no forecasts, or the prior is negative.
+        If the prior is negative.
     """
-    if outcomes.levels.size == 0:
-        raise ValueError("there is no forecast to calibrate with: no starting point counts")
     if not prior >= 0:
         raise ValueError(f"a prior counts as 0 forecasts or more, not as {prior}")
     weights = outcomes.points + np.float64(prior)
     frequency = ratio(outcomes.events + prior * outcomes.levels, weights)
+    if not outcomes.levels.size:
+        return Calibration(np.empty(0), np.empty(0))
     fitted = pool_adjacent_violators(frequency, weights)
     # the ends of each constant stretch tell the same
     ends = np.concatenate([[True], np.diff(fitted) != 0, [True]])

@@ -56,7 +56,8 @@ class Outcomes:
         Parameters
         ----------
         values
-            New value of each level, never falling, ``(levels,)``.
+            New value of each level, never falling, ``(levels,)``; forecasts of a level whose value
+            is not known, NaN, do not count.
 
         Raises
         ------
@@ -65,13 +66,15 @@ class Outcomes:
         """
         if (np.diff(values) < 0).any():
             raise ValueError("values that fall would change the order of the forecasts")
-        levels, first = np.unique(values, return_index=True)
+        known = ~np.isnan(values)
+        points, events = self.points[..., known], self.events[..., known]
+        levels, first = np.unique(values[known], return_index=True)
         if not levels.size:
-            return Outcomes(levels, self.points, self.events)
+            return Outcomes(levels, points, events)
         return Outcomes(
             levels,
-            np.add.reduceat(self.points, first, axis=-1),
-            np.add.reduceat(self.events, first, axis=-1),
+            np.add.reduceat(points, first, axis=-1),
+            np.add.reduceat(events, first, axis=-1),
         )
 
 

@@ -215,6 +215,13 @@ class CaseProbabilities:
         """Committees, and all other sources of alarms but single networks."""
         return [alarm for alarm in self.alarms if alarm.compared]
 
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether there were forecasts to calibrate with: the same for all sources of alarms."""
+        alarm, *_ = self.alarms
+        times = self.settings["classification.prediction_times_lt"]
+        return bool(read_rules(self.chosen, alarm, times[0])[CALIBRATED].calibration.values.size)
+
     def keys(self, alarm: AlarmSource) -> dict[str, Any]:
         """Key columns of a source of alarms in tables."""
         return {**case_keys(self.settings), **alarm.name.keys, "alarm": alarm.identifier}

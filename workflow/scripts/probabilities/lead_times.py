@@ -36,7 +36,9 @@ def measure_lead_times(
     first = settings["case.training.series"]
     truth = read_rows(ensemble, "observable", first, first + series)
     events = crossing_points(truth, threshold)
-    scored, rows_of_points = points.scored(threshold), points.data["series"]
+    # where there was nothing to calibrate with, no alarm is known, and nothing is scored
+    scored = points.scored(threshold) & case.is_calibrated
+    rows_of_points = points.data["series"]
     windows = [
         (durations.steps(time, steps), durations.steps(time + window_lt, steps)) for time in times
     ]
