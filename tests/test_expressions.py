@@ -57,6 +57,17 @@ def test_kinetic_energy_to_the_last_bit() -> None:
     assert np.array_equal(found, MoehlisFaisstEckhardt(400.0).observable(states))
 
 
+def test_whole_powers_are_products_to_the_last_bit() -> None:
+    u = np.random.default_rng(6).normal(size=3000)
+    product = u.copy()
+    for exponent in range(2, 16):
+        product = product * u
+        assert np.array_equal(Expression(f"u**{exponent}")({"u": u}), product)
+    for exponent in (0, 0.5, 16):
+        found = Expression(f"abs(u)**{exponent}")({"u": u})
+        np.testing.assert_allclose(found, np.abs(u) ** exponent, rtol=1e-14)
+
+
 def test_no_value_is_nan() -> None:
     assert np.isnan(Expression("sqrt(u)")({"u": np.array([-1.0])})).all()
 

@@ -36,6 +36,12 @@ def test_what_is_near_an_edge_does_not_depend_on_the_unit(low, factor, place):
         assert len(found) == 1
 
 
+@pytest.mark.parametrize(("place", "count"), [(0.0095, 1), (0.0105, 0)])
+def test_a_hundredth_of_the_box_is_its_edge(place, count):
+    for value in (10.0**place, 10.0 ** (1 - place)):
+        assert len(signs.optimum_on_edge("sigma", [value], 1.0, 10.0)) == count
+
+
 def test_few_events():
     assert signs.few_events(500, 500, 0.1, 0.4) == []
     assert signs.few_events(8, 8, 0.1, 0.4) == []  # as many as were asked for

@@ -76,8 +76,9 @@ class Record:
     environment: Sequence[str] = ()
 
     def __post_init__(self) -> None:
-        held = (self.identity, self.parameters, self.inputs)
-        if not isinstance(self.stamp, list) or not all(isinstance(one, dict) for one in held):
+        texts = self.digest, self.log, self.identity["rule"], *self.inputs.values()
+        held, kinds = (self.stamp, self.parameters, self.seconds, *texts), (list, dict, float)
+        if not all(map(isinstance, held, (*kinds, *[str] * len(texts)))):
             raise TypeError("an entry is not of its type")
 
 
@@ -127,7 +128,7 @@ class Records:
             record = Record(**json.loads(self.file(path).read_bytes()))
         except FileNotFoundError:
             return None, NO_RECORD
-        except (OSError, ValueError, TypeError, RecursionError) as error:
+        except Exception as error:  # whatever the file holds
             return None, f"the record of {path} cannot be read ({type(error).__name__})"
         if record.path != self.name(path):
             return None, f"the record of {path} is that of another file, {record.path}"
@@ -156,9 +157,8 @@ class Records:
         if state[:1] != record.stamp[:1] or digest(path) != record.digest:
             return None, f"{path} is not what its job wrote"
         if record.stamp != state and stamp(path) == state:
-            record = replace(record, stamp=state)
             with suppress(OSError):  # results that others have made may be read-only
-                self._write(record)
+                self._write(replace(record, stamp=state))
         return record, ""
 
     def write(

@@ -294,3 +294,18 @@ def test_a_force_is_planned_by_its_share():
     flows = RECEDING.simulate(given, RECEDING.monitor(given, [equations]), noise=None)
     assert flows.decisions.on.any()
     assert np.array_equal(flows.decisions.on, flows.decisions.event_ahead)
+
+
+def test_plans_may_last_one_step_and_fill_the_horizon():
+    steps = 3 * PER_LT
+    one = replace(PLANNED, durations_lt=(1 / PER_LT, 3.0))
+    found = one.sequences(one.timing(schedule(0.0)))
+    assert found.shape == (6 - 2 + 2, steps)  # later starts are cut, each to a plan of its own
+    assert found.sum(axis=1).min() == 1
+    assert found.sum(axis=1).max() == steps
+
+
+def test_a_horizon_that_ends_before_a_decision_takes_effect_is_refused():
+    strategy = replace(PLANNED, horizon_lt=0.5)
+    with pytest.raises(ValueError, match=r"0\.5 .* does not reach beyond the delay of 0\.5"):
+        strategy.monitor(experiment(2, delay_lt=0.5), [EQUATIONS])

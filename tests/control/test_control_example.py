@@ -8,6 +8,7 @@ from test_control_strategies import EQUATIONS, experiment
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.windowed.example import simulate_event, suppressed_event_times
 from burstcast.control.windowed.outcome import largest_suppressed_event
+from burstcast.forecast.examples import forecast_observable
 
 THRESHOLD = 1.0
 
@@ -58,6 +59,25 @@ def test_an_event_is_followed_again_as_it_was_found():
     np.testing.assert_allclose(found.uncontrolled_state, states)
     assert found.uncontrolled[found.mark[2]] == found.uncontrolled[found.mark[1] :].max()
     assert found.controlled_state.shape == (4, 9)
+
+
+def test_the_forecast_of_an_event_begins_with_what_was_observed():
+    strategy, flows = PredictionTriggered(1.0, 1.0), experiment(30)
+    timing = strategy.timing(flows.schedule)
+    monitor = strategy.monitor(flows, [EQUATIONS])
+    quiet = strategy.simulate(flows, monitor, noise=None, keep_states=True)
+    chosen = largest_suppressed_event(quiet, None)
+    assert chosen is not None
+    # so little that the same alarm is raised, and yet more than rounding
+    noise = np.random.default_rng(3).normal(0.0, 1e-7, (30, timing.length, 9))
+    found = simulate_event(chosen, strategy, flows, EQUATIONS, noise)
+    washout = slice(chosen.alarm_step + 1 - timing.washout, chosen.alarm_step + 1)
+    observed = quiet.controlled_states[chosen.flow, washout] + noise[chosen.row, washout]
+    expected = forecast_observable(
+        EQUATIONS, flows.system.observable, observed[np.newaxis], timing.window_end
+    )
+    forecast = found.forecast[np.isfinite(found.forecast)]
+    np.testing.assert_allclose(forecast, expected[0], rtol=1e-9)
 
 
 def test_an_event_may_end_with_the_last_step_that_counts() -> None:

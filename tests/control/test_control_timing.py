@@ -20,6 +20,14 @@ def test_windows_without_an_alarm_leave_no_gap(prediction_time_lt: float, window
 
 
 @pytest.mark.parametrize(
+    "change", [{"span_lt": 1 / 61}, {"washout": 1}, {"sampling_stride": 1}, {"quiet_lt": 0.0}]
+)
+def test_one_step_is_enough(change: dict[str, float]) -> None:
+    timing = replace(PAPER, **change)  # type: ignore[arg-type]
+    assert timing.span_steps >= 1
+
+
+@pytest.mark.parametrize(
     "change",
     [
         {"prediction_time_lt": 0.0},

@@ -70,6 +70,14 @@ def test_events_unfit_to_be_shown_are_left_out(values):
     assert isolated_events(values[np.newaxis], CRITERION) == []
 
 
+@pytest.mark.parametrize(("first", "after", "count"), [(9, 0, 1), (8, 0, 0), (9, -1, 0)])
+def test_quiet_stretches_may_fill_the_series(first, after, count):
+    # one step of the rise is calm; so are the last of the fall, 1.6 / 0.16 steps, and what follows
+    values = bump(first + 30 + 10 + 1 + after, (first, 20, 10, 2.0))
+    assert values[first + 30] <= CRITERION.calm < values[first + 29]
+    assert len(isolated_events(values[np.newaxis], CRITERION)) == count
+
+
 def test_room_before_the_event_is_asked_for():
     values = bump(100, (20, 20, 10, 2.0))[np.newaxis]
     assert len(isolated_events(values, CRITERION, before=21)) == 1

@@ -7,9 +7,11 @@ import pytest
 
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.forecast.examples import (
+    HorizonExample,
     evaluate_lead_times,
     forecast_observable,
     forecast_outcomes,
+    horizon_example,
     outcome_examples,
     stretch,
 )
@@ -86,6 +88,8 @@ def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
     np.testing.assert_allclose(
         found.evaluation_forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15)
     )
+    # in Lyapunov times after the event, of five steps
+    np.testing.assert_allclose(found.evaluation_time_lt, (np.arange(len(truth)) - start - 10) / 5)
 
 
 def test_a_truth_that_ends_early_does_not_matter_after_the_event():
@@ -95,6 +99,17 @@ def test_a_truth_that_ends_early_does_not_matter_after_the_event():
     cut = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
     np.testing.assert_array_equal(whole.evaluation_forecast, cut.evaluation_forecast)
     np.testing.assert_array_equal(whole.evaluation_horizon_lt, cut.evaluation_horizon_lt)
+
+
+def test_the_event_that_is_nearest_to_the_wanted_horizon_is_shown():
+    # starts in the order of the search; the horizon of one that reaches the event is its tau_e
+    horizons = np.array([2.5, 1.0, 0.5, 0.3])
+    assert horizon_example(horizons, STARTS, 1.1) == HorizonExample(1, (2.5, 2.0, 1.5, 1.0))
+    assert horizon_example(horizons, STARTS, 0.2) == HorizonExample(2, (2.0, 1.5, 1.0, 0.5))
+    # one with fewer evaluations than are shown, where there is no other
+    assert horizon_example(horizons, STARTS, 2.4, 6) == HorizonExample(2, tuple(STARTS))
+    assert horizon_example(horizons[:1], STARTS, 1.0) == HorizonExample(0, (3.0, 2.5))
+    assert horizon_example(horizons[3:], STARTS, 1.0) is None
 
 
 def test_outcomes_are_shown_beside_the_truth():

@@ -262,6 +262,22 @@ def test_slow_departure_from_an_unstable_fixed_point_is_not_cut_off():
     assert forecaster.asked == 3 * steps
 
 
+@pytest.mark.parametrize("chunk", [2, 7, 100])
+def test_a_variation_as_large_as_the_criterion_says_is_no_fixed_point(chunk):
+    values = np.where(np.arange(1000) % 2, 0.25, 0.5)
+    states = np.stack([values, np.full(1000, 0.1)], axis=1)
+    for variation, fate in ((0.25, Fate.KEPT), (0.2501, Fate.FIXED_POINT)):
+        criterion = FixedPointCriterion(variation=variation, above=0.05, interval=40)
+        found, _ = run(copies(states), threshold=None, fixed_point=criterion, chunk=chunk)
+        assert set(found.fates) == {fate}
+
+
+def test_what_rests_from_the_beginning_has_rested_since_its_first_step():
+    found, _ = run(copies(np.full((400, 2), 0.3)))
+    assert set(found.fates) == {Fate.FIXED_POINT}
+    assert set(found.lifetimes) == {1}
+
+
 def test_quiet_of_the_observable_alone_is_no_fixed_point():
     # the first component, the observable, rests; the second moves, and moves the first one later
     time = np.arange(1000)

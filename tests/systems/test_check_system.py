@@ -11,9 +11,13 @@ import pytest
 import yaml
 
 from burstcast.arrays import FloatArray
+from burstcast.data.dataset import initial_states
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.check import (
     UnsoundSystemError,
+    _case,
+    _initial_states,
+    _round,
     _stride,
     check_system,
     interface_problems,
@@ -88,6 +92,17 @@ def test_mistakes_are_told(methods, message) -> None:
     system = mistaken(**methods, case_defaults={})
     with pytest.raises(UnsoundSystemError, match=message):
         check_system(system, generator())
+
+
+@pytest.mark.parametrize("component", [None, 1, 3])
+@pytest.mark.parametrize("perturbation", [None, 1e-3, 2.0])
+def test_trajectories_begin_as_the_ensemble_of_the_system_does(component, perturbation) -> None:
+    begin = {"initial_state": [1.0, -2.0, 20.0], "perturbed_component": component}
+    system = mistaken(case_defaults={"ensemble": {**begin, "perturbation": perturbation}})
+    found = _initial_states(system, generator())
+    raised = (component or 1) - 1, perturbation or 0.01
+    expected = initial_states(np.array([1.0, -2.0, 20.0]), *raised, 16, generator())
+    np.testing.assert_array_equal(found, expected)
 
 
 def test_systems_that_explode_and_that_come_to_rest_are_told() -> None:
@@ -188,6 +203,28 @@ def test_the_command_line(capsys) -> None:
     ):
         assert main(["check-system", *arguments]) == 1
         assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("value", "rounded"),
+    [(1.0, 1), (1.89, 1), (1.95, 2), (4.7, 2), (4.8, 5), (9.9, 5), (0.0021, 0.002), (730.0, 500)],
+)
+def test_one_two_or_five_that_is_not_much_larger(value, rounded) -> None:
+    assert _round(value) == rounded
+
+
+@pytest.mark.parametrize(("exponent", "unit"), [(0.5, 2.0), (0.0, 100 * 0.2), (-1.0, 100 * 0.2)])
+def test_a_proposal_begins_where_the_runs_have_ended(exponent, unit) -> None:
+    samples = np.random.default_rng(5).normal(0.0, [[1.0], [30.0], [2.0]], (50, 3, 4))
+    system = mistaken(case_defaults={})
+    ensemble = _case(system, 0.1, 2, exponent, samples, {0.0: -1.0, 1.0: 1.0})["ensemble"]
+    np.testing.assert_allclose(ensemble["initial_state"], samples[-1, :, 0], rtol=1e-3)
+    # of the component that varies most, a tenth of what it varies by
+    assert ensemble["perturbed_component"] == 2
+    assert ensemble["perturbation"] == pytest.approx(3.0, rel=0.2)
+    # in Lyapunov times, or hundreds of samples where there is none
+    assert ensemble["transient"] == pytest.approx(20 * unit, rel=0.02)
+    assert ensemble["duration"] == pytest.approx(70 * unit, rel=0.02)
 
 
 def test_a_limit_cycle_has_no_lyapunov_time() -> None:

@@ -150,6 +150,23 @@ def test_blow_up_raises_and_names_the_trajectory() -> None:
             function(Quadratic(), state, 0.1, 40)
 
 
+@dataclass(frozen=True)
+class HalfQuadratic(Quadratic):
+    """The same beside a component that decays."""
+
+    dimension: ClassVar[int] = 2
+
+    def right_hand_side(self, state: FloatArray) -> FloatArray:
+        return np.stack([np.square(state[0]), -state[1]])
+
+
+def test_one_component_that_blows_up_is_enough() -> None:
+    state = np.array([[-1.0, 5.0, -1.0], [1.0, 1.0, 1.0]])
+    for function in (integrate, integrate_observed):
+        with pytest.raises(FloatingPointError, match="trajectory 1 left the range"):
+            function(HalfQuadratic(), state, 0.1, 40)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -39,6 +39,15 @@ def test_observable_is_a_copy_of_z() -> None:
     assert np.array_equal(state[2], [4.0, 5.0])
 
 
+def test_series_of_an_ensemble_begin_apart_and_cover_many_turns() -> None:
+    ensemble = Lorenz63.case_defaults["ensemble"]
+    assert ensemble["initial_state"][ensemble["perturbed_component"] - 1] == 20.0
+    # starts are spread over a tenth of what z covers, 1 to 48
+    assert ensemble["perturbation"] == 5.0
+    assert ensemble["time_step"] * ensemble["sampling_stride"] == 0.02
+    assert (ensemble["transient"], ensemble["duration"]) == (20.0, 80.0)
+
+
 @pytest.mark.parametrize("name", ["sigma", "rho", "beta"])
 def test_bad_parameters_raise(name: str) -> None:
     with pytest.raises(ValueError, match=f"{name} must be finite"):

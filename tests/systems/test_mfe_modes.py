@@ -187,6 +187,11 @@ def test_laminar_flow(modes: MoehlisFaisstEckhardtModes) -> None:
     assert not w.any()
 
 
+def test_the_box_is_that_of_the_equations_unless_it_is_said() -> None:
+    equations, modes = MoehlisFaisstEckhardt(400.0), MoehlisFaisstEckhardtModes()
+    assert (modes.length_x, modes.length_z) == (equations.length_x, equations.length_z) == BOXES[0]
+
+
 def test_bad_arguments_raise() -> None:
     with pytest.raises(ValueError, match="length_z must be positive"):
         MoehlisFaisstEckhardtModes(length_z=0.0)

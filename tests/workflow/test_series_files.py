@@ -179,8 +179,24 @@ def test_numbers_that_may_be_names(tmp_path, names) -> None:
         runs(path, names.split(","), header=True)
 
 
+@pytest.mark.parametrize("names", ["0,1", "1,2"])
+def test_whole_numbers_below_numbers_that_may_be_names(tmp_path, names) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"{names}\n5,3\n2,7\n")
+    with pytest.raises(ValueError, match=r"a\.csv, line 1: .* say which \(data\.header"):
+        runs(path, **COLUMNS)
+
+
 @pytest.mark.parametrize(
-    "rows", ["1.0e0,2.0e0\n3,4\n", "5,3\n2,1\n", "1,1\n2.5,0\n", "-1,2\n3.5,4\n"]
+    "rows",
+    [
+        "1.0e0,2.0e0\n3,4\n",
+        "5,3\n2,1\n",
+        "5,6\n3,4\n",
+        "0,2\n3,4\n",
+        "1,1\n2.5,0\n",
+        "-1,2\n3.5,4\n",
+    ],
 )
 def test_numbers_that_are_no_names(tmp_path, rows) -> None:
     path = tmp_path / "a.csv"
@@ -217,7 +233,10 @@ def test_variables_of_netcdf(tmp_path, suffix) -> None:
     found = runs(path, ("u", "v", "t"))
     assert np.array_equal(states(found, "u", "v"), STATES)
     assert all(np.array_equal(run.columns["t"], np.arange(7.0)) for run in found)
-    assert found[2].name == f"{path}, series 3"
+    assert [run.name for run in found] == [f"{path}, series {number}" for number in (1, 2, 3)]
+    for count, name in ((1, f"{path}"), (2, f"{path}, series 1")):
+        write_netcdf(path, {"u": (("series", "time"), STATES[:count, :, 0])})
+        assert runs(path, ["u"])[0].name == name
 
 
 def test_dimensions_by_their_names_or_as_they_are_said(tmp_path) -> None:
