@@ -163,7 +163,7 @@ def test_scales_are_componentwise_over_all_series():
 def test_a_constant_component_is_named():
     states = np.random.default_rng(1).normal(size=(3, 50, 4))
     states[:, :, 2] = 0.5
-    with pytest.raises(ValueError, match="component 3 is constant"):
+    with pytest.raises(ValueError, match="component 2 is constant"):
         dataset.component_scales(states)
 
 

@@ -26,6 +26,18 @@ def test_optima_on_the_edges():
     assert signs.optimum_on_edge("beta", [], 1e-9, 1e-6) == []
 
 
+def test_a_ridge_that_rounding_loses_is_no_edge():
+    least = signs.negligible_ridge(neurons=700, samples=40_000)
+    assert 1e-12 < least < 1e-8
+    at_bound = [1e-12, 1e-12]
+    assert signs.optimum_on_edge("tikhonov", at_bound, 1e-12, 1e-6, least) == []
+    assert len(signs.optimum_on_edge("tikhonov", [1e-6], 1e-12, 1e-6, least)) == 1
+    assert len(signs.optimum_on_edge("tikhonov", [1e-6], 1e-6, 1e-3, least)) == 1
+    # an eigenvalue is never larger than what the bound is made from
+    states = np.tanh(np.random.default_rng(0).normal(size=(50, 400)))
+    assert np.linalg.eigvalsh(states @ states.T)[-1] <= 50 * 400
+
+
 @given(st.floats(1e-9, 1e9), st.floats(1.5, 1e6), st.floats(0, 1))
 def test_what_is_near_an_edge_does_not_depend_on_the_unit(low, factor, place):
     found = signs.optimum_on_edge("sigma", [low * factor**place], low, low * factor)
@@ -114,5 +126,5 @@ def test_noise_that_drowns_a_component():
     (found,) = signs.noise_drowns_components(states, 0.1)
     # of a slow sine the increments are 2 pi / period of its standard deviation
     ratio = 0.1 / (2 * np.pi / 500)
-    assert found.text.startswith("component 1: the noise is up to ")
+    assert found.text.startswith("component 0: the noise is up to ")
     assert float(found.text.split()[7]) == pytest.approx(ratio, rel=0.01)

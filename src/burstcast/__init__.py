@@ -7,8 +7,12 @@ def __getattr__(name: str) -> object:
         from burstcast.event_forecaster.forecaster import EventForecaster
 
         return EventForecaster
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("burstcast")
     raise AttributeError(f"module 'burstcast' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), "EventForecaster"])
+    return sorted([*globals(), "EventForecaster", "__version__"])

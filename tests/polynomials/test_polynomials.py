@@ -86,7 +86,7 @@ def test_too_few_series_are_refused():
         polynomial_coefficients(np.zeros((2, 30, 9)), np.zeros(9), 1.0, 2, 12, 4.0)
     series = np.random.default_rng(1).normal(size=(2, 300, 3))
     series[:, :, 1] = 2.0
-    with pytest.raises(ValueError, match="component 2 is constant"):
+    with pytest.raises(ValueError, match="component 1 is constant"):
         polynomial_coefficients(series, np.zeros(3), 1.0, 2, 12, 4.0)
 
 

@@ -154,7 +154,7 @@ def component_scales(training_states: FloatArray) -> Scales:
     flat = training_states.reshape(-1, training_states.shape[-1])
     component_range = flat.max(axis=0) - flat.min(axis=0)
     if not (component_range > 0).all():
-        constant = int(np.argmin(component_range > 0)) + 1
+        constant = int(np.argmin(component_range > 0))
         raise ValueError(f"component {constant} is constant over the training series")
     return Scales(standard_deviation=flat.std(axis=0), range=component_range)
 

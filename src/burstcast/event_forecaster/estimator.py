@@ -2,7 +2,8 @@
 
 The constructor stores its arguments under their names and does nothing else; ``fit`` leaves what it
 finds under names that end in an underscore. `sklearn.base.clone` and whatever else only sets
-parameters then works.
+parameters then works, and so does model selection, which takes series as samples
+(`sklearn.model_selection.cross_val_score`, ``GridSearchCV``).
 """
 
 import inspect
@@ -47,6 +48,20 @@ class Estimator:
         for name, value in parameters.items():
             setattr(self, name, value)
         return self
+
+    def __sklearn_tags__(self) -> Any:
+        """What scikit-learn's model selection asks: samples are series, and there is no target."""
+        from sklearn.utils import InputTags, Tags, TargetTags
+
+        return Tags(
+            estimator_type=None,
+            target_tags=TargetTags(required=False),
+            input_tags=InputTags(two_d_array=False, three_d_array=True),
+        )
+
+    def __sklearn_is_fitted__(self) -> bool:
+        """Whether `fit` was called."""
+        return hasattr(self, "members_")
 
     def __repr__(self) -> str:
         """Parameters that are not the default."""

@@ -5,6 +5,9 @@ hyperparameters of a committee of networks, trains them, and calibrates the shar
 forecast an event by honest forecasts of the training series. It has no numerics of its own.
 """
 
+from __future__ import annotations  # help() then shows Observable and FloatArray, not their parts
+
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
@@ -20,6 +23,8 @@ from burstcast.event_forecaster import files
 from burstcast.event_forecaster.committee import Committee
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.observed_states import Observable, state_space
+from burstcast.event_forecaster.parameters import checked_parameters
+from burstcast.event_forecaster.search_edges import search_edges
 from burstcast.event_forecaster.series_layout import as_series
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.event_forecaster.timing import EventTiming
@@ -29,6 +34,7 @@ from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.probability.alarm_rule import AlarmRule
+from burstcast.probability.alarms import useless_votes
 from burstcast.probability.calibration import UNCALIBRATED, isotonic
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.scores import probability_scores
@@ -63,7 +69,8 @@ class EventForecaster(Estimator):
         A number in units of the observable, or ``{"quantile": q}`` of the observable of the
         training series.
     prediction_times
-        From the present to the beginning of the window; the first is the default everywhere.
+        From the present to the beginning of the window, one or several; the first is the default
+        everywhere.
     window
         Length of the prediction window.
     lyapunov_time
@@ -134,7 +141,7 @@ class EventForecaster(Estimator):
         observable: Observable = 0,
         event_threshold: float | Mapping[str, float] = _TOP_TWENTIETH,
         *,
-        prediction_times: Sequence[float] = (1.0,),
+        prediction_times: float | Sequence[float] = (1.0,),
         window: float = 1.0,
         lyapunov_time: float | None = None,
         sampling_interval: float = 1.0,
@@ -206,7 +213,16 @@ class EventForecaster(Estimator):
         ------
         ValueError
             If a parameter is out of bounds, or the series are too few or too short for it.
+        TypeError
+            If a parameter is of another type than it must be.
+
+        Warns
+        -----
+        UserWarning
+            If most networks have a hyperparameter on the edge of its search, or if the votes tell
+            events from no events no better than chance, in the forecasts that calibrate them.
         """
+        parameters = checked_parameters(self.get_params())
         states = as_series(series, "the training series")
         timing, kind = self._timing, forecaster_class(self.kind)
         case = self._case(states.shape[2])
@@ -230,12 +246,14 @@ class EventForecaster(Estimator):
             members, found = networks(
                 TrainingSeries(observed, component_scales(states).range),
                 case,
-                self.get_params(),
+                parameters,
                 self._samples("washout"),
                 self._samples("validation_interval"),
             )
         else:
             members, found = [kind.fit(observed, case)], []
+        for text in search_edges(found, parameters, states.shape):
+            warnings.warn(text, stacklevel=2)
         # nothing of a former fit is left before all can be replaced
         self.members_ = members
         self._stream = None
@@ -258,7 +276,9 @@ class EventForecaster(Estimator):
                         f"no starting point is left to calibrate with: the observable reaches the "
                         f"event threshold {threshold:.4g} in every washout"
                     )
-                calibration = isotonic(outcomes, self.prior_forecasts)
+                if text := useless_votes(outcomes):
+                    warnings.warn(f"prediction time {time:g}: {text}", stacklevel=2)
+                calibration = isotonic(outcomes, parameters["prior_forecasts"])
                 self.alarms_[time] = AlarmRule.chosen(outcomes, calibration)
         return self
 
@@ -463,9 +483,9 @@ class EventForecaster(Estimator):
 
     @property
     def _timing(self) -> EventTiming:
-        return EventTiming(
-            self.lyapunov_time, self.sampling_interval, self.prediction_times, self.window
-        )
+        checked = checked_parameters(self.get_params())
+        names = ("lyapunov_time", "sampling_interval", "prediction_times", "window")
+        return EventTiming(*(checked[name] for name in names))
 
     def _samples(self, name: str) -> int:
         """Samples of the duration that a parameter says."""

@@ -11,6 +11,7 @@ component what is observed of the state, in units of its own
 An array of xarray may have these three dimensions in any order: they are found by their names.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,8 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
     Raises
     ------
     ValueError
-        If there are other dimensions, or none of some kind, or a number is masked or not finite.
+        If there are other dimensions, or none of some kind, if series are of unequal lengths, or a
+        number is masked or not finite.
     TypeError
         If it is a data set of several variables, or does not consist of real numbers.
     """
@@ -53,6 +55,8 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
                 f"(.rename), or add those that are missing (.expand_dims)"
             )
         data = data.transpose(*LAYOUT).to_numpy()
+    if isinstance(data, list | tuple):
+        _check_equal_lengths(data, what)
     series = np.ascontiguousarray(float_array(data, what))
     if np.ndim(data) != len(LAYOUT):
         hint = ": a single series is series[np.newaxis]" if np.ndim(data) == 2 else ""
@@ -67,3 +71,12 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
             f"{step}, component {component}"
         )
     return series
+
+
+def _check_equal_lengths(data: Sequence[Any], what: str) -> None:
+    lengths = [len(one) for one in data if hasattr(one, "__len__")]
+    if other := [number for number, length in enumerate(lengths) if length != lengths[0]]:
+        raise ValueError(
+            f"{what} have unequal lengths: series 0 has {lengths[0]} samples, series {other[0]} "
+            f"{lengths[other[0]]}; cut them to one length"
+        )

@@ -156,7 +156,7 @@ def factored_coefficients(
     # in units of the components' standard deviations, in which monomials are alike in size
     scale = series.std(axis=(0, 1))
     if not (scale > 0).all():
-        raise ValueError(f"component {int(np.argmin(scale > 0)) + 1} is constant in all series")
+        raise ValueError(f"component {int(np.argmin(scale > 0))} is constant in all series")
     moments = _moments(series / scale, noise / scale, degree, window, factors)
     columns = [
         _significant(moments.gram, moments.cross[:, :, component], significance)

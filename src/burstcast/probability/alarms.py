@@ -71,6 +71,33 @@ def best_threshold(probabilities: FloatArray, points: IntArray) -> float:
     return float(probabilities[level - 1] + probabilities[level]) / 2
 
 
+def useless_votes(outcomes: Outcomes) -> str:
+    """Why nothing can be learnt of events from forecasts; empty where something can.
+
+    Forecasts tell nothing if they rank events above quiet points no better than chance: if the
+    area below the receiver operating characteristic is within two standard errors of a half
+    (Mann & Whitney, Ann. Math. Stat. 18, 1947), as if all points were independent.
+
+    Parameters
+    ----------
+    outcomes
+        Summed over series, ``(levels,)``.
+    """
+    events, points = int(outcomes.events.sum()), int(outcomes.points.sum())
+    quiet = points - events
+    if not events or not quiet:
+        return f"an event follows {events} of {points} starting points: there is nothing to learn"
+    area = float(roc_area(outcomes))
+    error = float(np.sqrt((points + 1) / (12 * events * quiet)))
+    if area > 0.5 + 2 * error:
+        return ""
+    return (
+        f"votes do not tell the {events} starting points that an event follows from the {quiet} "
+        f"others (area below the ROC curve {area:.2f}, chance 0.50 +- {error:.2f}): alarms are no "
+        f"better than chance"
+    )
+
+
 def roc_area(outcomes: Outcomes) -> FloatArray:
     """Area below the receiver operating characteristic: how well forecasts rank.
 

@@ -61,7 +61,18 @@ class Finding:
     text: str
 
 
-def optimum_on_edge(name: str, values: Sequence[float], low: float, high: float) -> list[Finding]:
+def negligible_ridge(neurons: int, samples: int) -> float:
+    """Tikhonov parameter that is lost in rounding: a smaller one gives the same readout.
+
+    States of the reservoir lie between -1 and 1, so that the largest eigenvalue of the matrix that
+    the parameter is added to is ``neurons * samples`` at most; this is its rounding error.
+    """
+    return float(np.finfo(np.float64).eps) * neurons * samples
+
+
+def optimum_on_edge(
+    name: str, values: Sequence[float], low: float, high: float, negligible: float = 0.0
+) -> list[Finding]:
     """Optima of an ensemble's networks on the edges of what was searched, on a logarithmic scale.
 
     Parameters
@@ -72,6 +83,8 @@ def optimum_on_edge(name: str, values: Sequence[float], low: float, high: float)
         Its optima, one for each network.
     low, high
         Bounds of the search, positive; if they are equal, there is no edge.
+    negligible
+        Value below which all values do the same: a lower bound there is no edge.
     """
     if not (len(values) and high > low):
         return []
@@ -81,7 +94,8 @@ def optimum_on_edge(name: str, values: Sequence[float], low: float, high: float)
         ("lower", low, place <= EDGE_TOLERANCE),
         ("upper", high, place >= 1.0 - EDGE_TOLERANCE),
     ):
-        if there.mean() >= EDGE_SHARE:
+        is_edge = side == "upper" or low > negligible
+        if is_edge and there.mean() >= EDGE_SHARE:
             text = f"{name} at its {side} bound {bound:g} in {there.sum()} of {there.size} networks"
             found.append(Finding("optimum_on_edge", text))
     return found
@@ -237,6 +251,6 @@ def noise_drowns_components(states: FloatArray, noise: float) -> list[Finding]:
     if not drowned.size:
         return []
     ratio = (levels[drowned] / np.maximum(increments[drowned], np.finfo(float).tiny)).max()
-    names = ", ".join(str(number + 1) for number in drowned)
+    names = ", ".join(map(str, drowned))
     text = f"component {names}: the noise is up to {ratio:.3g} times what it changes by in a sample"
     return [Finding("noise_drowns_components", text)]

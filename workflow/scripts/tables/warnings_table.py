@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from burstcast.files.netcdf import read_rows
+from burstcast.files.netcdf import read_netcdf, read_rows
 from burstcast.statistics import warning_signs
 from burstcast.statistics.warning_signs import Finding
 from burstcast_workflow.harness.job import job
@@ -81,15 +81,18 @@ def _ensembles(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], pd.Data
         yield dict(zip(ENSEMBLE, keys, strict=True)), rows
 
 
-def _of_search(rows: pd.DataFrame, settings: Settings) -> Iterator[Finding]:
+def _of_search(rows: pd.DataFrame, settings: Settings, samples: int) -> Iterator[Finding]:
     ranges = {
         "spectral_radius": settings["search.spectral_radius"],
         "input_scaling": settings["search.input_scaling"],
         "tikhonov": settings["search.tikhonov"],
     }
+    # smaller Tikhonov parameters than this give the same readouts
+    least = warning_signs.negligible_ridge(int(rows["neurons"].iloc[0]), samples)
     for name, searched in ranges.items():
+        lost = least if name == "tikhonov" else 0.0
         yield from warning_signs.optimum_on_edge(
-            name, rows[name].tolist(), min(searched), max(searched)
+            name, rows[name].tolist(), min(searched), max(searched), lost
         )
     yield from warning_signs.ill_conditioned_readout(rows["solver"].tolist())
 
@@ -121,8 +124,9 @@ def warnings_table(
     of_case += _of_numbers(dataset, classification)
     found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
     if isinstance(hyperparameters, str):
+        samples = settings["case.training.series"] * len(read_netcdf(ensemble, "time")["time"])
         for keys, members in _ensembles(read_table(hyperparameters)):
-            found += [(keys, finding) for finding in _of_search(members, settings)]
+            found += [(keys, finding) for finding in _of_search(members, settings, samples)]
     if isinstance(statistics, str):
         for keys, members in _ensembles(read_table(statistics)):
             found += [(keys, finding) for finding in _of_long_runs(members)]

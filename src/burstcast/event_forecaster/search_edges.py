@@ -1,0 +1,28 @@
+"""Searches for hyperparameters that ended on the edge of what was searched."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from burstcast.statistics.warning_signs import negligible_ridge, optimum_on_edge
+
+
+def search_edges(
+    found: Sequence[Mapping[str, Any]], parameters: Mapping[str, Any], shape: tuple[int, ...]
+) -> Iterator[str]:
+    """Sentences about hyperparameters that most networks have on the edge of their search.
+
+    Parameters
+    ----------
+    found
+        Hyperparameters of each network, by name; none of other kinds of forecasters.
+    parameters
+        Of `burstcast.EventForecaster`, by name.
+    shape
+        Of the training series, ``(series, time, component)``.
+    """
+    least = negligible_ridge(parameters["neurons"], shape[0] * shape[1])
+    for name in ("spectral_radius", "input_scaling", "tikhonov"):
+        values, searched = [one[name] for one in found], parameters[name]
+        lost = least if name == "tikhonov" else 0.0
+        for finding in optimum_on_edge(name, values, min(searched), max(searched), lost):
+            yield f"the search ended on its edge, {finding.text}: search beyond it ({name})"
