@@ -172,7 +172,7 @@ def differences(campaign: str, results: Path) -> list[str]:
 def claims_table(tables: Tables) -> str:
     """The paper's claims, its numbers, ours, and whether they agree."""
     return markdown(
-        ["claim", "section", "paper", "ours", "agrees", "why not, or what to know"],
+        ["claim", "section", "paper", "ours", "agrees", "why not, or what to know", "agrees if"],
         findings(tables).astype(str).to_numpy().tolist(),
     )
 

@@ -47,8 +47,8 @@ class Ensemble:
         Quartiles over networks; all the same for a forecaster without seeds.
     low, high
         Medians over networks of the ends of each one's 95 % bootstrap interval over test series,
-        events, runs or flows: what the data leave open, which all networks share. NaN if there is
-        no such interval.
+        events, runs or flows: what the test data leave open, which all networks share; the scatter
+        over training sets is not in it. NaN if there is no such interval.
     networks
         How many.
     """

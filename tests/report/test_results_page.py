@@ -93,6 +93,11 @@ def like_the_paper(tmp_path):
     dataset.to_csv(tmp_path / "dataset.csv", index=False)
     for name in ("classification", "horizon", "statistics", "hyperparameters"):
         write(tmp_path, name, published(name))
+    counts = {"true_positive": 360, "false_positive": 0, "true_negative": 6554}
+    equations = {"case": "Re400", "forecaster": "equations", "prediction_time_lt": 5.0}
+    pd.DataFrame([{**equations, **counts, "false_negative": 0}]).to_csv(
+        tmp_path / "classification.csv", index=False
+    )
     # a tail that control makes steeper: times beyond 0.1 and 0.3 are divided by 4 and 11
     low = np.linspace(0.1, 0.48, 39)[:-1]
     density = {
@@ -131,7 +136,10 @@ def test_the_paper_agrees_with_its_own_claims(like_the_paper):
     # their networks of 500 have clearly larger logarithmic errors than those from 2000 on
     size = "and does not improve with size"
     assert found.loc[size, "agrees"] == "27 of 30"
-    others = found.drop(index=[density, profiles, size])
+    # and their profiles improve by more than their densities at two of six sizes
+    field = "the flow field improves less on the training set than the kinetic energy"
+    assert found.loc[field, "agrees"] == "4 of 6"
+    others = found.drop(index=[density, profiles, size, field])
     assert others["agrees"].eq("yes").all(), others[["paper", "ours", "agrees"]].to_string()
 
 
@@ -155,6 +163,8 @@ def test_every_claim_can_fail(claim, like_the_paper):
             table[column] *= np.where(errors, 3000 / sizes, 1)
         if "density_controlled" in table:
             table["density_controlled"] = table["density_uncontrolled"] * 1.1
+        if "true_positive" in table:
+            table["true_positive"] = 2 * table["true_positive"]
         for column in ("series_kept", "lyapunov_exponent_low", "lyapunov_exponent_high"):
             if column in table:
                 table[column] = table[column] * 0.8 if "low" in column else table[column] * 0.9
