@@ -33,6 +33,19 @@ def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
     return count
 
 
+def known_exponent(time_unit: str, published: float | None) -> float | None:
+    """Lyapunov exponent that the unit of time follows from; None where it is a computed one.
+
+    Parameters
+    ----------
+    time_unit
+        "published" or "computed".
+    published
+        None if there is none.
+    """
+    return published if time_unit == "published" else None
+
+
 def steps(duration_lt: float, steps_per_lyapunov_time: int) -> int:
     """Whole network steps in a duration given in Lyapunov times, rounded down.
 

@@ -20,9 +20,9 @@ import yaml
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from burstcast.forecasters._names import KEYS
 from burstcast.forecasters.registry import forecaster_class
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.identifiers import KEYS
 from burstcast_workflow.campaign.summary import found_warnings, summary_table
 from burstcast_workflow.commands.archive import versions
 from burstcast_workflow.config.loading import load

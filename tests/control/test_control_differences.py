@@ -5,8 +5,9 @@ import pytest
 
 from burstcast.control.differences import COMPARED, ComparedRun, paired_differences
 from burstcast.control.records import FlowRecords, Span, score_flows
+from burstcast.forecasters._names import ForecasterName
 from burstcast.statistics.resampling import bootstrap_weights
-from burstcast_workflow.jobs.tables import medians_over_seeds, with_interval
+from burstcast.tables.cells import medians_over_seeds, with_interval
 
 SPAN = Span(steps=40, integration_steps=160, steps_at_risk=50, steps_per_lyapunov_time=4)
 FLOWS, RESAMPLES = 30, 200
@@ -112,10 +113,9 @@ def test_who_is_compared():
 
 
 def test_networks_that_differ_by_their_seeds_are_their_median():
-    keys = {"forecaster": "esn", "neurons": 500, "validation": "RV"}
-    members = [({**keys, "seed": seed}, scored(records(seed))) for seed in range(3)]
-    other = ({"forecaster": "equations", "neurons": None, "validation": None, "seed": None},)
-    found = medians_over_seeds([members[0], (*other, scored(records(9))), *members[1:]])
+    members = [(ForecasterName("esn", 500, "RV", seed), scored(records(seed))) for seed in range(3)]
+    other = ForecasterName("equations"), scored(records(9))
+    found = medians_over_seeds([members[0], other, *members[1:]])
     assert list(found) == ["median of esn-N500-RV", "equations"]
     for name in COMPARED:
         np.testing.assert_array_equal(

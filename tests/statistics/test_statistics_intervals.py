@@ -5,17 +5,18 @@ import dataclasses
 import numpy as np
 import pytest
 
+from burstcast.files.netcdf import read_netcdf, write_netcdf
 from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.measures import Measures, compare
 from burstcast.statistics.reductions import reduce_series
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.statistics_files import (
+    reduction_variables,
+    reductions_from,
+    statistics_variables,
+)
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.mfe_modes import flow_modes
-from burstcast_workflow.jobs.statistics import (
-    described_reductions,
-    read_reductions,
-    write_statistics,
-)
 
 EDGES = np.linspace(0.5, 8.0, 21)
 MATRICES = flow_modes(MoehlisFaisstEckhardt(400.0)).profile_matrices(np.linspace(-1, 1, 11))
@@ -83,7 +84,8 @@ def test_intervals_are_as_wide_as_the_scatter_of_other_runs():
 def test_reductions_come_back_from_their_file(tmp_path):
     reductions = reduce_series([series(5, 7)], energy, EDGES)
     path = tmp_path / "long_term.nc"
-    write_statistics(path, reductions.merged(slice(1, 3)), {}, described_reductions(reductions))
-    found = read_reductions(path)
+    statistics = statistics_variables(reductions.merged(slice(1, 3)))
+    write_netcdf(path, {**statistics, **reduction_variables(reductions)}, {})
+    found = reductions_from(read_netcdf(path))
     for name in ("edges", "counts", "sums", "product_sums"):
         np.testing.assert_array_equal(getattr(found, name), getattr(reductions, name))

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from snakemake.utils import update_config
 
+from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
-from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.config.model import Choice
 from burstcast_workflow.figures.registry import (

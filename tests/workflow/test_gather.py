@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.forecast.windows import WindowForecasts
-from burstcast_workflow.campaign.identifiers import KEYS
+from burstcast.forecasters._names import KEYS
+from burstcast.probability.alarm_sources import BASELINES, alarm_sources
 from burstcast_workflow.harness.job import job_identity, provenance
-from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
-from burstcast_workflow.jobs.gather import case_keys, gathered, origins
-from burstcast_workflow.jobs.probabilities import BASELINES, alarm_sources
+from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.jobs.gather import origins
+from burstcast_workflow.jobs.tables import case_keys, gathered
 
 CASE = {"case": "Re400", "case.parameters": {"reynolds": 400}}
 NAMES = ["esn-N30-RV-seed0", "esn-N30-RV-seed1", "esn-N40-SSV-seed0", "equations", "quadratic"]
@@ -52,10 +53,9 @@ def test_rows_are_labelled_by_the_files_in_any_order_and_at_any_place(
         path = directory / f"{place}.json"
         written(directory, forecaster(name)).rename(path)
         paths.append(path)
-    rows = [{**keys, "value": read_json(one.path)["value"]} for keys, one in gathered(CASE, paths)]
+    rows = [{**one.name.keys, **one.content} for one in gathered(CASE, paths)]
     assert [row["value"] for row in rows] == list(names)
     for row in rows:
-        assert (row["case"], row["reynolds"]) == ("Re400", 400)
         assert tuple(row[key] for key in KEYS[2:]) == LABELS[row["value"]]
 
 
@@ -64,13 +64,15 @@ def test_what_a_job_was_told_is_known_of_its_files(tmp_path):
     wildcards = {"case": "Re400", "controller": "esn-N30-RV-seed0-random", "strategy": "reactive"}
     for suffix in (".json", ".nc"):
         path = written(tmp_path, wildcards, suffix, "control", {"control.run": plan})
-        ((keys, origin),) = gathered(CASE, [path])
+        (one,) = gathered(CASE, [path])
+        keys = one.name.keys
         assert (keys["forecaster"], keys["neurons"], keys["seed"]) == ("random", 30, 0)
-        assert origin.settings["control.run"] == plan
-        assert origin.identity == {"rule": "control", **wildcards}
+        assert (one.plan, one.strategy) == (plan, "reactive")
+        assert origins([path])[0].identity == {"rule": "control", **wildcards}
 
 
-def test_a_case_without_a_reynolds_number():
+def test_key_columns_of_a_case():
+    assert case_keys(CASE) == {"case": "Re400", "reynolds": 400}
     assert case_keys({"case": "lorenz", "case.parameters": {"sigma": 10}}) == {
         "case": "lorenz",
         "reynolds": None,

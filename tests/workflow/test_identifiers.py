@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
-from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.places import Place
 

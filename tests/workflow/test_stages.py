@@ -15,12 +15,15 @@ from helpers_rules import Wildcards, workflow
 
 from burstcast.figures.registry import figure_module
 from burstcast.forecasters.registry import available_kinds
+from burstcast.tables.makers._probabilities import SETTINGS as SCORED
+from burstcast.tables.makers.registry import maker
 from burstcast_workflow.config.model import BlockForecasters, Choice
 from burstcast_workflow.figures.registry import FIGURES, settings_of
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow" / "scripts"
 SOURCE = ROOT / "src"
+MAKERS = [path.stem for path in (SOURCE / "burstcast" / "tables" / "makers").glob("[!_]*_*.py")]
 
 
 def rules_of_stages():
@@ -42,7 +45,9 @@ def rules_of_stages():
 
 STAGES = rules_of_stages()
 JOINING = ("all_cases", "all_cases_latex")
-"""Scripts that rules of several names run."""
+"""Scripts that join the tables of all cases."""
+TABLES = SCRIPTS / "tables" / "table.py"
+"""Script that makes all tables of a case."""
 
 
 def script_of(rule):
@@ -78,8 +83,11 @@ def test_the_rules_are_those_of_the_text():
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_rule_runs_the_script_of_its_name(rule):
     # not that of the last stage, as in a loop
-    script = script_of(rule).stem
-    assert script in JOINING if rule.startswith("all_") else script == rule
+    script = script_of(rule)
+    if script == TABLES:
+        assert dict(workflow().rules[rule].params.items())["maker"] == rule
+    else:
+        assert script.stem in JOINING if rule.startswith("all_") else script.stem == rule
 
 
 # -- scripts ---------------------------------------------------------------------------------------
@@ -113,12 +121,29 @@ def parameters(function):
 
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_script_takes_the_files_of_its_rule(rule):
-    names, optional = parameters(main_of(script_of(rule)))
     made = workflow().rules[rule]
     files = {*made.input.keys(), *made.output.keys()}
     assert len(files) == len(list(made.input.keys())) + len(list(made.output.keys()))
+    if script_of(rule) == TABLES:
+        declared = maker(rule).TABLES
+        assert {*declared.inputs, *declared.gathered, "tables"} == files
+        return
+    names, optional = parameters(main_of(script_of(rule)))
     assert names - {"settings", "provenance"} == files
     assert not optional
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_tables_are_made_of_all_that_they_declare_and_of_nothing_else(name):
+    declared = maker(name).TABLES
+    what = [*declared.inputs, *declared.gathered, *declared.settings]
+    assert len(what) == len(set(what))
+    taken = inspect.signature(maker(name).make).parameters
+    # what all tables of probabilities are scored with is handed on
+    shared = SCORED if "scored" in taken else {}
+    if "searched" in taken:
+        shared = {"spectral_radius", "input_scaling", "tikhonov"}
+    assert {*taken} - {"scored", "searched"} == {*what} - ({*shared} - {*taken})
 
 
 @pytest.mark.parametrize("rule", STAGES)
@@ -132,6 +157,7 @@ def test_the_code_of_a_rule_is_that_of_its_script(rule):
 def test_every_script_belongs_to_a_rule():
     of_rules = {script_of(rule) for rule in STAGES}
     assert of_rules | {script_of("figure")} == set(SCRIPTS.glob("*/*.py"))
+    assert {rule for rule in STAGES if script_of(rule) == TABLES} == set(MAKERS)
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -233,8 +259,14 @@ def settings_read(path, node, seen=None):
     return found
 
 
-def reads_of(path):
-    return settings_read(path, main_of(path))
+def reads_of(rule):
+    """Settings that the script of a rule reads, or the module that makes its tables."""
+    path = script_of(rule)
+    if path != TABLES:
+        return settings_read(path, main_of(path))
+    shared = (definition(path, name) for name in ("of_case", "write_tables"))
+    of_all = set().union(*(settings_read(*place) for place in shared))
+    return of_all | {*maker(rule).TABLES.settings.values()}
 
 
 def covered(path, paths):
@@ -245,13 +277,13 @@ def covered(path, paths):
 @pytest.mark.parametrize("rule", STAGES)
 def test_every_setting_that_a_script_reads_is_declared_by_its_rule(rule):
     known = declared(rule) | set(wildcards_of(rule))
-    undeclared = {path for path in reads_of(script_of(rule)) if not covered(path, known)}
+    undeclared = {path for path in reads_of(rule) if not covered(path, known)}
     assert not undeclared
 
 
 @pytest.mark.parametrize("rule", STAGES)
 def test_every_setting_that_a_rule_declares_is_read_by_its_script(rule):
-    read = reads_of(script_of(rule))
+    read = reads_of(rule)
     unread = {
         path
         for path in declared(rule)
@@ -261,7 +293,7 @@ def test_every_setting_that_a_rule_declares_is_read_by_its_script(rule):
 
 
 def test_what_is_read_is_found_through_helpers():
-    found = reads_of(SCRIPTS / "control" / "control.py")
+    found = reads_of("control")
     # in what the script is handed to, and helpers of theirs
     assert {"control.run.span_lt", "control.flows", "case.system", "forecaster.options"} <= found
 

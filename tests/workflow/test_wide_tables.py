@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
+from burstcast.forecasters._names import KEYS
 from burstcast.tables.wide import typeset, wide_tables
-from burstcast_workflow.campaign.identifiers import KEYS
 from burstcast_workflow.tables import registry
 
 LAYOUTS = registry.typeset(["dataset", "control_strategies"])

@@ -160,6 +160,7 @@ def stage(
     cached=False,
     constraints={},
     rule_name=None,
+    found_by_name={},
     **values,
 ):
     """A stage of the workflow: the one rule of a script, and of its name.
@@ -193,8 +194,8 @@ def stage(
         The class of its cost, and whether the cache keeps its results (see `Stages.needs`).
     constraints
         Of wildcards, beside those of all rules.
-    rule_name
-        Of a script that several rules run.
+    rule_name, found_by_name
+        Of a script that several rules run: the rule's name, and modules that it finds by name.
     """
     folder, _, script_name = name.partition("/")
     rule_name = rule_name or script_name
@@ -205,7 +206,9 @@ def stage(
     record = os.path.join(rule_name, *(f"{{{key}}}" for key in wildcards))
     whose = ", ".join(f"{{wildcards.{key}}}" for key in wildcards)
     stages.made(outputs)
-    parameters = stages.reads(f"{name}.py", settings, **values)
+    parameters = stages.reads(f"{name}.py", settings, found_by_name, **values)
+    if found_by_name:
+        parameters["maker"] = rule_name
 
     # A rule sees the arguments of its own call, also when its job runs; in a loop over stages, all
     # jobs would run the script of the last one. (What Snakemake itself calls script and the like
@@ -249,17 +252,19 @@ def in_report(table):
 
 
 def table_stage(name, does, **arguments):
-    """A stage that writes tables of a case, and one, ``all_<script>``, that joins those of all cases.
+    """A stage that makes tables of a case, and one, ``all_<name>``, that joins those of all cases.
 
-    Its arguments are those of `stage`. Which tables they are is declared (workflow/tables.yaml).
+    Its arguments are those of `stage`; its name is that of a module of `burstcast.tables.makers`.
+    Which tables they are is declared (workflow/tables.yaml).
     """
-    script_name = name.partition("/")[2]
-    names = made_by(script_name)
+    names = made_by(name)
     files = with_percentiles(names)
     stage(
-        name,
+        "tables/table",
         does,
         {"tables": [f"{TABLES_OF_CASE}/{file}.csv" for file in files]},
+        rule_name=name,
+        found_by_name={"burstcast.tables.makers": [name]},
         tables=written(names),
         **arguments,
     )
@@ -280,7 +285,7 @@ def table_stage(name, does, **arguments):
                 path for file in files for path in of_cases(f"tables/{file}.csv", cases)
             ]
         },
-        rule_name=f"all_{script_name}",
+        rule_name=f"all_{name}",
         columns=joined(files),
         **values,
     )

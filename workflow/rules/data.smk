@@ -1,6 +1,6 @@
 """Data of a case: the ensemble, its exponents and statistics, what forecasters are judged on."""
 
-from burstcast_workflow.campaign.identifiers import realisation_of
+from burstcast.data.training_realisations import realisation_of
 
 stage(
     "data/simulate",

@@ -55,21 +55,21 @@ PROBABILITIES = {
 }
 
 table_stage(
-    "probabilities/probability_scores",
+    "probability_scores",
     "score the probabilities",
     inputs=PROBABILITIES,
     settings="KEYS SCORED case.event_threshold probability.bins",
     cost="bootstrap",
 )
 table_stage(
-    "probabilities/probability_diagrams",
+    "probability_diagrams",
     "reliability, economic value, curves over all thresholds",
     inputs=PROBABILITIES,
     settings="KEYS SCORED case.event_threshold probability.bins probability.cost_loss_ratios",
     cost="bootstrap",
 )
 table_stage(
-    "probabilities/lead_times",
+    "lead_times",
     "how early events were warned of",
     inputs={**files("ensemble"), **PROBABILITIES},
     settings="KEYS SCORED case.event_threshold case.training.series "
@@ -77,7 +77,7 @@ table_stage(
     cost="bootstrap",
 )
 table_stage(
-    "probabilities/threshold_sweep",
+    "threshold_sweep",
     "score alarms for other event thresholds",
     inputs=PROBABILITIES,
     settings="KEYS SCORED case.event_threshold probability.bins probability.threshold_factors",

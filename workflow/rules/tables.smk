@@ -7,7 +7,7 @@ from burstcast_workflow.tables.registry import (
 )
 
 table_stage(
-    "tables/dataset_table",
+    "dataset_table",
     "table of the dataset",
     inputs={
         **files("summary events_summary"),
@@ -19,7 +19,7 @@ table_stage(
     settings="KEYS TIME",
 )
 table_stage(
-    "tables/hyperparameters_table",
+    "hyperparameters_table",
     "table of the hyperparameters",
     inputs={
         "hyperparameters": files_in_case(
@@ -29,20 +29,20 @@ table_stage(
     settings="KEYS",
 )
 table_stage(
-    "tables/classification_table",
+    "classification_table",
     "score the forecasts",
     inputs={"forecasts": files_in_case("forecast.nc"), **files("evaluation_set")},
     settings="KEYS SCORED case.event_threshold",
     cost="bootstrap",
 )
 table_stage(
-    "tables/horizon_table",
+    "horizon_table",
     "table of the prediction horizons",
     inputs={"horizons": files_in_case("horizon.nc")},
     settings="KEYS random_seed bootstrap",
 )
 table_stage(
-    "tables/statistics_table",
+    "statistics_table",
     "table of the long-term statistics",
     inputs={
         **files("data training floor"),
@@ -52,7 +52,7 @@ table_stage(
     cost="bootstrap_runs",
 )
 table_stage(
-    "tables/survival_table",
+    "survival_table",
     "table of escapes from the chaotic phase",
     inputs={
         **files("ensemble"),
@@ -62,7 +62,7 @@ table_stage(
     "statistics.duration bootstrap.confidence",
 )
 table_stage(
-    "tables/lyapunov_spectrum_table",
+    "lyapunov_spectrum_table",
     "table of the Lyapunov exponents",
     inputs={
         "spectrum": stages.file_of_case(
@@ -75,25 +75,25 @@ table_stage(
     settings="KEYS random_seed bootstrap",
 )
 table_stage(
-    "tables/control_table",
+    "control_table",
     "table of control",
     inputs={"counts": files_in_case("counts.json", campaign.control_runs)},
     settings="KEYS",
 )
 table_stage(
-    "tables/control_density_table",
+    "control_density_table",
     "densities with and without control",
     inputs={"histograms": files_in_case("histograms.nc", campaign.control_runs)},
     settings="KEYS",
 )
 table_stage(
-    "tables/control_strategies_table",
+    "control_strategies_table",
     "costs and gains of control",
     inputs={"flows": files_in_case("flows.nc", campaign.strategy_runs)},
     settings="KEYS case.training.noise random_seed bootstrap",
 )
 table_stage(
-    "tables/warnings_table",
+    "warnings_table",
     "look for warning signs",
     inputs={
         **files("ensemble data events_summary"),

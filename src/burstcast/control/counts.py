@@ -1,11 +1,13 @@
 """What is counted of flows with and without control, whatever the strategy."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.control.scores import COUNT_SCORES
 from burstcast.control.simulation import ControlSimulation
 from burstcast.events import upward_crossings
 from burstcast.laminarisation import is_laminar
@@ -95,6 +97,15 @@ class FlowCounts:
     def control_fraction(self) -> float:
         """Share of the time that counts under actuation."""
         return share(self.actuated_integration_steps, self.integration_steps)
+
+    def record(self) -> dict[str, int | float | None]:
+        """All counts and scores by their names; None for a score that is not defined."""
+        counts = {name: value for name, value in vars(self).items() if isinstance(value, int)}
+        scores = {name: getattr(self, name) for name in COUNT_SCORES}
+        return {
+            **counts,
+            **{name: value if math.isfinite(value) else None for name, value in scores.items()},
+        }
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.control.simulation import ControlSimulation, EnergyMeans
+from burstcast.control.timing import Clock
 from burstcast.events import upward_crossings
 from burstcast.laminarisation import first_laminar_step
 from burstcast.statistics.resampled_score import ResampledScore
@@ -125,6 +126,16 @@ class Span:
     integration_steps: int
     steps_at_risk: int
     steps_per_lyapunov_time: int
+
+    @classmethod
+    def of(cls, timing: Clock) -> "Span":
+        """That of all flows of a simulation."""
+        return cls(
+            steps=timing.span_steps,
+            integration_steps=timing.span_steps * timing.sampling_stride,
+            steps_at_risk=timing.counted_until - timing.first_forecast,
+            steps_per_lyapunov_time=timing.steps_per_lyapunov_time,
+        )
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,24 @@ for each, the two are told apart by the analysis of variance of one random facto
 McCulloch, Variance Components, Wiley 1992, chapter 3).
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
+
+_REALISATION = re.compile(r"(.+)-training([1-9]\d*)")
+
+
+def realisation_of(name: str) -> tuple[str, int]:
+    """Case that a case differs from by its training series only, and which choice of them it has.
+
+    ``Re400-training2`` is the second other choice of ``Re400``; choice 0 is a case's own.
+    """
+    match = _REALISATION.fullmatch(name)
+    return (match[1], int(match[2])) if match else (name, 0)
 
 
 def rows_of_realisation(kept: int, training: int, realisation: int) -> IntArray:

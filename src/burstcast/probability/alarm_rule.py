@@ -10,6 +10,9 @@ from burstcast.probability.alarms import best_threshold
 from burstcast.probability.calibration import Calibration
 from burstcast.probability.outcomes import Outcomes
 
+CALIBRATED, VOTES = "calibrated", "votes"
+"""What tables call calibrated probabilities, and shares of votes as they are."""
+
 
 @dataclass(frozen=True)
 class AlarmRule:
@@ -53,3 +56,21 @@ class AlarmRule:
         """Make a rule from its record."""
         calibration = Calibration(np.array(record["values"]), np.array(record["probabilities"]))
         return cls(calibration, record["threshold"])
+
+
+def rules_of(
+    chosen: Mapping[str, Any], alarm: str, prediction_time_lt: float, factor: float = 1.0
+) -> dict[str, AlarmRule]:
+    """Rules of an alarm: by `CALIBRATED` probabilities, and, if it has any, by `VOTES`.
+
+    Parameters
+    ----------
+    chosen
+        Content of ``calibration.json``.
+    alarm
+        Identifier of the source of the alarms.
+    prediction_time_lt, factor
+        Prediction time, and the event threshold in those of the case.
+    """
+    found = chosen["alarms"][alarm][f"{factor:g}"][f"{prediction_time_lt:g}"]
+    return {name: AlarmRule.restore(record) for name, record in found.items()}

@@ -8,6 +8,7 @@ system is one concrete subclass of `DynamicalSystem`; nothing has to be register
 import dataclasses
 import inspect
 from collections.abc import Mapping
+from typing import Any
 
 import burstcast.systems
 from burstcast.discovery import (
@@ -19,6 +20,7 @@ from burstcast.discovery import (
     suggestion,
 )
 from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.state_space import MEASURED, StateSpace, make_measured
 
 _CLASS_VARIABLES = ("dimension", "observable_name", "observable_symbol")
 
@@ -57,6 +59,11 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
         raise ValueError(
             f"the system {name} cannot be made: {type(error).__name__}: {error}"
         ) from error
+
+
+def make_space(name: str, parameters: Mapping[str, Any]) -> StateSpace:
+    """Make what forecasts and scores ask about a case: a system (`make_system`), or `MEASURED`."""
+    return make_measured(parameters) if name == MEASURED else make_system(name, parameters)
 
 
 def system_class(name: str) -> type[DynamicalSystem]:

@@ -8,6 +8,8 @@ from typing import Any
 
 from burstcast import durations
 from burstcast.control.strategies.registry import strategy_class
+from burstcast.data.training_realisations import realisation_of
+from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.registry import forecaster_class, linearises
@@ -15,7 +17,6 @@ from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
 from burstcast_workflow.campaign.control_plans import ControlPlan, block_plans, paper_plan
-from burstcast_workflow.campaign.identifiers import ForecasterName, parsed, realisation_of
 from burstcast_workflow.config.cases import block_cases, cases_of
 from burstcast_workflow.config.kinds import Quantile, Section
 from burstcast_workflow.config.measured_cases import space_of

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast_workflow.campaign.identifiers import described
+from burstcast.forecasters._names import described
 from burstcast_workflow.stages.canonical import natural_order
 
 PREDICTION_TIME_LT = 2.0

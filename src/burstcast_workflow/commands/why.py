@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from burstcast_workflow.campaign.identifiers import parsed
+from burstcast.forecasters._names import parsed
 from burstcast_workflow.stages.canonical import natural_order
 from burstcast_workflow.start import names_of_rules
 from snaketrust.plan import planned

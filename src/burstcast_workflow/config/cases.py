@@ -4,10 +4,10 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from burstcast.data.training_realisations import realisation_of
 from burstcast.statistics.densities import SETTLED
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import system_class, system_module
-from burstcast_workflow.campaign.identifiers import realisation_of
 from burstcast_workflow.config.measured_cases import measured_record
 from burstcast_workflow.config.model import Block, Case, Configuration, Data, Measured, Simulated
 from burstcast_workflow.stages.canonical import canonical

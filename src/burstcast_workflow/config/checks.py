@@ -11,11 +11,12 @@ from pydantic import ValidationError
 
 from burstcast.control.controllers.committee import VOTE_SHARE, votes
 from burstcast.control.strategies.registry import make_strategy, strategy_class
+from burstcast.data.training_realisations import realisation_of
+from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.campaign.control_plans import block_plans
-from burstcast_workflow.campaign.identifiers import parsed, realisation_of
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.case_checks import problems_of_case
 from burstcast_workflow.config.cases import (

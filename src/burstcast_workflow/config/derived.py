@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
+from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast_workflow.config.cases import block_cases, campaign_cases, data_of
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.stages.canonical import natural_order

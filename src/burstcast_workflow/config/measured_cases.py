@@ -10,7 +10,7 @@ from typing import Any
 from burstcast.data.delay_coordinates import delayed_name
 from burstcast.data.measured_data import Quantity
 from burstcast.data.series_files import column_names
-from burstcast.systems.registry import make_system
+from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED, StateSpace, component_names, make_measured
 from burstcast_workflow.config.model import Case, Data, Measured, Simulated
 from burstcast_workflow.stages.canonical import natural_order
@@ -140,8 +140,7 @@ def space_of(case: Case) -> StateSpace | None:
 
 def _space(system: str, parameters: Mapping[str, Any]) -> StateSpace | None:
     try:
-        measured = system == MEASURED
-        space = make_measured(parameters) if measured else make_system(system, parameters)
+        space = make_space(system, parameters)
         return space if space.dimension else None  # it is known once the observable is understood
     except (ValueError, TypeError):  # told with the case
         return None

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
+from burstcast import durations
 from burstcast.compiled.backends import usable_backend
 from burstcast.forecasters._options import DEFAULTS
 from burstcast_workflow.config.kinds import (
@@ -190,7 +191,7 @@ class TimeUnit(Section):
     @property
     def known_exponent(self) -> float | None:
         """Exponent that the unit of time follows from; None where it is computed."""
-        return self.published_exponent if self.time_unit == "published" else None
+        return durations.known_exponent(self.time_unit, self.published_exponent)
 
 
 class Lyapunov(TimeUnit):

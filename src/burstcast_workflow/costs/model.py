@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from burstcast import durations
+from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
 from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.config.model import Simulated
 

@@ -109,7 +109,9 @@ def tell(message: str) -> None:
 
 def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     """Compute a job's outputs, or take them from the cache, and record what made them."""
-    identity = job_identity(script_of(snakemake).stem, snakemake.wildcards)
+    # of tables, many of which one script makes, the rule says which
+    name = snakemake.params.get("maker") or script_of(snakemake).stem
+    identity = job_identity(name, snakemake.wildcards)
     declared = canonical(dict(snakemake.params.settings), "params.settings")
     logger.info("%s starts with settings %s", label, canonical_json(declared))
 

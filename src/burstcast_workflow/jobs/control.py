@@ -9,21 +9,19 @@ import numpy as np
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.control.actuation import actuated_system
-from burstcast.control.counts import FlowCounts
 from burstcast.control.experiment import (
     ControlExperiment,
     Schedule,
     controlled_series,
     noise_of_flows,
 )
+from burstcast.control.flow_files import flow_variables, histogram_variables
 from burstcast.control.records import Span, record_flows
-from burstcast.control.scores import COUNT_SCORES
 from burstcast.control.simulation import ControlSimulation
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
 from burstcast.data.dataset import component_scales
-from burstcast.files.netcdf import Variable, read_rows
-from burstcast.files.units import NUMBER, OBSERVABLE, POWER
+from burstcast.files.netcdf import read_rows
 from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.densities import bin_edges
 from burstcast_workflow.harness.settings import Settings
@@ -31,9 +29,6 @@ from burstcast_workflow.harness.storage import read_json, write_json, write_netc
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.systems import equations_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
-
-# of `FlowRecords`: per unit of time; all others are counts
-_ENERGIES = ("input", "dissipation")
 
 
 def control_setup(
@@ -127,64 +122,8 @@ def write_control(
     low, high = density["range"]
     edges = bin_edges(low, high, density["bins"])
     outcome = strategy.outcome(simulation, laminarisation_threshold, edges)
-    _write_counts(counts, outcome, provenance)
-    _write_histograms(histograms, outcome, provenance)
-    timing = simulation.timing
-    records = record_flows(simulation, laminarisation_threshold)
-    span = Span(
-        steps=timing.span_steps,
-        integration_steps=timing.span_steps * timing.sampling_stride,
-        steps_at_risk=timing.counted_until - timing.first_forecast,
-        steps_per_lyapunov_time=timing.steps_per_lyapunov_time,
-    )
-    described = {
-        field.name: Variable(
-            ("flow",),
-            getattr(records, field.name),
-            POWER if field.name.startswith(_ENERGIES) else NUMBER,
-            field.name.replace("_", " "),
-        )
-        for field in dataclasses.fields(records)
-    }
-    series = Variable(
-        ("flow",),
-        experiment.series.start + records.row,
-        NUMBER,
-        "row of the series in the ensemble",
-    )
-    write_netcdf(
-        flows,
-        {"series": series, **described},
-        {**provenance, **dataclasses.asdict(span)},
-    )
-
-
-def _write_counts(path: str, outcome: FlowCounts, provenance: Mapping[str, str]) -> None:
-    counts = {
-        field.name: getattr(outcome, field.name)
-        for field in dataclasses.fields(outcome)
-        if isinstance(getattr(outcome, field.name), int)
-    }
-    scores = {name: getattr(outcome, name) for name in COUNT_SCORES}
-    defined = {name: value if np.isfinite(value) else None for name, value in scores.items()}
-    write_json(path, {**counts, **defined, "provenance": dict(provenance)})
-
-
-def _write_histograms(path: str, outcome: FlowCounts, provenance: Mapping[str, str]) -> None:
-    write_netcdf(
-        path,
-        {
-            "edge": Variable(("edge",), outcome.edges, OBSERVABLE, "edges of the bins"),
-            **{
-                name: Variable(
-                    ("bin",), getattr(outcome, f"histogram_{name}"), NUMBER, f"steps, {description}"
-                )
-                for name, description in (
-                    ("uncontrolled", "without control"),
-                    ("controlled", "with control"),
-                    ("free", "with control, outside actuation"),
-                )
-            },
-        },
-        provenance,
-    )
+    write_json(counts, {**outcome.record(), "provenance": dict(provenance)})
+    write_netcdf(histograms, histogram_variables(outcome), provenance)
+    records, span = record_flows(simulation, laminarisation_threshold), Span.of(simulation.timing)
+    of_span = {**provenance, **dataclasses.asdict(span)}
+    write_netcdf(flows, flow_variables(records, experiment.series.start), of_span)

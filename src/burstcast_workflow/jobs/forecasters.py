@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 
 from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import Variable, read_attributes, read_netcdf
+from burstcast.forecasters._names import parsed
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import forecaster_class
-from burstcast_workflow.campaign.identifiers import parsed
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import observed_rows

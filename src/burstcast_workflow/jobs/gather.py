@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from burstcast.files.netcdf import read_attributes
-from burstcast_workflow.campaign.identifiers import ForecasterName, parsed
+from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 
@@ -60,26 +60,3 @@ def origins(paths: Iterable[str | Path]) -> list[Origin]:
         of_job = json.loads(identity)
         found[identity] = Origin(path, of_job, Settings(json.loads(str(said["settings"])), of_job))
     return list(found.values())
-
-
-def case_keys(settings: Settings) -> dict[str, Any]:
-    """Key columns of a job's case in tables."""
-    reynolds = settings["case.parameters"].get("reynolds")
-    return {"case": settings["case"], "reynolds": reynolds}
-
-
-def gathered(
-    settings: Settings, paths: Iterable[str | Path]
-) -> list[tuple[dict[str, Any], Origin]]:
-    """Origins of files of a job's case, each with the key columns of its forecaster.
-
-    Raises
-    ------
-    ValueError
-        If a file is of another case (see `origins` for others).
-    """
-    found, of_case = origins(paths), case_keys(settings)
-    for one in found:
-        if one.identity["case"] != of_case["case"]:
-            raise ValueError(f"{one.path} is of the case {one.identity['case']}, which is another")
-    return [({**of_case, **one.name.keys}, one) for one in found]

@@ -13,11 +13,11 @@ from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.files.netcdf import Variable, read_netcdf
 from burstcast.files.units import NUMBER
+from burstcast.forecasters._names import parsed
 from burstcast.tuning.hyperparameters import SearchSpace
 from burstcast.tuning.scan import Evaluation
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.validation import PointValidator
-from burstcast_workflow.campaign.identifiers import parsed
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import observed_rows, training_states

@@ -1,25 +1,76 @@
-"""Tables as declared: columns, cells with intervals, percentiles over networks."""
+"""Tables: what they are made of, their columns as declared, and percentiles over networks."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from burstcast.arrays import FloatArray
+from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.statistics.percentiles import percentiles
-from burstcast.statistics.resampled_score import ResampledScore, median_scores
-from burstcast.statistics.resampling import percentile_interval
-from burstcast_workflow.campaign.identifiers import ForecasterName
+from burstcast.tables.makers.registry import Gathered
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.tables import write_table
+from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.harness.tables import read_table, write_table
+from burstcast_workflow.jobs.gather import origins
 
 Rows = Sequence[Mapping[str, Any]]
-Scores = Mapping[str, ResampledScore]
 
 WHOLE_NUMBERS = ("neurons", "seed")
 """Columns of whole numbers, also where some are missing."""
+
+
+def case_keys(settings: Settings) -> dict[str, Any]:
+    """Key columns of a job's case in tables."""
+    reynolds = settings["case.parameters"].get("reynolds")
+    return {"case": settings["case"], "reynolds": reynolds}
+
+
+def content(path: str, variables: str = "") -> Any:
+    """Content of a file: a table, what a JSON file says beside its origin, or of a NetCDF file.
+
+    Of the latter, attributes and variables: all of them, or those that are named.
+    """
+    if path.endswith(".csv"):
+        return read_table(path)
+    if path.endswith(".json"):
+        return {name: value for name, value in read_json(path).items() if name != "provenance"}
+    return {**read_attributes(path), **read_netcdf(path, *variables.split())}
+
+
+def gathered(
+    settings: Settings, paths: Iterable[str | Path], variables: str = ""
+) -> list[Gathered]:
+    """Files of a job's case, as tables are made of them.
+
+    Raises
+    ------
+    ValueError
+        If a file is of another case (see `origins` for others).
+    """
+    found = origins(paths)
+    for one in found:
+        if one.identity["case"] != settings["case"]:
+            raise ValueError(f"{one.path} is of the case {one.identity['case']}, which is another")
+    return [
+        Gathered(
+            one.name,
+            content(one.path, variables),
+            one.settings.get("control.run", {}),
+            one.identity.get("strategy", ""),
+        )
+        for one in found
+    ]
+
+
+def of_case(settings: Settings, rows: Mapping[str, Rows]) -> dict[str, Rows]:
+    """Rows of tables with the key columns of a job's case that the tables declare."""
+    found: dict[str, Rows] = {}
+    for name, known in rows.items():
+        columns = {column.removesuffix("*") for column in settings["tables"][name]["columns"]}
+        keys = {key: one for key, one in case_keys(settings).items() if key in columns}
+        found[name] = [{**keys, **row} for row in known]
+    return found
 
 
 def write_tables(paths: Iterable[str], settings: Settings, **rows: Rows) -> None:
@@ -81,44 +132,3 @@ def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:
             raise ValueError(f"table {name} declares {', '.join(lacking)}, which no row has")
         table = table.drop(columns=[one for one in optional if table[one].isna().all()])
     return table.astype({one: "Int64" for one in WHOLE_NUMBERS if one in table})
-
-
-def between(samples: FloatArray, confidence: float) -> dict[str, float]:
-    """Both ends of the interval that resamples of a score tell."""
-    low, high = percentile_interval(samples, confidence)
-    return {"low": low, "high": high}
-
-
-def with_interval(score: ResampledScore, confidence: float) -> dict[str, float]:
-    """A score, and `between`."""
-    return {"value": float(score.value), **between(score.samples, confidence)}
-
-
-def with_ends(name: str, value: Any, low: Any, high: Any) -> dict[str, Any]:
-    """A value in the column of its name, and the ends of its interval in columns beside it."""
-    return {name: value, f"{name}_low": low, f"{name}_high": high}
-
-
-def medians_over_seeds(found: Iterable[tuple[Mapping[str, Any], Scores]]) -> dict[str, Scores]:
-    """Scores by who they are of, where networks that differ by their seeds are one.
-
-    Parameters
-    ----------
-    found
-        Key columns of forecasters and their scores by name.
-
-    Returns
-    -------
-    By identifier, in the order in which they come; "median of" networks by what these share.
-    """
-    alike: dict[ForecasterName, list[tuple[str, Scores]]] = {}
-    for keys, scores in found:
-        common = ForecasterName(keys["forecaster"], keys["neurons"], keys["validation"])
-        identifier = replace(common, seed=keys["seed"]).identifier
-        alike.setdefault(common, []).append((identifier, scores))
-    return dict(
-        members[0]
-        if len(members) == 1
-        else (f"median of {common.identifier}", median_scores([scores for _, scores in members]))
-        for common, members in alike.items()
-    )

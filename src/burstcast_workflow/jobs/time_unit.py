@@ -37,10 +37,10 @@ def lyapunov_time(settings: Settings, time_unit: str | Sequence[str]) -> int:
     ValueError
         If the computed exponent gives no time unit.
     """
-    published = settings["case.lyapunov.published_exponent"]
-    interval = sampling_interval(settings)
-    if settings["case.lyapunov.time_unit"] == "published" and published is not None:
-        return durations.steps_per_lyapunov_time(published, interval)
+    published, interval = settings["case.lyapunov.published_exponent"], sampling_interval(settings)
+    known = durations.known_exponent(settings["case.lyapunov.time_unit"], published)
+    if known is not None:
+        return durations.steps_per_lyapunov_time(known, interval)
     exponent = read_json(str(time_unit))["leading"]["mean"]
     try:
         return durations.steps_per_lyapunov_time(exponent, interval)

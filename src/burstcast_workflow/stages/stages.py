@@ -8,8 +8,9 @@ from typing import Any, TypeAlias
 
 from snakemake.io import local
 
+from burstcast.data.training_realisations import realisation_of
+from burstcast.forecasters._names import parsed
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
-from burstcast_workflow.campaign.identifiers import parsed, realisation_of
 from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.harness.settings import THRESHOLDS, cases_of_thresholds
@@ -219,7 +220,13 @@ class Stages:
 
     # -- settings, code and resources --------------------------------------------------------------
 
-    def reads(self, script: str, paths: str = "", **values: Any) -> dict[str, OfJob]:
+    def reads(
+        self,
+        script: str,
+        paths: str = "",
+        found_by_name: Mapping[str, Sequence[str]] | None = None,
+        **values: Any,
+    ) -> dict[str, OfJob]:
         """Parameters of a stage: the settings that its script reads, and the code that it runs.
 
         Parameters
@@ -228,6 +235,8 @@ class Stages:
             Below ``workflow/scripts``.
         paths
             Of the config, and names of groups of them (`Campaign.settings`).
+        found_by_name
+            Modules that all its jobs find by name, by package, beside those of `Campaign.modules`.
         values
             Given as they are, or by functions of the job's wildcards, without sizes and seeds.
         """
@@ -241,7 +250,8 @@ class Stages:
             return self.campaign.settings(names, wildcards, found)
 
         def code(wildcards: Any) -> list[str]:
-            return self._sources.fingerprint(script, self.campaign.modules(wildcards))
+            modules = {**self.campaign.modules(wildcards), **(found_by_name or {})}
+            return self._sources.fingerprint(script, modules)
 
         return {"settings": _once(settings), "code": _once(code)}
 

@@ -240,6 +240,8 @@ STRATEGIES = {
     "control/esn-committee": ("receding_horizon",),
     "control/quadratic_filtered-committee": ("receding_horizon",),
 }
+# All tables of a case are made by one script, each by a module of its own.
+TABLES_OF_A_CASE, MAKERS = "tables/table.py", "burstcast.tables.makers"
 # Their scripts run for one kind only, and the name of their job does not say it.
 JOBS_OF_NETWORKS = ("scan", "search", "train")
 

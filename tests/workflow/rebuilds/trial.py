@@ -22,8 +22,11 @@ from dependencies import (
     HARNESS,
     JOBS_OF_NETWORKS,
     JOINING,
+    MAKERS,
     STRATEGIES,
     STRATEGIES_BY_NAME,
+    TABLES_OF_A_CASE,
+    TABLES_OF_CASES,
     VERSION_OF_HARNESS,
     and_what_follows,
 )
@@ -161,6 +164,8 @@ class Laboratory:
     def _loaded_by(self, script: str, job: str) -> set[str]:
         """Modules that a script loads at its start, and those that its job finds by name."""
         loaded = self.loaded[script]
+        if script == TABLES_OF_A_CASE:
+            loaded = loaded | self.loaded[f"{MAKERS}.{job}"]
         by_name = {
             name
             for registry, names in FOUND_BY_NAME.items()
@@ -292,6 +297,8 @@ def _jobs_of(script: str) -> list[str]:
     """Jobs of a script; those for figures are none of the tables'."""
     if script.startswith("figures/"):
         return []
+    if script == TABLES_OF_A_CASE:
+        return list(TABLES_OF_CASES)
     rule = Path(script).stem
     return [job for job in ALL if JOINING.get(job, job.partition("/")[0]) == rule]
 

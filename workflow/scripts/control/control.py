@@ -1,7 +1,7 @@
 """Control the flow of a case: by a forecaster, several, or none, or by alarms at random."""
 
 from burstcast.control.controllers.registry import controlling_monitor
-from burstcast_workflow.campaign.identifiers import parsed
+from burstcast.forecasters._names import parsed
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json

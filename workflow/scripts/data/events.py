@@ -3,15 +3,9 @@
 import numpy as np
 
 from burstcast import durations
-from burstcast.data.starting_points import (
-    SeriesPoints,
-    crossing_points,
-    horizon_events,
-    segments,
-    steps_before_events,
-)
-from burstcast.files.netcdf import Variable, read_netcdf, read_rows
-from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE
+from burstcast.data.starting_points import crossing_points, horizon_events, steps_before_events
+from burstcast.files.netcdf import read_netcdf, read_rows
+from burstcast.forecast.forecast_files import event_variables
 from burstcast.statistics.warning_signs import few_events
 from burstcast_workflow.harness.job import Provenance, job, tell
 from burstcast_workflow.harness.settings import HORIZON, Settings, concerning
@@ -54,33 +48,8 @@ def events_of_case(
     last = int(points.series.max()) + 1 if len(points) else first
     states = read_rows(ensemble, "state", first, last)
     observed = observed_rows(settings, ensemble, first, states)
-    in_part = SeriesPoints(points.series - first, points.step)
-    write_netcdf(
-        events,
-        {
-            "series": Variable(("event",), points.series, NUMBER, "row among the kept series"),
-            "step": Variable(("event",), points.step, NUMBER, "step at which the event begins"),
-            "observed": Variable(
-                ("event", "step_before", "component"),
-                segments(observed, in_part, before, 0),
-                COMPONENT,
-                "observed states up to the event",
-            ),
-            "true_state": Variable(
-                ("event", "step_before", "component"),
-                segments(states, in_part, before, 0),
-                COMPONENT,
-                "true states up to the event, for forecasters that see them",
-            ),
-            "truth": Variable(
-                ("event", "step_before"),
-                segments(observable, points, before, 0),
-                OBSERVABLE,
-                "true observable up to the event",
-            ),
-        },
-        provenance,
-    )
+    variables = event_variables(points, first, observed, states, observable, before)
+    write_netcdf(events, variables, provenance)
     write_json(
         events_summary,
         {

@@ -10,11 +10,11 @@ from burstcast.files.units import NUMBER, OBSERVABLE
 from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
+from burstcast.statistics.statistics_files import statistics_variables
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.data import density_edges
-from burstcast_workflow.jobs.statistics import write_statistics
 from burstcast_workflow.jobs.systems import system_of
 
 SERIES_AT_A_TIME = 100
@@ -38,14 +38,10 @@ def reference_statistics(
         read_rows(ensemble, "state", start, min(start + SERIES_AT_A_TIME, kept))
         for start in range(0, kept, SERIES_AT_A_TIME)
     )
-    series = reduce_series(
-        blocks,
-        system.observable,
-        density_edges(settings, ensemble),
-    )
+    series = reduce_series(blocks, system.observable, density_edges(settings, ensemble))
     first = slice(0, settings["case.training.series"])
-    write_statistics(data, series.merged(slice(None)), provenance)
-    write_statistics(training, series.merged(first), provenance)
+    write_netcdf(data, statistics_variables(series.merged(slice(None))), provenance)
+    write_netcdf(training, statistics_variables(series.merged(first)), provenance)
     splits = sampling_floor(
         series,
         equally_spaced_profiles(system, settings["statistics.profile_points"]),

@@ -4,11 +4,13 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.files.netcdf import read_netcdf
+from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import (
     forecasting_case,
@@ -16,7 +18,7 @@ from burstcast_workflow.jobs.forecasters import (
     seen,
     seen_rows,
 )
-from burstcast_workflow.jobs.forecasts import windows_of, write_forecasts
+from burstcast_workflow.jobs.forecasts import windows_of
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -52,4 +54,5 @@ def forecast_calibration_set(
             points["series"],
             boundaries,
         )
-    write_forecasts(calibration_forecast, forecasts, system.observable_name, provenance)
+    variables = forecast_variables(forecasts, system.observable_name)
+    write_netcdf(calibration_forecast, variables, provenance)

@@ -3,12 +3,14 @@
 import numpy as np
 
 from burstcast.files.netcdf import read_netcdf
+from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
-from burstcast_workflow.jobs.forecasts import windows_of, write_forecasts
+from burstcast_workflow.jobs.forecasts import windows_of
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -31,4 +33,5 @@ def forecast_evaluation_set(
     points = read_netcdf(evaluation_set, "washout", "true_state")
     given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
     forecasts = window_forecasts(who, system.observable, given, boundaries)
-    write_forecasts(forecast, forecasts, system.observable_name, provenance)
+    variables = forecast_variables(forecasts, system.observable_name)
+    write_netcdf(forecast, variables, provenance)

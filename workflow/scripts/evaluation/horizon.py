@@ -1,8 +1,8 @@
 """Measure how long before each extreme event a forecaster predicts it."""
 
 from burstcast import durations
-from burstcast.files.netcdf import Variable, read_netcdf
-from burstcast.files.units import LYAPUNOV_TIMES, NUMBER
+from burstcast.files.netcdf import read_netcdf
+from burstcast.forecast.forecast_files import horizon_variables
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
@@ -40,17 +40,4 @@ def measure_horizons(
             steps_per_lyapunov_time=steps,
         ),
     )
-    write_netcdf(
-        horizon,
-        {
-            "series": Variable(("event",), data["series"], NUMBER, "row among the kept series"),
-            "step": Variable(("event",), data["step"], NUMBER, "step at which the event begins"),
-            "prediction_horizon_lt": Variable(
-                ("event",),
-                horizons,
-                LYAPUNOV_TIMES,
-                "prediction horizon of the event",
-            ),
-        },
-        provenance,
-    )
+    write_netcdf(horizon, horizon_variables(data["series"], data["step"], horizons), provenance)

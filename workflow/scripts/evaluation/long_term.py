@@ -3,11 +3,12 @@
 from burstcast.files.netcdf import Variable
 from burstcast.files.units import NUMBER
 from burstcast.statistics.long_term import Fate, run_long_term
+from burstcast.statistics.statistics_files import reduction_variables, statistics_variables
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
-from burstcast_workflow.jobs.statistics import described_reductions, write_statistics
 from burstcast_workflow.jobs.systems import system_of
 
 
@@ -28,15 +29,15 @@ def run_freely(
     washouts = long_run_washouts(settings, ensemble, time_unit, who)
     run = run_long_term(who, system_of(settings).observable, washouts, how)
     fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
-    write_statistics(
+    write_netcdf(
         long_term,
-        run.statistics,
-        provenance,
         {
+            **statistics_variables(run.statistics),
             "fate": Variable(("start",), run.fates, NUMBER, f"fate of each closed loop: {fates}"),
             "lifetime": Variable(
                 ("start",), run.lifetimes, NUMBER, "steps until each loop left the chaotic phase"
             ),
-            **described_reductions(run.runs),
+            **reduction_variables(run.runs),
         },
+        provenance,
     )

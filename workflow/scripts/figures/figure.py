@@ -8,7 +8,7 @@ from typing import Any
 from burstcast.figures.parts.style import render
 from burstcast.figures.registry import figure_module
 from burstcast.files.netcdf import read_attributes, read_netcdf
-from burstcast_workflow.campaign.identifiers import parsed
+from burstcast.forecasters._names import parsed
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import atomic, read_json

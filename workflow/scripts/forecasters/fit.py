@@ -1,7 +1,7 @@
 """Fit a forecaster of a kind that needs no search."""
 
+from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import forecaster_class
-from burstcast_workflow.campaign.identifiers import parsed
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import training_states

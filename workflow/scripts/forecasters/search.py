@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 
+from burstcast.forecasters._names import parsed
 from burstcast.tuning import network_search
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.uncertainty import objective_uncertainty
-from burstcast_workflow.campaign.identifiers import parsed
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json

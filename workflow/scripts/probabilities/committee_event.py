@@ -6,7 +6,8 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
+from burstcast.files.netcdf import read_rows, variables_of
+from burstcast.probability.alarm_rule import CALIBRATED, rules_of
 from burstcast.probability.committee_event import member_observables, see_event
 from burstcast.probability.typical_event import typical_event
 from burstcast_workflow.harness.job import Provenance, job
@@ -14,7 +15,7 @@ from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.gather import origins
-from burstcast_workflow.jobs.probabilities import CALIBRATED, forecast_points, read_rules
+from burstcast_workflow.jobs.probabilities import forecast_points
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -70,7 +71,7 @@ def event_of_committees(
     if point is not None:
         reach_lt = settings["classification.longest_prediction_time_lt"]
         reach = durations.steps(reach_lt + settings["classification.window_lt"], steps)
-        washout = read_netcdf(evaluation_set, "washout")["washout"][point]
+        washout = points.data["washout"][point]
         observed = system_of(settings).observable(washout.T)
         row = settings["case.training.series"] + int(points.data["series"][point])
         now = int(points.data["step"][point])
@@ -82,7 +83,7 @@ def event_of_committees(
         chosen = read_json(calibration)
         for number, committee in enumerate(committees):
             for column, time in enumerate(times):
-                rule = read_rules(chosen, committee, time)[CALIBRATED]
+                rule = rules_of(chosen, committee.identifier, time)[CALIBRATED]
                 votes = points.values(committee, time, threshold)[point : point + 1]
                 probability = rule.calibration(votes)
                 chances[:, number, column] = votes[0], probability[0], rule.threshold

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast.data.training_realisations import variance_components
-from burstcast_workflow.campaign.identifiers import realisation_of
+from burstcast.data.training_realisations import realisation_of, variance_components
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.tables import read_table

@@ -18,8 +18,6 @@ _PATTERN = re.compile(
     r"(-(?P<role>committee|random))?"
 )
 
-_REALISATION = re.compile(r"(.+)-training([1-9]\d*)")
-
 
 @dataclass(frozen=True)
 class ForecasterName:
@@ -100,12 +98,3 @@ def parsed(identifier: str) -> ForecasterName:
         None if match[name] is None else int(match[name]) for name in ("neurons", "seed")
     )
     return ForecasterName(match["kind"], neurons, match["validation"], seed, match["role"])
-
-
-def realisation_of(name: str) -> tuple[str, int]:
-    """Case that a case differs from by its training series only, and which choice of them it has.
-
-    ``Re400-training2`` is the second other choice of ``Re400``; choice 0 is a case's own.
-    """
-    match = _REALISATION.fullmatch(name)
-    return (match[1], int(match[2])) if match else (name, 0)

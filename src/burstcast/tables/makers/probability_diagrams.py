@@ -1,45 +1,59 @@
 """What diagrams of probabilities show: reliability, economic value, curves over all thresholds."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast.probability.alarms import counts_at_all_levels, false_alarm_rate
 from burstcast.probability.economic_value import economic_value
 from burstcast.probability.reliability import reliability_diagram
 from burstcast.statistics.resampled_score import ResampledScore
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.probabilities import case_probabilities
-from burstcast_workflow.jobs.tables import with_interval, write_tables
+from burstcast.tables.cells import with_interval
+from burstcast.tables.makers._probabilities import (
+    GATHERED,
+    INPUTS,
+    SETTINGS,
+    CaseProbabilities,
+)
+from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+
+TABLES = Declaration(
+    inputs=INPUTS,
+    gathered=GATHERED,
+    settings={
+        **SETTINGS,
+        "bins": "probability.bins",
+        "cost_loss_ratios": "probability.cost_loss_ratios",
+    },
+)
 
 
-@job
-def draw_up_diagrams(
+def make(
     *,
-    forecasts: list[str],
-    evaluation_set: str,
-    calibration: str,
-    tables: list[str],
-    settings: Settings,
-) -> None:
-    """Write three tables, of committees and of all others but single networks."""
-    confidence = settings["bootstrap.confidence"]
-    bins: list[dict[str, Any]] = []
-    ratios: list[dict[str, Any]] = []
-    points: list[dict[str, Any]] = []
-    case = case_probabilities(settings, forecasts, evaluation_set, calibration)
-    for time in settings["classification.prediction_times_lt"]:
+    forecasts: Sequence[Gathered],
+    evaluation_set: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    bins: int,
+    cost_loss_ratios: Sequence[float],
+    **scored: Any,
+) -> dict[str, Rows]:
+    """Three tables, of committees and of all others but single networks."""
+    in_bins: Rows = []
+    ratios: Rows = []
+    points: Rows = []
+    case = CaseProbabilities.of(forecasts, evaluation_set, calibration, **scored)
+    for time in case.times:
         weights = case.weights(time)
         for alarm in case.compared:
             for probability, (outcomes, _) in case.probabilities(alarm, time).items():
                 keys = {**case.keys(alarm), "probability": probability, "prediction_time_lt": time}
                 diagram = reliability_diagram(
                     outcomes,
-                    settings["probability.bins"],
+                    bins,
                     weights,
-                    confidence,
+                    case.confidence,
                     case.stream("reliability", time, alarm.identifier, probability),
                 )
-                bins += [
+                in_bins += [
                     {
                         **keys,
                         "bin": number,
@@ -49,14 +63,14 @@ def draw_up_diagrams(
                         "consistency_low": diagram.low[number],
                         "consistency_high": diagram.high[number],
                     }
-                    for number in range(settings["probability.bins"])
+                    for number in range(bins)
                 ]
                 whole, resampled = outcomes.total(), outcomes.resampled(weights)
-                for ratio in settings["probability.cost_loss_ratios"]:
+                for ratio in cost_loss_ratios:
                     saved = ResampledScore(
                         economic_value(whole, ratio), economic_value(resampled, ratio)
                     )
-                    cells = with_interval(saved, confidence)
+                    cells = with_interval(saved, case.confidence)
                     ratios.append({**keys, "cost_loss_ratio": ratio, **cells})
                 counts = counts_at_all_levels(whole)
                 points += [
@@ -75,4 +89,4 @@ def draw_up_diagrams(
                         strict=True,
                     )
                 ]
-    write_tables(tables, settings, reliability=bins, economic_value=ratios, alarm_curves=points)
+    return {"reliability": in_bins, "economic_value": ratios, "alarm_curves": points}

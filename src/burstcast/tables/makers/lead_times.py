@@ -1,5 +1,6 @@
 """How long before each event of the test series alarms came, and how many were false."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,64 +9,76 @@ from burstcast import durations
 from burstcast.data.starting_points import SeriesPoints, crossing_points
 from burstcast.files.netcdf import read_rows
 from burstcast.forecast.classification import count_by_series
+from burstcast.probability.alarm_rule import CALIBRATED
 from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.lead_times import SeriesRatio, lead_time_scores, lead_times
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.probabilities import CALIBRATED, case_probabilities, read_rules
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast.tables.makers._probabilities import (
+    GATHERED,
+    INPUTS,
+    SETTINGS,
+    CaseProbabilities,
+)
+from burstcast.tables.makers.registry import PATH, Declaration, Gathered, Rows
+
+TABLES = Declaration(
+    inputs={"ensemble": PATH, **INPUTS},
+    gathered=GATHERED,
+    settings={
+        **SETTINGS,
+        "training_series": "case.training.series",
+        "start_spacing_lt": "classification.start_spacing_lt",
+    },
+)
 
 
-@job
-def measure_lead_times(
+def make(
     *,
     ensemble: str,
-    forecasts: list[str],
-    evaluation_set: str,
-    calibration: str,
-    tables: list[str],
-    settings: Settings,
-) -> None:
-    """Write how early events were warned of, and false alarms, with their intervals."""
-    times = settings["classification.prediction_times_lt"]
-    window_lt = settings["classification.window_lt"]
-    rows: list[dict[str, Any]] = []
-    case = case_probabilities(settings, forecasts, evaluation_set, calibration)
-    points, series, threshold = case.points, case.points.series, settings["case.event_threshold"]
-    steps = case.chosen["steps_per_lyapunov_time"]
-    first = settings["case.training.series"]
-    truth = read_rows(ensemble, "observable", first, first + series)
+    forecasts: Sequence[Gathered],
+    evaluation_set: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    training_series: int,
+    start_spacing_lt: float,
+    window_lt: float,
+    **scored: Any,
+) -> dict[str, Rows]:
+    """How early events were warned of, and false alarms, with their intervals."""
+    case = CaseProbabilities.of(forecasts, evaluation_set, calibration, window_lt, **scored)
+    points, series, threshold = case.points, case.points.series, case.event_threshold
+    times, steps = case.times, case.chosen["steps_per_lyapunov_time"]
+    truth = read_rows(ensemble, "observable", training_series, training_series + series)
     events = crossing_points(truth, threshold)
     # where there was nothing to calibrate with, no alarm is known, and nothing is scored
-    scored = points.scored(threshold) & case.is_calibrated
+    in_scored = points.scored(threshold) & case.is_calibrated
     rows_of_points = points.data["series"]
     windows = [
         (durations.steps(time, steps), durations.steps(time + window_lt, steps)) for time in times
     ]
     weights = case.weights(0.0)  # the same for all prediction times, too
     # how long each series was watched, in Lyapunov times
-    starts = np.bincount(rows_of_points[scored], minlength=series).astype(np.float64)
-    watched = starts * np.float64(settings["classification.start_spacing_lt"])
+    starts = np.bincount(rows_of_points[in_scored], minlength=series).astype(np.float64)
+    watched = starts * np.float64(start_spacing_lt)
+    rows: Rows = []
     for alarm in case.alarms:
         raised, false_alarms = [], []
         for time in times:
-            rule = read_rules(case.chosen, alarm, time)[CALIBRATED]
+            rule = case.rules(alarm, time)[CALIBRATED]
             values = points.values(alarm, time, threshold)
             raised.append(rule.calibration(values) >= rule.threshold)
             happened = points.happened(time, threshold)
-            counts = count_by_series(raised[-1], happened, scored, rows_of_points)
+            counts = count_by_series(raised[-1], happened, in_scored, rows_of_points)
             false = counts.false_positive.astype(np.float64)
             false_alarms.append(SeriesRatio("false_alarms_per_lt", time, false, watched))
         found = lead_times(
             np.stack(raised, axis=1),
             windows,
             SeriesPoints(rows_of_points, points.data["step"]),
-            scored,
+            in_scored,
             events,
         )
         for score in [*lead_time_scores(found, series, times, steps), *false_alarms]:
             value, low, high = ratio_with_interval(
-                score.numerator, score.denominator, weights, settings["bootstrap.confidence"]
+                score.numerator, score.denominator, weights, case.confidence
             )
             rows.append(
                 {
@@ -77,4 +90,4 @@ def measure_lead_times(
                     "high": high,
                 }
             )
-    write_tables(tables, settings, lead_times=rows)
+    return {"lead_times": rows}

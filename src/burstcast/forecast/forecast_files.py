@@ -1,0 +1,151 @@
+"""Forecasts as files: starting points, windows, events, prediction horizons."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.data.starting_points import SeriesPoints, segments
+from burstcast.files.netcdf import Variable
+from burstcast.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
+from burstcast.forecast.observed_points import ObservedPoints
+from burstcast.forecast.windows import WindowForecasts
+
+
+def point_variables(
+    found: ObservedPoints, true_states: FloatArray, name: str
+) -> dict[str, Variable]:
+    """Variables of a set of starting points.
+
+    Parameters
+    ----------
+    found
+        The points, what is observed up to them, and what truly follows.
+    true_states
+        Of the series that they lie in, ``(series, time, component)``.
+    name
+        What the observable is.
+    """
+    points, truth = found.points, found.truth
+    each, in_windows = ("point",), ("point", "window")
+    return {
+        "series": Variable(each, points.series, NUMBER, "row among the series of this set"),
+        "step": Variable(each, points.step, NUMBER, "step of the starting point"),
+        "washout": Variable(
+            ("point", "washout_step", "component"),
+            found.washouts,
+            COMPONENT,
+            "observed states up to the starting point",
+        ),
+        "true_state": Variable(
+            ("point", "component"),
+            segments(true_states, points, 0, 0)[:, 0],
+            COMPONENT,
+            "true states at the starting points, for forecasters that see them",
+        ),
+        "observable_now": Variable(
+            each, found.seen[:, -1], OBSERVABLE, f"observed {name} at the starting point"
+        ),
+        "washout_maximum": Variable(
+            each, found.seen.max(axis=1), OBSERVABLE, f"largest observed {name} of the washout"
+        ),
+        "first": Variable(
+            in_windows, truth.first, OBSERVABLE, f"true {name} at the first step of each window"
+        ),
+        "largest": Variable(
+            in_windows, truth.largest, OBSERVABLE, f"largest true {name} in each window"
+        ),
+    }
+
+
+def forecast_variables(forecasts: WindowForecasts, name: str) -> dict[str, Variable]:
+    """Variables of forecasts of the observable called ``name``, and of an ensemble's members."""
+    points, members = ("point", "window"), ("point", "member", "window")
+    first = f"forecast {name} at the first step of each window"
+    largest = f"largest forecast {name} in each window"
+    lost = "whether the forecast has diverged"
+    variables = {
+        "first": Variable(points, forecasts.first, OBSERVABLE, first),
+        "largest": Variable(points, forecasts.largest, OBSERVABLE, largest),
+        "diverged": Variable(("point",), forecasts.diverged, NUMBER, lost),
+    }
+    if forecasts.member_first.size:
+        for name, meaning in (("member_first", first), ("member_largest", largest)):
+            values = getattr(forecasts, name)
+            variables[name] = Variable(members, values, OBSERVABLE, f"{meaning}, by each member")
+    return variables
+
+
+def forecasts_from(arrays: Mapping[str, Any]) -> WindowForecasts:
+    """Forecasts from the variables of their file; without an ensemble, of no members."""
+    none = np.empty((len(arrays["first"]), 0, arrays["first"].shape[1]))
+    return WindowForecasts(
+        **{field.name: arrays.get(field.name, none) for field in fields(WindowForecasts)}
+    )
+
+
+def event_variables(
+    points: SeriesPoints,
+    first: int,
+    observed: FloatArray,
+    states: FloatArray,
+    observable: FloatArray,
+    before: int,
+) -> dict[str, Variable]:
+    """Variables of events: which they are, with what was observed and what was true before them.
+
+    Parameters
+    ----------
+    points
+        Where they begin, in all kept series.
+    first
+        First of the series that follow.
+    observed, states
+        What is observed of series and what is true, ``(series, time, component)``; the events lie
+        in them.
+    observable
+        True observable of all kept series, ``(series, time)``.
+    before
+        Steps up to an event.
+    """
+    in_part = SeriesPoints(points.series - first, points.step)
+    step_by_step = ("event", "step_before", "component")
+    return {
+        **_which(points.series, points.step),
+        "observed": Variable(
+            step_by_step,
+            segments(observed, in_part, before, 0),
+            COMPONENT,
+            "observed states up to the event",
+        ),
+        "true_state": Variable(
+            step_by_step,
+            segments(states, in_part, before, 0),
+            COMPONENT,
+            "true states up to the event, for forecasters that see them",
+        ),
+        "truth": Variable(
+            ("event", "step_before"),
+            segments(observable, points, before, 0),
+            OBSERVABLE,
+            "true observable up to the event",
+        ),
+    }
+
+
+def horizon_variables(
+    series: IntArray, step: IntArray, horizons: FloatArray
+) -> dict[str, Variable]:
+    """Variables of prediction horizons in Lyapunov times, by the series and step of the event."""
+    meaning = "prediction horizon of the event"
+    horizon = Variable(("event",), horizons, LYAPUNOV_TIMES, meaning)
+    return {**_which(series, step), "prediction_horizon_lt": horizon}
+
+
+def _which(series: IntArray, step: IntArray) -> dict[str, Variable]:
+    return {
+        "series": Variable(("event",), series, NUMBER, "row among the kept series"),
+        "step": Variable(("event",), step, NUMBER, "step at which the event begins"),
+    }

@@ -1,0 +1,70 @@
+"""Who raises alarms in a case: forecasters, committees, and baselines that forecast nothing.
+
+A committee consists of the members of ensembles: of all networks of a size and strategy, each of
+which is one member, or of one forecaster that provides an ensemble (a filter, analogues).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from burstcast.forecast.windows import WindowForecasts
+from burstcast.forecasters._names import ForecasterName, parsed
+
+BASELINES = ("climatology", "observable_now")
+"""Alarms without a forecast: by the base rate alone, and by the observable at this moment."""
+
+
+@dataclass(frozen=True)
+class AlarmSource:
+    """Source of alarms in a case.
+
+    Attributes
+    ----------
+    name
+        Its name: that of its forecaster, ``esn-N1000-RV-committee``,
+        ``quadratic_filtered-committee``, or one of `BASELINES`.
+    forecasters
+        Identifiers of the forecasters that vote; none for baselines.
+    """
+
+    name: ForecasterName
+    forecasters: tuple[str, ...] = ()
+
+    @property
+    def identifier(self) -> str:
+        """Its name in tables and files."""
+        return self.name.identifier
+
+    @property
+    def committee(self) -> bool:
+        """Whether all members of the forecasters' ensembles vote, not their single forecasts."""
+        return self.name.role == "committee"
+
+    @property
+    def compared(self) -> bool:
+        """Whether it is compared with others: all but the single networks of an ensemble."""
+        return self.name.seed is None
+
+
+def alarm_sources(forecasts: Mapping[str, WindowForecasts]) -> list[AlarmSource]:
+    """All sources of alarms in a case: baselines, forecasters, then committees.
+
+    Parameters
+    ----------
+    forecasts
+        Forecasts by the identifier of the forecaster.
+    """
+    groups: dict[ForecasterName, list[str]] = {}
+    for name in forecasts:
+        groups.setdefault(replace(parsed(name), seed=None), []).append(name)
+    committees = [
+        AlarmSource(replace(common, role="committee"), tuple(voters))
+        for common, voters in groups.items()
+        if len(voters) > 1 or forecasts[voters[0]].member_first.size
+    ]
+    return [
+        *(AlarmSource(ForecasterName(name)) for name in BASELINES),
+        *(AlarmSource(parsed(name), (name,)) for name in forecasts),
+        # committees of several networks come first
+        *sorted(committees, key=lambda source: len(source.forecasters) == 1),
+    ]

@@ -1,0 +1,82 @@
+"""Starting points of a case: who raises alarms there, by what, and what truly follows."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.forecast.windows import WindowForecasts, WindowSummaries, crosses
+from burstcast.probability.alarm_sources import AlarmSource, alarm_sources
+from burstcast.probability.outcomes import Outcomes, outcomes_by_series
+from burstcast.probability.votes import share_of_votes
+
+
+@dataclass(frozen=True)
+class ForecastPoints:
+    """Starting points of a case, what followed, and what was forecast.
+
+    Attributes
+    ----------
+    data
+        Variables of the points (`burstcast.forecast.forecast_files.point_variables`).
+    forecasts
+        Forecasts from the points, by the identifier of the forecaster.
+    window_lt, resolution_lt
+        Length of a prediction window, and of the windows that make it up, in Lyapunov times.
+    """
+
+    data: Mapping[str, Any]
+    forecasts: Mapping[str, WindowForecasts]
+    window_lt: float
+    resolution_lt: float
+
+    @cached_property
+    def alarms(self) -> list[AlarmSource]:
+        """All sources of alarms (`alarm_sources`)."""
+        return alarm_sources(self.forecasts)
+
+    @property
+    def series(self) -> int:
+        """Number of series."""
+        return int(self.data["series"].max()) + 1
+
+    def scored(self, event_threshold: float) -> BoolArray:
+        """Points at which no event is under way."""
+        return np.asarray(self.data["washout_maximum"] < event_threshold)
+
+    def values(
+        self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float
+    ) -> FloatArray:
+        """What an alarm is raised by: a share of votes, or a baseline's score; ``(points,)``."""
+        forecasts = [self.forecasts[name] for name in alarm.forecasters]
+        if forecasts:
+            members = [member for one in forecasts for member in one.members]
+            voters = members if alarm.committee else forecasts
+            return share_of_votes(voters, *self._windows(prediction_time_lt), event_threshold)
+        now: FloatArray = self.data["observable_now"]
+        return now if alarm.identifier == "observable_now" else np.zeros(len(now))
+
+    def happened(self, prediction_time_lt: float, event_threshold: float) -> BoolArray:
+        """Points that an event follows, ``(points,)``."""
+        truth = WindowSummaries(self.data["first"], self.data["largest"])
+        return crosses(truth, *self._windows(prediction_time_lt), event_threshold)
+
+    def outcomes(
+        self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float
+    ) -> Outcomes:
+        """Outcomes by the values that alarms are raised by, ``(series, levels)``."""
+        return outcomes_by_series(
+            self.values(alarm, prediction_time_lt, event_threshold),
+            self.happened(prediction_time_lt, event_threshold),
+            self.scored(event_threshold),
+            self.data["series"],
+            self.series,
+        )
+
+    def _windows(self, prediction_time_lt: float) -> tuple[int, int]:
+        """First of the windows of a prediction window, and how many it has."""
+        first = round(prediction_time_lt / self.resolution_lt) - 1
+        return first, round(self.window_lt / self.resolution_lt)

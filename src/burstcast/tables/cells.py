@@ -1,0 +1,53 @@
+"""Cells of tables: values with the ends of their intervals, medians over networks."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from burstcast.arrays import FloatArray
+from burstcast.forecasters._names import ForecasterName
+from burstcast.statistics.resampled_score import ResampledScore, median_scores
+from burstcast.statistics.resampling import percentile_interval
+
+Scores = Mapping[str, ResampledScore]
+
+
+def between(samples: FloatArray, confidence: float) -> dict[str, float]:
+    """Both ends of the interval that resamples of a score tell."""
+    low, high = percentile_interval(samples, confidence)
+    return {"low": low, "high": high}
+
+
+def with_interval(score: ResampledScore, confidence: float) -> dict[str, float]:
+    """A score, and `between`."""
+    return {"value": float(score.value), **between(score.samples, confidence)}
+
+
+def with_ends(name: str, value: Any, low: Any, high: Any) -> dict[str, Any]:
+    """A value in the column of its name, and the ends of its interval in columns beside it."""
+    return {name: value, f"{name}_low": low, f"{name}_high": high}
+
+
+def medians_over_seeds(found: Iterable[tuple[ForecasterName, Scores]]) -> dict[str, Scores]:
+    """Scores by who they are of, where networks that differ by their seeds are one.
+
+    Parameters
+    ----------
+    found
+        Forecasters or controllers, and their scores by name.
+
+    Returns
+    -------
+    By identifier, in the order in which they come; "median of" networks by what these share.
+    """
+    alike: dict[ForecasterName, list[tuple[str, Scores]]] = {}
+    for name, scores in found:
+        common = replace(name, kind=name.keys["forecaster"], seed=None, role=None)
+        identifier = replace(common, seed=name.seed).identifier
+        alike.setdefault(common, []).append((identifier, scores))
+    return dict(
+        members[0]
+        if len(members) == 1
+        else (f"median of {common.identifier}", median_scores([scores for _, scores in members]))
+        for common, members in alike.items()
+    )

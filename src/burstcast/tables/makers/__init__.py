@@ -1,0 +1,1 @@
+"""Tables of a case: what they are made of, and how (`burstcast.tables.makers.registry`)."""

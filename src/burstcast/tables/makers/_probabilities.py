@@ -1,0 +1,124 @@
+"""What tables of probabilities are made from: forecasts with what was chosen without them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.arrays import IntArray
+from burstcast.forecast.forecast_files import forecasts_from
+from burstcast.probability.alarm_rule import CALIBRATED, AlarmRule, rules_of
+from burstcast.probability.alarm_sources import AlarmSource
+from burstcast.probability.forecast_points import ForecastPoints
+from burstcast.probability.outcomes import Outcomes
+from burstcast.statistics.resampling import bootstrap_weights
+from burstcast.tables.makers.registry import Gathered
+
+INPUTS = {
+    "evaluation_set": "series step observable_now washout_maximum first largest",
+    "calibration": "",
+}
+GATHERED = {"forecasts": ""}
+"""Inputs of all these tables."""
+
+SETTINGS = {
+    "case": "case",
+    "root_seed": "random_seed",
+    "event_threshold": "case.event_threshold",
+    "times": "classification.prediction_times_lt",
+    "window_lt": "classification.window_lt",
+    "resolution_lt": "classification.resolution_lt",
+    "resamples": "bootstrap.resamples",
+    "confidence": "bootstrap.confidence",
+}
+"""Settings of all these tables."""
+
+
+@dataclass(frozen=True)
+class CaseProbabilities:
+    """Forecasts of a case's test series, with what was chosen on the calibration series.
+
+    Attributes
+    ----------
+    points
+        Of the evaluation set.
+    chosen
+        Content of ``calibration.json``.
+    case, root_seed, event_threshold, times, resamples, confidence
+        See `SETTINGS`.
+    """
+
+    points: ForecastPoints
+    chosen: Mapping[str, Any]
+    case: str
+    root_seed: int
+    event_threshold: float
+    times: Sequence[float]
+    resamples: int
+    confidence: float
+
+    @classmethod
+    def of(
+        cls,
+        forecasts: Sequence[Gathered],
+        evaluation_set: Mapping[str, Any],
+        calibration: Mapping[str, Any],
+        window_lt: float,
+        resolution_lt: float,
+        **scored: Any,
+    ) -> "CaseProbabilities":
+        """From `GATHERED`, `INPUTS` and `SETTINGS`."""
+        found = {one.name.identifier: forecasts_from(one.content) for one in forecasts}
+        points = ForecastPoints(evaluation_set, found, window_lt, resolution_lt)
+        return cls(points, calibration, **scored)
+
+    @property
+    def alarms(self) -> list[AlarmSource]:
+        """All sources of alarms."""
+        return self.points.alarms
+
+    @property
+    def compared(self) -> list[AlarmSource]:
+        """Committees, and all other sources of alarms but single networks."""
+        return [alarm for alarm in self.alarms if alarm.compared]
+
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether there were forecasts to calibrate with: the same for all sources of alarms."""
+        rules = self.rules(self.alarms[0], self.times[0])
+        return bool(rules[CALIBRATED].calibration.values.size)
+
+    def keys(self, alarm: AlarmSource) -> dict[str, Any]:
+        """Key columns of a source of alarms in tables."""
+        return {**alarm.name.keys, "alarm": alarm.identifier}
+
+    def rules(
+        self, alarm: AlarmSource, prediction_time_lt: float, factor: float = 1.0
+    ) -> dict[str, AlarmRule]:
+        """Rules of an alarm (`burstcast.probability.alarm_rule.rules_of`)."""
+        return rules_of(self.chosen, alarm.identifier, prediction_time_lt, factor)
+
+    def probabilities(
+        self, alarm: AlarmSource, prediction_time_lt: float, factor: float = 1.0
+    ) -> dict[str, tuple[Outcomes, float]]:
+        """Outcomes by probability and series, and the probability from which on alarms are raised.
+
+        By what they are called in tables (`rules`).
+        """
+        raw = self.points.outcomes(alarm, prediction_time_lt, factor * self.event_threshold)
+        return {
+            name: (raw.at(rule.calibration(raw.levels)), rule.threshold)
+            for name, rule in self.rules(alarm, prediction_time_lt, factor).items()
+        }
+
+    def weights(self, prediction_time_lt: float) -> IntArray:
+        """Weights of the series in each resample: the same for all who are compared."""
+        generator = self.stream("bootstrap", prediction_time_lt)
+        return bootstrap_weights(self.points.series, self.resamples, generator)
+
+    def stream(self, purpose: str, prediction_time_lt: float, *names: str) -> np.random.Generator:
+        """Source of random numbers for one prediction time."""
+        time = str(float(prediction_time_lt))
+        return random_streams.stream(self.root_seed, purpose, self.case, time, *names)

@@ -1,0 +1,48 @@
+"""Gather the summaries of a case into its row of the table of the dataset."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from burstcast import durations
+from burstcast.tables.cells import with_ends
+from burstcast.tables.makers.registry import Declaration, Rows
+
+TABLES = Declaration(
+    inputs={"summary": "", "events_summary": "", "exponents": ""},
+    settings={
+        "time_step": "case.ensemble.time_step",
+        "sampling_stride": "case.ensemble.sampling_stride",
+        "time_unit": "case.lyapunov.time_unit",
+        "published_exponent": "case.lyapunov.published_exponent",
+    },
+)
+
+ENDS = ("mean", "low", "high")
+OF_SERIES = ("series_generated", "series_kept", "laminarised_fraction", "mean_observable")
+
+
+def make(
+    *,
+    summary: Mapping[str, Any],
+    events_summary: Mapping[str, Any],
+    exponents: Mapping[str, Any],
+    time_step: float,
+    sampling_stride: int,
+    time_unit: str,
+    published_exponent: float | None,
+) -> dict[str, Rows]:
+    """One row."""
+    leading, growth = exponents["leading"], exponents.get("leading_by_growth", {})
+    known = durations.known_exponent(time_unit, published_exponent)
+    steps = durations.steps_per_lyapunov_time(
+        leading["mean"] if known is None else known, float(time_step * sampling_stride)
+    )
+    row = {
+        **{name: summary[name] for name in OF_SERIES},
+        "events_per_series": events_summary["events_per_series"],
+        **with_ends("lyapunov_exponent", *map(leading.get, ENDS)),
+        **with_ends("lyapunov_exponent_by_growth", *map(growth.get, ENDS)),
+        "lyapunov_exponent_paper": published_exponent,
+        "steps_per_lyapunov_time": steps,
+    }
+    return {"dataset": [row]}

@@ -1,0 +1,68 @@
+"""Average the prediction horizons of each forecaster over the events."""
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+from burstcast import random_streams
+from burstcast.forecast.horizon_intervals import resampled_averages
+from burstcast.forecasters._names import ForecasterName
+from burstcast.statistics.resampled_score import ResampledScore
+from burstcast.statistics.resampling import bootstrap_weights
+from burstcast.tables.cells import Scores, between, medians_over_seeds, with_interval
+from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+
+TABLES = Declaration(
+    gathered={"horizons": "prediction_horizon_lt"},
+    settings={
+        "case": "case",
+        "root_seed": "random_seed",
+        "resamples": "bootstrap.resamples",
+        "confidence": "bootstrap.confidence",
+    },
+)
+
+METRICS = ("mean_horizon_lt", "median_horizon_lt")
+
+
+def make(
+    *, horizons: Sequence[Gathered], case: str, root_seed: int, resamples: int, confidence: float
+) -> dict[str, Rows]:
+    """One row for each forecaster, the intervals of the averages, and paired differences.
+
+    The averages are undefined where there is no event. All forecasters of a case have the same
+    events, and the same bootstrap samples of them.
+    """
+    events = len(horizons[0].content["prediction_horizon_lt"])
+    weights = np.empty((resamples, 0), dtype=np.int64)
+    if events:
+        generator = random_streams.stream(root_seed, "bootstrap", case, "events")
+        weights = bootstrap_weights(events, resamples, generator)
+    rows: Rows = []
+    ends: Rows = []
+    resampled: list[tuple[ForecasterName, Scores]] = []
+    for one in horizons:
+        values = one.content["prediction_horizon_lt"]
+        series = pd.Series(values)
+        averages = dict(zip(METRICS, (series.mean(), series.median()), strict=True))
+        rows.append({**one.name.keys, "events": events, **averages})
+        scores = {
+            metric: ResampledScore(averages[metric], samples)
+            for metric, samples in zip(METRICS, resampled_averages(values, weights), strict=True)
+        }
+        ends += [
+            {**one.name.keys, "metric": metric, **between(score.samples, confidence)}
+            for metric, score in scores.items()
+        ]
+        resampled.append((one.name, scores))
+    pairs = [
+        {
+            **{"compared": one, "other": other, "metric": metric},
+            **with_interval(scores[metric] - others[metric], confidence),
+        }
+        for (one, scores), (other, others) in combinations(medians_over_seeds(resampled).items(), 2)
+        for metric in METRICS
+    ]
+    return {"horizon": rows, "horizon_intervals": ends, "horizon_differences": pairs}

@@ -1,0 +1,50 @@
+"""Average the Lyapunov exponents of the data and of the forecasters' own flows."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from burstcast import random_streams
+from burstcast.forecasters._names import ForecasterName
+from burstcast.statistics.lyapunov_spectrum import summarise
+from burstcast.tables.cells import with_ends
+from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+
+TABLES = Declaration(
+    inputs={"spectrum": "exponents"},
+    gathered={"forecasters": "exponents"},
+    settings={
+        "case": "case",
+        "root_seed": "random_seed",
+        "resamples": "bootstrap.resamples",
+        "confidence": "bootstrap.confidence",
+    },
+)
+
+
+def make(
+    *,
+    spectrum: Mapping[str, Any] | None,
+    forecasters: Sequence[Gathered],
+    case: str,
+    root_seed: int,
+    resamples: int,
+    confidence: float,
+) -> dict[str, Rows]:
+    """A row for each exponent, and one with the dimension for each forecaster."""
+    rows: Rows = []
+    of_dimensions: Rows = []
+    # measured series have none
+    of_data = [] if spectrum is None else [(ForecasterName("data"), spectrum)]
+    for name, content in [*of_data, *((one.name, one.content) for one in forecasters)]:
+        exponents = content["exponents"]
+        generator = random_streams.stream(root_seed, "bootstrap", "lyapunov spectrum", case)
+        found = summarise(exponents, confidence, resamples, generator)
+        rows += [
+            {**name.keys, "number": number, **with_ends("lyapunov_exponent", *ends)}
+            for number, ends in enumerate(zip(found.mean, found.low, found.high, strict=True), 1)
+        ]
+        dimension = found.dimension, found.dimension_low, found.dimension_high
+        of_dimensions.append(
+            {**name.keys, "runs": len(exponents), **with_ends("kaplan_yorke_dimension", *dimension)}
+        )
+    return {"lyapunov_spectrum": rows, "kaplan_yorke": of_dimensions}

@@ -1,0 +1,79 @@
+"""Score the probabilities of all who raise alarms, and compare them with one another."""
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import Any
+
+from burstcast.probability.alarm_rule import CALIBRATED
+from burstcast.probability.scores import resampled_scores
+from burstcast.statistics.resampled_score import median_scores
+from burstcast.tables.cells import Scores, with_interval
+from burstcast.tables.makers._probabilities import (
+    GATHERED,
+    INPUTS,
+    SETTINGS,
+    CaseProbabilities,
+)
+from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+
+TABLES = Declaration(
+    inputs=INPUTS, gathered=GATHERED, settings={**SETTINGS, "bins": "probability.bins"}
+)
+
+COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
+
+
+def make(
+    *,
+    forecasts: Sequence[Gathered],
+    evaluation_set: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    bins: int,
+    **scored: Any,
+) -> dict[str, Rows]:
+    """The scores with their intervals, and paired differences between forecasters."""
+    case = CaseProbabilities.of(forecasts, evaluation_set, calibration, **scored)
+    rows: Rows = []
+    pairs: Rows = []
+    for time in case.times:
+        weights = case.weights(time)
+        calibrated: dict[str, Scores] = {}
+        for alarm in case.alarms:
+            found = case.probabilities(alarm, time)
+            for probability, (outcomes, threshold) in found.items():
+                found_scores = resampled_scores(outcomes, weights, threshold, bins)
+                if probability == CALIBRATED:
+                    calibrated[alarm.identifier] = found_scores
+                keys = {**case.keys(alarm), "probability": probability, "prediction_time_lt": time}
+                rows.append({**keys, "metric": "alarm_threshold", "value": threshold})
+                rows += [
+                    {**keys, "metric": metric, **with_interval(score, case.confidence)}
+                    for metric, score in found_scores.items()
+                ]
+        for (one, scores), (other, others) in combinations(_compared(case, calibrated), 2):
+            pairs += [
+                {
+                    "alarm": one,
+                    "other": other,
+                    "prediction_time_lt": time,
+                    "metric": metric,
+                    **with_interval(scores[metric] - others[metric], case.confidence),
+                }
+                for metric in COMPARED_METRICS
+            ]
+    return {"probability_scores": rows, "probability_differences": pairs}
+
+
+def _compared(case: CaseProbabilities, scores: Mapping[str, Scores]) -> list[tuple[str, Scores]]:
+    """Committees before the medians over their members, then all others but single networks."""
+    committees = [alarm for alarm in case.alarms if len(alarm.forecasters) > 1]
+    medians = [
+        (f"median of {one.identifier}", median_scores([scores[name] for name in one.forecasters]))
+        for one in committees
+    ]
+    others = [alarm for alarm in case.compared if alarm not in committees]
+    return [
+        *((one.identifier, scores[one.identifier]) for one in committees),
+        *medians,
+        *((one.identifier, scores[one.identifier]) for one in others),
+    ]

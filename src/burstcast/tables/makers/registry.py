@@ -1,0 +1,68 @@
+"""Tables of a case by name: the module ``burstcast.tables.makers.<name>`` makes one, or several.
+
+`Declaration` says what they are made of, and the function ``make`` gives their rows by the name of
+the table. Key columns of the case need not be among them.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Any
+
+from burstcast.discovery import imported
+from burstcast.forecasters._names import ForecasterName
+
+Rows = list[dict[str, Any]]
+"""Rows of a table: values by column."""
+
+PATH = "path"
+"""Declares that an input is the path of the file, of which only some rows are read."""
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What tables are made of, by the names of the arguments of ``make``.
+
+    Attributes
+    ----------
+    inputs
+        Variables that are read of each input, where it is a NetCDF file: none stands for all of
+        them; or `PATH`. The input is the content of the file: variables and attributes, what a JSON
+        file says, or a table; None where a case has no such file.
+    gathered
+        Likewise of inputs that are files of all forecasters, or of all runs of control: each is a
+        list of `Gathered`.
+    settings
+        Path of each setting in the config. ``case.`` stands for the case; ``case`` is its name.
+    """
+
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    gathered: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """A file among those of all forecasters, or of all runs of control, of a case.
+
+    Attributes
+    ----------
+    name
+        Whose it is.
+    content
+        Content of the file (see `Declaration`).
+    plan
+        What a run of control was told; empty for other files.
+    strategy
+        How it is called in paths and tables; likewise.
+    """
+
+    name: ForecasterName
+    content: Mapping[str, Any]
+    plan: Mapping[str, Any] = field(default_factory=dict)
+    strategy: str = ""
+
+
+def maker(name: str) -> ModuleType:
+    """Import a module of tables, which has ``TABLES``, its declaration, and ``make``."""
+    return imported(f"burstcast.tables.makers.{name}")

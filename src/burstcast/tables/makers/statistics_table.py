@@ -1,0 +1,91 @@
+"""Measure how far the statistics of forecasters and of the training set are from the data's."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from burstcast import random_streams
+from burstcast.forecasters._names import ForecasterName
+from burstcast.statistics.intervals import resampled_measures
+from burstcast.statistics.long_term import Fate
+from burstcast.statistics.measures import compare
+from burstcast.statistics.profiles import equally_spaced_profiles
+from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.statistics.resampling import bootstrap_weights
+from burstcast.statistics.statistics_files import reductions_from
+from burstcast.systems.registry import make_space
+from burstcast.tables.cells import between
+from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+
+TABLES = Declaration(
+    inputs={"data": "", "training": "", "floor": ""},
+    gathered={"long_term": ""},
+    settings={
+        "case": "case",
+        "root_seed": "random_seed",
+        "system": "case.system",
+        "parameters": "case.parameters",
+        "profile_points": "statistics.profile_points",
+        "resamples": "bootstrap.resamples",
+        "confidence": "bootstrap.confidence",
+    },
+)
+
+SHARES = {
+    "laminarised_fraction": Fate.LAMINAR,
+    "fixed_point_fraction": Fate.FIXED_POINT,
+    "diverged_fraction": Fate.DIVERGED,
+}
+"""Parts of the discarded share, by what became of the runs."""
+
+OF_PROFILES = ("nrmse_u", "nrmse_uu", "nrmse_uv")
+"""Measures that only a flow has."""
+
+
+def make(
+    *,
+    data: Mapping[str, Any],
+    training: Mapping[str, Any],
+    floor: Mapping[str, Any],
+    long_term: Sequence[Gathered],
+    case: str,
+    root_seed: int,
+    system: str,
+    parameters: Mapping[str, Any],
+    profile_points: int,
+    resamples: int,
+    confidence: float,
+) -> dict[str, Rows]:
+    """One row for each forecaster, for the training set and for each sampling floor.
+
+    With the intervals of the forecasters' statistics over their long runs.
+    """
+    reference = LongTermStatistics.from_arrays(data)
+    matrices = equally_spaced_profiles(make_space(system, parameters), profile_points)
+    measures = vars(compare(reference, LongTermStatistics.from_arrays(training), matrices))
+    rows: Rows = [{**ForecasterName("training").keys, **measures}]
+    # one row for each split of the data
+    for split in range(floor["split"].size):
+        of_split = {measure: float(floor[measure][split]) for measure in measures}
+        rows.append({**ForecasterName("floor", seed=split).keys, **of_split})
+    ends: Rows = []
+    for one in long_term:
+        measures = vars(compare(reference, LongTermStatistics.from_arrays(one.content), matrices))
+        fates = one.content["fate"]
+        shares = {name: float((fates == fate).mean()) for name, fate in SHARES.items()}
+        discarded = {"discarded_fraction": float((fates != Fate.KEPT).mean()), **shares}
+        rows.append({**one.name.keys, **discarded, **measures})
+        generator = random_streams.stream(root_seed, "bootstrap", case, "long runs")
+        weights = bootstrap_weights(len(fates), resamples, generator)
+        samples = {
+            "discarded_fraction": weights @ (fates != Fate.KEPT) / len(fates),
+            **{name: weights @ (fates == fate) / len(fates) for name, fate in SHARES.items()},
+            **resampled_measures(
+                reference, reductions_from(one.content), fates == Fate.KEPT, matrices, weights
+            ),
+        }
+        ends += [
+            {**one.name.keys, "metric": metric, **between(values, confidence)}
+            for metric, values in samples.items()
+            if not (metric in OF_PROFILES and matrices is None)
+        ]
+    return {"statistics": rows, "statistics_intervals": ends}

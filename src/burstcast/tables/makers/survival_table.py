@@ -1,0 +1,69 @@
+"""How long the data and the forecasters' long runs stay in the chaotic phase."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from burstcast.forecasters._names import ForecasterName
+from burstcast.statistics.long_term import Fate
+from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
+from burstcast.tables.cells import with_ends
+from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+
+TABLES = Declaration(
+    inputs={"ensemble": "series lifetime time"},
+    gathered={"long_term": "fate lifetime"},
+    settings={
+        "time_step": "case.ensemble.time_step",
+        "sampling_stride": "case.ensemble.sampling_stride",
+        "duration": "statistics.duration",
+        "confidence": "bootstrap.confidence",
+    },
+)
+
+POINTS = 101
+"""Times at which the survival curve is tabulated, from zero to the end."""
+
+
+def make(
+    *,
+    ensemble: Mapping[str, Any],
+    long_term: Sequence[Gathered],
+    time_step: float,
+    sampling_stride: int,
+    duration: float | None,
+    confidence: float,
+) -> dict[str, Rows]:
+    """The escape rate of the data and of each forecaster, and their survival curves."""
+    interval = float(time_step * sampling_stride)
+    longest = len(ensemble["time"]) - 1
+    of_data = Lifetimes.of_ensemble(ensemble["lifetime"], ensemble["series"], longest)
+    found = [(ForecasterName("data"), of_data)]
+    # those of a series of the ensemble where no duration is known
+    steps = longest if duration is None else round(duration / interval)
+    for one in long_term:
+        lifetimes = Lifetimes(one.content["lifetime"], one.content["fate"] != Fate.KEPT, steps)
+        found.append((one.name, lifetimes))
+    rows: Rows = []
+    points: Rows = []
+    for name, lifetimes in found:
+        rows.append({**name.keys, **_rate(lifetimes, interval, confidence)})
+        times = np.unique(np.linspace(0, lifetimes.length, POINTS).astype(np.int64))
+        curve = survival_curve(lifetimes, times, confidence)
+        points += [
+            {**name.keys, "time": time * interval, **with_ends("survival", *ends)}
+            for time, *ends in zip(times, curve.share, curve.low, curve.high, strict=True)
+        ]
+    return {"survival": rows, "survival_curve": points}
+
+
+def _rate(lifetimes: Lifetimes, interval: float, confidence: float) -> Mapping[str, Any]:
+    rate = escape_rate(lifetimes, interval, confidence)
+    return {
+        "series": len(lifetimes.steps),
+        "survived_fraction": float((~lifetimes.escaped).mean()),
+        "escapes": rate.escapes,
+        "time_at_risk": rate.time_at_risk,
+        **with_ends("escape_rate", rate.rate, rate.low, rate.high),
+    }

@@ -1,0 +1,151 @@
+"""Look for signs that the results of a case are less than they seem."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import pandas as pd
+
+from burstcast.files.netcdf import read_rows
+from burstcast.statistics import warning_signs
+from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.statistics.warning_signs import Finding
+from burstcast.tables.makers.registry import PATH, Declaration, Rows
+
+TABLES = Declaration(
+    inputs={
+        "ensemble": PATH,
+        **dict.fromkeys(("data", "events_summary", "dataset", "classification"), ""),
+        **dict.fromkeys(("hyperparameters", "statistics", "lyapunov_spectrum"), ""),
+    },
+    settings={
+        "event_threshold": "case.event_threshold",
+        "training_series": "case.training.series",
+        "noise": "case.training.noise",
+        "wanted_events": "horizon.events",
+        "spectral_radius": "search.spectral_radius",
+        "input_scaling": "search.input_scaling",
+        "tikhonov": "search.tikhonov",
+    },
+)
+
+ENSEMBLE = ["forecaster", "neurons", "validation"]
+ADVICE = {
+    "optimum_on_edge": "search beyond it: its entry in the section search",
+    "few_events": "lower event_threshold, or raise ensemble.series or ensemble.duration",
+    "few_positives": "raise test_series (and ensemble.series); read F with its interval "
+    "in classification_intervals.csv",
+    "lost_long_runs": "try other seeds, more neurons or more noise (training.noise); read the "
+    "statistics beside survival.csv",
+    "ill_conditioned_readout": "leave out the smallest values of search.tikhonov",
+    "exponents_differ": "raise lyapunov.series, check lyapunov.saturation and perturbation; set "
+    "lyapunov.time_unit to computed where the published exponent is of something else",
+    "own_exponents_differ": "if the statistics of these forecasters are those of the data "
+    "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.published_exponent",
+    "outside_bins": "widen density.range",
+    "noise_drowns_components": "lower training.noise, or raise ensemble.sampling_stride",
+}
+"""Settings to change where a sign of `burstcast.statistics.warning_signs` was found."""
+
+
+def make(
+    *,
+    ensemble: str,
+    data: Mapping[str, Any],
+    events_summary: Mapping[str, Any],
+    dataset: pd.DataFrame,
+    classification: pd.DataFrame,
+    hyperparameters: pd.DataFrame | None,
+    statistics: pd.DataFrame | None,
+    lyapunov_spectrum: pd.DataFrame | None,
+    event_threshold: float,
+    training_series: int,
+    noise: float,
+    wanted_events: int,
+    **searched: list[float],
+) -> dict[str, Rows]:
+    """A row for each sign; of networks, one for those of a size and strategy."""
+    states = read_rows(ensemble, "state", 0, training_series)
+    samples = len(states) * states.shape[1]
+    histogram = LongTermStatistics.from_arrays(data).histogram
+    of_case = [
+        *warning_signs.few_events(
+            events_summary["usable_events"],
+            wanted_events,
+            event_threshold,
+            events_summary["largest_observable"],
+        ),
+        *warning_signs.outside_bins(histogram.below, histogram.above, int(histogram.counts.sum())),
+        *warning_signs.noise_drowns_components(states, noise),
+        *_of_numbers(dataset, classification),
+    ]
+    found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
+    for keys, members in _ensembles(hyperparameters):
+        found += [(keys, one) for one in _of_search(members, searched, samples)]
+    for keys, members in _ensembles(statistics):
+        found += [(keys, finding) for finding in _of_long_runs(members)]
+    # where the unit of time is an estimate
+    for keys, members in _ensembles(lyapunov_spectrum):
+        own = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()
+        leading = _leading(dataset, "lyapunov_exponent")
+        found += [(keys, one) for one in warning_signs.own_exponents_differ(leading, own)]
+    rows = [
+        {
+            **dict.fromkeys(ENSEMBLE),
+            **keys,
+            "warning": finding.warning,
+            "finding": finding.text,
+            "advice": ADVICE[finding.warning],
+        }
+        for keys, finding in found
+    ]
+    return {"warnings": rows}
+
+
+def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator[Finding]:
+    # left out of tables where nobody has one
+    (row,) = dataset.to_dict("records")
+    published = row.get("lyapunov_exponent_paper")
+    yield from warning_signs.exponents_differ(
+        _leading(dataset, "lyapunov_exponent"),
+        _leading(dataset, "lyapunov_exponent_by_growth"),
+        None if pd.isna(published) else published,
+    )
+    # what follows the starting points is the same for all forecasters
+    scores = classification.drop_duplicates("prediction_time_lt")
+    yield from warning_signs.few_positives(
+        scores["prediction_time_lt"].tolist(),
+        (scores["true_positive"] + scores["false_negative"]).tolist(),
+    )
+
+
+def _leading(dataset: pd.DataFrame, name: str) -> tuple[float, float, float]:
+    """Leading Lyapunov exponent of the case with the ends of its interval, by its column."""
+    (row,) = dataset.to_dict("records")
+    return row[name], row[f"{name}_low"], row[f"{name}_high"]
+
+
+def _ensembles(table: pd.DataFrame | None) -> Iterator[tuple[Mapping[str, Any], pd.DataFrame]]:
+    if table is not None:
+        for keys, rows in table.groupby(ENSEMBLE, dropna=False, sort=False):
+            yield dict(zip(ENSEMBLE, keys, strict=True)), rows
+
+
+def _of_search(
+    rows: pd.DataFrame, searched: Mapping[str, list[float]], samples: int
+) -> Iterator[Finding]:
+    # smaller Tikhonov parameters than this give the same readouts
+    least = warning_signs.negligible_ridge(int(rows["neurons"].iloc[0]), samples)
+    for name, values in searched.items():
+        lost = least if name == "tikhonov" else 0.0
+        yield from warning_signs.optimum_on_edge(
+            name, rows[name].tolist(), min(values), max(values), lost
+        )
+    yield from warning_signs.ill_conditioned_readout(rows["solver"].tolist())
+
+
+def _of_long_runs(rows: pd.DataFrame) -> Iterator[Finding]:
+    shares = rows.dropna(subset=["discarded_fraction"])
+    if len(shares):  # the training set and the sampling floor have no runs
+        yield from warning_signs.lost_long_runs(
+            shares["discarded_fraction"].tolist(), shares["diverged_fraction"].tolist()
+        )
