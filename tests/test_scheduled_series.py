@@ -69,6 +69,12 @@ def test_series_are_those_of_integration_and_the_first_that_do_not_laminarise():
     assert 1 not in rows
     assert np.array_equal(found.states, together[:, :, rows].transpose(2, 0, 1))
     assert np.array_equal(found.schedules, schedules[rows])
+    # as many as are left are enough, one more is not
+    left = int(quiet.sum())
+    _, rows = simulated_series(REYNOLDS, MFE, perturbed, schedules, left, **settings)
+    assert rows.tolist() == np.flatnonzero(quiet).tolist()
+    with pytest.raises(ValueError, match=rf"^{left} of 12 flows .* but {left + 1} are wanted"):
+        simulated_series(REYNOLDS, MFE, perturbed, schedules, left + 1, **settings)
     with pytest.raises(ValueError, match=r"but 12 are wanted: give more initial states"):
         simulated_series(REYNOLDS, MFE, perturbed, schedules, 12, **settings)
 

@@ -1,6 +1,7 @@
 """Looking at a system: what is found, what is proposed, and messages about mistakes."""
 
 import copy
+import math
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,8 +18,10 @@ from burstcast.systems.check import (
     UnsoundSystemError,
     _case,
     _initial_states,
+    _outwards,
     _round,
     _stride,
+    _whole,
     check_system,
     interface_problems,
 )
@@ -211,6 +214,26 @@ def test_the_command_line(capsys) -> None:
 )
 def test_one_two_or_five_that_is_not_much_larger(value, rounded) -> None:
     assert _round(value) == rounded
+
+
+@pytest.mark.parametrize(
+    ("duration", "unit", "whole"),
+    [
+        (12.34, 0.01, 13.0),
+        (12.0, 0.01, 12.0),
+        (0.974, 0.01, 0.97),
+        (0.001, 0.5, 0.5),
+        (730, 1, 730),
+    ],
+)
+def test_durations_are_whole_and_have_two_digits(duration, unit, whole) -> None:
+    assert _whole(duration, unit) == pytest.approx(whole, rel=1e-12)
+
+
+def test_ranges_hold_what_lies_inside() -> None:
+    assert (_outwards(-1.234, math.floor), _outwards(1.234, math.ceil)) == (-1.3, 1.3)
+    assert (_outwards(0.0451, math.floor), _outwards(-45.1, math.ceil)) == (0.045, -45.0)
+    assert _outwards(0.0, math.floor) == 0.0
 
 
 @pytest.mark.parametrize(("exponent", "unit"), [(0.5, 2.0), (0.0, 100 * 0.2), (-1.0, 100 * 0.2)])

@@ -46,6 +46,9 @@ def test_series_of_an_ensemble_begin_apart_and_cover_many_turns() -> None:
     assert ensemble["perturbation"] == 5.0
     assert ensemble["time_step"] * ensemble["sampling_stride"] == 0.02
     assert (ensemble["transient"], ensemble["duration"]) == (20.0, 80.0)
+    # z is positive; its fixed points with lobes around them are at rho - 1, that below at 0
+    assert Lorenz63.case_defaults["density"]["range"] == [0.0, 50.0]
+    assert Lorenz63.case_defaults["fixed_point"] == {"variation": 0.1, "above": 0.0}
 
 
 @pytest.mark.parametrize("name", ["sigma", "rho", "beta"])

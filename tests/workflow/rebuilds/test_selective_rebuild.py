@@ -2,18 +2,20 @@
 
 The long tests make every edit: pytest -m long tests/workflow/rebuilds. Plans (-k plan) take half an
 hour, all trials many hours: they go on where they were stopped if BURSTCAST_TRIALS names a
-directory; ``python trial.py DIRECTORY`` prints the table that docs/selective_rebuilds.md shows.
+directory; ``python trial.py DIRECTORY`` prints the table of docs/selective_rebuild_trials.md.
 """
 
 import os
 import random
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 import yaml
 from dependencies import ALL
 from edits import code_files, config_edits
-from helpers_rebuilds import ROOT, TINY
+from helpers_rebuilds import ROOT, TINY, Project
 from trial import TABLE_SCRIPTS, Laboratory, laboratory
 
 CONFIG_EDITS = {edit.name: edit for edit in config_edits()}
@@ -173,18 +175,50 @@ def test_the_plan_of_every_module_and_script(whole_lab, path):
     assert whole_lab.plan_of_code_trial(path) == []
 
 
+def some_results(project: Project, name: str) -> Iterator[str]:
+    """Names of results, drawn at random; none of logs and of what asks for everything."""
+    chance = random.Random(f"{os.environ.get('BURSTCAST_SEED', 0)} {name}")
+    kept = (".records", "logs", "benchmarks", "tables")
+    for path in sorted(project.results.glob("[!.]*/**/*.*")):
+        result = path.relative_to(project.results)
+        if path.is_file() and result.parts[0] not in kept and chance.random() < 0.6:
+            yield str(result)
+
+
+def assert_nothing_is_hidden(whole: Project, project: Project, overlay: dict) -> None:
+    with_all = whole.dry_run("tables", overlay=overlay)
+    jobs = project.dry_run("tables", overlay=overlay)
+    assert {rule: count for rule, count in with_all.items() if jobs.get(rule, 0) < count} == {}
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", CONFIG_EDITS)
 def test_deleted_files_hide_no_edit(finished, tmp_path, name):
     """Whatever files are deleted, an edit makes at least the jobs run that it would run anyway."""
-    whole, overlay = finished.project, CONFIG_EDITS[name].overlay()
-    project = whole.copy(tmp_path / "project")
-    chance = random.Random(f"{os.environ.get('BURSTCAST_SEED', 0)} {name}")
-    kept = (".records", "logs", "benchmarks", "tables")
-    files = [path for path in sorted(project.results.glob("[!.]*/**/*.*")) if path.is_file()]
-    for path in files:
-        if path.relative_to(project.results).parts[0] not in kept and chance.random() < 0.6:
-            path.unlink()
-    with_all = whole.dry_run("tables", overlay=overlay)
-    jobs = project.dry_run("tables", overlay=overlay)
-    assert {rule: count for rule, count in with_all.items() if jobs.get(rule, 0) < count} == {}
+    project = finished.project.copy(tmp_path / "project")
+    for result in some_results(project, name):
+        (project.results / result).unlink()
+    assert_nothing_is_hidden(finished.project, project, CONFIG_EDITS[name].overlay())
+
+
+@pytest.fixture(scope="module")
+def another(finished, tmp_path_factory) -> Project:
+    """The same campaign with another seed."""
+    project = finished.project.copy(tmp_path_factory.mktemp("another") / "project")
+    assert project.snakemake("tables", overlay={"random_seed": 7}).status == 0
+    return project
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", CONFIG_EDITS)
+def test_restored_files_hide_no_edit(finished, another, tmp_path, name):
+    """Neither do files of another run, their records, or both."""
+    project = finished.project.copy(tmp_path / "project")
+    of_result = (["{}"], [".records/{}.json"], ["{}", ".records/{}.json"])[len(name) % 3]
+    for result in some_results(project, name):
+        for part in of_result:
+            shutil.copy2(
+                another.results / part.format(result), project.results / part.format(result)
+            )
+    assert_nothing_is_hidden(finished.project, project, CONFIG_EDITS[name].overlay())
+    assert project.dry_run("tables") != {}

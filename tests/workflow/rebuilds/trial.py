@@ -324,7 +324,7 @@ def laboratory(directory: Path) -> Iterator[Laboratory]:
 
 
 def summary(directory: Path) -> str:
-    """Results of all trials as a document in Markdown."""
+    """Results of all trials as the last section of docs/selective_rebuild_trials.md."""
     trials = [
         Trial(**json.loads(path.read_text()))
         for path in sorted((directory / "trials").glob("*.json"))
@@ -333,14 +333,6 @@ def summary(directory: Path) -> str:
     failed = sum(bool(trial.problems) for trial in trials)
     with_effect = sum(trial.tables_changed > 0 for trial in trials)
     lines = [
-        "# Trials of selective rebuilds",
-        "",
-        "Leaves of the config, modules and scripts of the `tiny` preset were edited one at a time,",
-        "and finished results brought up to date ([selective_rebuilds.md](selective_rebuilds.md),",
-        "how it is tested). *Jobs* ran again for the tables; *figure jobs* would have. *Equal",
-        "bits*: all tables are those of a run from scratch, no job ran that should not have, none",
-        "was left out, and nothing was left to do.",
-        "",
         f"{len(trials)} edits of {planned} so far, {failed} failed; {with_effect} changed tables.",
         "",
         "| edit | what | jobs | rules run again | figure jobs | tables changed | verdict |",
