@@ -6,6 +6,7 @@ from helpers_control import PAPER
 from test_control_strategies import Script
 
 from burstcast.control.monitors.forecast import ForecastMonitor
+from burstcast.control.monitors.observed import ObservedMonitor
 from burstcast.control.monitors.random import RandomMonitor
 from burstcast.control.timing import Timing
 
@@ -45,6 +46,15 @@ def test_random_alarms_take_each_flow_s_own_numbers() -> None:
     nothing = np.zeros((1, 1, 3))
     alarms = monitor.alarms(np.array([1, 0, 1]), np.array([1, 1, 0]), nothing)
     assert alarms.tolist() == [True, False, False]
+
+
+def test_the_actuator_is_reversed_where_the_push_asked_for_is_negative() -> None:
+    washout = np.array([[[-1.0, 0.0, 1.0, -2.0]]])
+    monitor = ObservedMonitor(lambda states: np.abs(states[0]), 1.0, lambda states: states[0])
+    flows = np.arange(4)
+    found = monitor.decide(flows, np.zeros_like(flows), washout)
+    assert found.alarm.tolist() == [True, False, True, True]
+    assert found.reverse.tolist() == [True, False, False, True]
 
 
 @pytest.mark.parametrize("probability", [-0.1, 1.1, np.nan])

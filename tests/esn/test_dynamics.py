@@ -239,6 +239,10 @@ def test_impossible_hyperparameters_raise(reservoir, changed, reason):
         Dynamics(reservoir, **arguments)
 
 
+def test_a_network_may_have_neither_memory_nor_inputs(reservoir):
+    assert Dynamics(reservoir, 0.0, 0.0).spectral_radius == 0.0
+
+
 def test_bad_arguments_raise(reservoir):
     dynamics = Dynamics(reservoir, 0.5, 1.0, "scipy")
     neurons = reservoir.neurons

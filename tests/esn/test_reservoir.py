@@ -19,6 +19,12 @@ def test_recurrent_weights_have_spectral_radius_one(neurons, connectivity):
         assert dense_radius(reservoir.recurrent) == pytest.approx(1, rel=1e-11)
 
 
+def test_every_neuron_may_be_connected_with_all_others():
+    reservoir = make_reservoir(5, 2, 4, 0.1, np.random.default_rng(0))
+    # each weight is drawn with the probability d / (neurons - 1), which is one
+    assert reservoir.recurrent.nnz == 5 * 5
+
+
 def test_spectral_radius_of_known_matrices():
     # A rotation scaled by 1.5 has a complex pair of that modulus; the rest is smaller.
     matrix = scipy.sparse.lil_array((300, 300))

@@ -50,7 +50,9 @@ def test_the_jobs_of_older_runs_do_not():
     with pytest.raises(OvertakenError, match="results/of mine belongs to a newer run now"):
         write_json("results/of mine/a.json", {"seed": 1})
     with pytest.raises(OvertakenError):
-        Records("results/of mine").write(["results/of mine/a.json"], {}, {}, {}, "a.log", 0)
+        Records("results/of mine").write(
+            ["results/of mine/a.json"], {"rule": "train"}, {}, {}, "a.log", 0.0
+        )
     assert sorted(os.listdir("results/of mine")) == [".run.json", "a.json"]
     assert json.loads(Path("results/of mine/a.json").read_text()) == {"seed": 2}
     assert second.plan()["config"] == {"seed": 2}
