@@ -253,9 +253,18 @@ def test_dimensions_by_their_names_or_as_they_are_said(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
+    "names", [("time", "run"), ("t", "realisation"), ("Time", "member"), ("step", "series")]
+)
+def test_dimensions_that_mean_the_same(tmp_path, names) -> None:
+    path = tmp_path / "a.nc"
+    write_netcdf(path, {"u": (names, STATES[:, :, 0].T)})
+    assert np.array_equal(states(runs(path, ["u"]), "u")[:, :, 0], STATES[:, :, 0])
+
+
+@pytest.mark.parametrize(
     ("dimensions", "axes", "message"),
     [
-        (("time", "run"), [], ", named time, run, and nothing says which is which.*data.axes"),
+        (("time", "rig"), [], ", named time, rig, and nothing says which is which.*data.axes"),
         (("a", "b"), [], ", named a, b, and nothing says which is which.*data.axes"),
         (("time", "component"), [], r".*it holds several columns \(data.array\)"),
         (("series", "component"), [], r".*it takes series and component \(data.axes\)"),
@@ -327,6 +336,19 @@ def test_a_classic_netcdf_file_that_is_cut_off(tmp_path, cut) -> None:
     path.write_bytes(path.read_bytes()[:-cut])
     with pytest.raises(ValueError, match=r"a\.nc is cut off"):
         runs(path, ["u"])
+
+
+def test_a_damaged_classic_file_is_not_opened_by_the_library_of_netcdf(tmp_path) -> None:
+    """It dies of some, such as this one with a dimension of 2 ** 33 entries."""
+    path = tmp_path / "a.nc"
+    write_netcdf(path, {"u": (("time",), STATES[0, :, 0])}, format="NETCDF3_64BIT_DATA")
+    content = bytearray(path.read_bytes())
+    content[content.index(b"time") + 7] ^= 2
+    path.write_bytes(content)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delattr(netCDF4, "Dataset")
+        with pytest.raises(ValueError, match=r"a\.nc is cut off, or is no classic NetCDF file"):
+            runs(path, ["u"])
 
 
 def test_one_series_in_an_array_and_groups(tmp_path) -> None:

@@ -411,9 +411,11 @@ Read = Callable[[str], tuple[Array, Sequence[str]]]
 
 
 def _runs_of_netcdf(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
+    with open(path, "rb") as content:
+        is_classic = content.read(3) == b"CDF"
+    if is_classic:
+        _check_complete(path)  # first: the library may crash when it opens a damaged one
     with netCDF4.Dataset(path, "r") as file:
-        if file.data_model.startswith("NETCDF3"):
-            _check_complete(path)
 
         def read(name: str) -> tuple[Array, Sequence[str]]:
             variable = file[name]
