@@ -51,7 +51,7 @@ archive: $(VENV)/installed ## tables, figures, config, versions and why in one z
 
 pages: $(VENV)/installed ## docs/settings.md and docs/tables.md, from the model and the declarations
 	$(BIN)/burstcast settings > docs/settings.md
-	$(BIN)/python -m burstcast_workflow.tables.page > docs/tables.md
+	$(BIN)/python -m burstcast_report.tables_page > docs/tables.md
 
 # make results ARGS="collect results/paper" takes a campaign's tables first
 results: $(VENV)/installed ## docs/results.md, from the tables in docs/results

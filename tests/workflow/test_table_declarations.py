@@ -11,9 +11,10 @@ import pytest
 from burstcast.statistics import warning_signs
 from burstcast.tables.joined import joined
 from burstcast.tables.makers.warnings_table import ADVICE
+from burstcast_report import tables_page
 from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.tables import as_declared, write_tables
-from burstcast_workflow.tables import page, registry
+from burstcast_workflow.tables import registry
 from burstcast_workflow.tables.declarations import COLUMNS, SECTIONS, TABLES
 from burstcast_workflow.tables.registry import (
     plain,
@@ -38,7 +39,7 @@ def columns_of(name, optional=True):
 
 def test_the_page_is_up_to_date():
     """Made by: make pages."""
-    assert (ROOT / "docs" / "tables.md").read_text() == page.text()
+    assert (ROOT / "docs" / "tables.md").read_text() == tables_page.text()
 
 
 def test_every_column_has_its_meaning_and_no_other():
