@@ -112,6 +112,50 @@ class SystemCheck:
         interval = self.time_step * self.sampling_stride
         return 1.0 / (exponent * interval) if exponent > 0 else math.inf
 
+    def summary(self) -> str:
+        """What was found, in words and numbers."""
+        interval, quantiles = self.time_step * self.sampling_stride, self.observable_quantiles
+        return "\n".join(
+            [
+                f"{self.name}: keeps to the interface",
+                f"  integrator             {self.integrator}",
+                f"  derivatives            {self.derivatives}",
+                f"  leading exponent       {_in_words(self.by_qr)} by QR, "
+                f"{_in_words(self.by_growth)} by growth of perturbations",
+                f"  exponents              {', '.join(f'{value:.3g}' for value in self.spectrum)}",
+                f"  fastest period         {self.fastest_period:.3g} time units",
+                f"  time step, sampling    {self.time_step:g}, every {self.sampling_stride} steps "
+                f"({interval:g} time units)",
+                *self._chaos_in_words(),
+                f"  observable             {quantiles[0.0]:.3g} to {quantiles[1.0]:.3g}, median "
+                f"{quantiles[0.5]:.3g}; quantiles 0.9, 0.95, 0.99: {quantiles[0.9]:.3g}, "
+                f"{quantiles[0.95]:.3g}, {quantiles[0.99]:.3g}",
+                f"  beyond quantile 0.95   begins {self.events_per_lyapunov_time:.2g} times in a "
+                "Lyapunov time",
+            ]
+        )
+
+    def _chaos_in_words(self) -> list[str]:
+        if self.verdict == "chaotic":
+            return [
+                f"  Lyapunov time          {1 / float(self.by_qr.mean):.3g} time units, "
+                f"{self.steps_per_lyapunov_time:.3g} steps of a forecast"
+            ]
+        if self.verdict == "regular":
+            return ["  no chaos               the leading exponent is below zero: no Lyapunov time"]
+        bound = max(float(self.by_qr.high), float(self.by_growth.high))
+        return [
+            f"  chaos undecided        after {self.duration:.3g} time units, the interval of the "
+            "leading exponent",
+            "                         holds zero: a Lyapunov time, if there is one, is longer than "
+            f"{1 / bound:.3g}",
+            "                         time units",
+        ]
+
+
+def _in_words(estimate: Estimate) -> str:
+    return f"{float(estimate.mean):.4g} +- {float(estimate.high - estimate.mean):.2g}"
+
 
 def check_system(
     system: DynamicalSystem, generator: np.random.Generator, longest: float = 60.0
