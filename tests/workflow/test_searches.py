@@ -10,6 +10,7 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.tuning.hyperparameters import HyperparameterPoint
 from burstcast.tuning.scan import scan
+from burstcast.tuning.scan_files import log_error_variables, read_evaluations
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
@@ -17,10 +18,8 @@ from burstcast.tuning.validation import validate
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.networks import (
     point_validator,
-    read_evaluations,
     search_space,
     training_series,
-    write_log_errors,
 )
 
 STEPS = 25  # in a Lyapunov time
@@ -114,7 +113,7 @@ def test_evaluations_are_read_as_they_were_written(ensemble, tmp_path):
     found = scan(validator(SETTINGS, ensemble), search_space(SETTINGS), strategies, 2)
     assert [one.number for one in found[::4]] == [0, 1, 2, 3]
     path = str(tmp_path / "errors.nc")
-    write_log_errors(path, found, {"rule": "scan"})
+    write_netcdf(path, log_error_variables(found), {"rule": "scan"})
     records = [one.record() for one in found]
     assert read_evaluations(records, path) == found
     intervals = [len(one.validation.log_errors) for one in found[:4]]

@@ -3,23 +3,16 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from burstcast import durations
-from burstcast.arrays import FloatArray
 from burstcast.data.dataset import component_scales
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
-from burstcast.files.netcdf import Variable, read_netcdf
-from burstcast.files.units import NUMBER
 from burstcast.forecasters._names import parsed
 from burstcast.tuning.hyperparameters import SearchSpace
-from burstcast.tuning.scan import Evaluation
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.validation import PointValidator
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import observed_rows, training_states
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
@@ -110,28 +103,3 @@ def _validation_plan(settings: Settings, steps_per_lyapunov_time: int) -> Valida
         series=recycle["series"],
         intervals=recycle["intervals_per_series"],
     )
-
-
-def write_log_errors(
-    path: str, evaluations: Sequence[Evaluation], provenance: Mapping[str, str]
-) -> None:
-    """Write the errors in each interval, in the order of the rows of the trace.
-
-    Strategies have different numbers of intervals: a row ends with NaN where it has fewer.
-    """
-    found = [one.validation.log_errors for one in evaluations]
-    errors = np.full((len(found), max(map(len, found))), np.nan)
-    for row, of_row in zip(errors, found, strict=True):
-        row[: len(of_row)] = of_row
-    meaning = "log10 of the mean square error of the observable in each interval"
-    variable = Variable(("row", "interval"), errors, NUMBER, meaning)
-    write_netcdf(path, {"log_error": variable}, provenance)
-
-
-def read_evaluations(rows: Sequence[Mapping[Any, Any]], log_errors: str) -> list[Evaluation]:
-    """Evaluations from the rows of their trace, and the file of their errors in each interval."""
-    errors: FloatArray = read_netcdf(log_errors, "log_error")["log_error"]
-    return [
-        Evaluation.restore(row, tuple(of_row[~np.isnan(of_row)].tolist()))
-        for row, of_row in zip(rows, errors, strict=True)
-    ]

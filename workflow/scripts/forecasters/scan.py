@@ -3,11 +3,13 @@
 import pandas as pd
 
 from burstcast.tuning.scan import scan as scan_points
+from burstcast.tuning.scan_files import log_error_variables
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import VALIDATION, Settings, concerning
+from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.harness.tables import write_table
-from burstcast_workflow.jobs.networks import point_validator, search_space, write_log_errors
+from burstcast_workflow.jobs.networks import point_validator, search_space
 
 
 @job
@@ -26,4 +28,4 @@ def scan_grid(
     with concerning(VALIDATION):
         found = scan_points(validator, search_space(settings), strategies, settings["search.grid"])
     write_table(scan, pd.DataFrame([one.record() for one in found]))
-    write_log_errors(scan_errors, found, provenance)
+    write_netcdf(scan_errors, log_error_variables(found), provenance)

@@ -5,6 +5,7 @@ import pandas as pd
 
 from burstcast.forecasters._names import parsed
 from burstcast.tuning import network_search
+from burstcast.tuning.scan_files import read_evaluations
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.uncertainty import objective_uncertainty
 from burstcast_workflow.harness.job import Provenance, job
@@ -13,7 +14,6 @@ from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.harness.tables import read_table, write_table
 from burstcast_workflow.jobs.networks import (
     point_validator,
-    read_evaluations,
     reservoir_seed,
     search_space,
 )
