@@ -14,14 +14,14 @@ ROOT = Path(__file__).parents[1]
 BUDGET = {
     "src/burstcast_workflow": 219,
     "src/burstcast_workflow/campaign": 1047,
-    "src/burstcast_workflow/commands": 1001,
+    "src/burstcast_workflow/commands": 957,
     "src/burstcast_workflow/config": 2491,
     "src/burstcast_workflow/costs": 515,
     "src/burstcast_workflow/figures": 439,
     "src/burstcast_workflow/harness": 675,
-    "src/burstcast_workflow/jobs": 1004,
+    "src/burstcast_workflow/jobs": 972,
     "src/burstcast_workflow/stages": 343,
-    "src/burstcast_workflow/tables": 276,
+    "src/burstcast_workflow/tables": 216,
     "src/snakemake_logger_plugin_burstcast": 203,
     "src/snakemake_report_plugin_burstcast": 6,
     "src/snaketrust": 2062,
@@ -30,9 +30,9 @@ BUDGET = {
     "workflow/scripts/data": 506,
     "workflow/scripts/evaluation": 434,
     "workflow/scripts/figures": 51,
-    "workflow/scripts/forecasters": 214,
+    "workflow/scripts/forecasters": 216,
     "workflow/scripts/probabilities": 144,
-    "workflow/scripts/tables": 190,
+    "workflow/scripts/tables": 161,
 }
 
 
