@@ -82,7 +82,7 @@ def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
 
 
 class _FoundError(Exception):
-    """The names of the columns of a file, which is all that is asked of it."""
+    """The names of a file's columns are known, and nothing else is asked of it."""
 
 
 def column_names(path: str, data: Mapping[str, Any]) -> list[str]:
@@ -99,13 +99,16 @@ def column_names(path: str, data: Mapping[str, Any]) -> list[str]:
         If they cannot be read.
     """
 
+    found: list[str] = []
+
     def told(known: Sequence[str]) -> Sequence[str]:
-        raise _FoundError(*known)
+        found.extend(known)
+        raise _FoundError
 
     try:
         read_runs(path, data, told)
-    except _FoundError as known:
-        return [*known.args]
+    except _FoundError:
+        return found
     raise ValueError(f"{path} has no columns")
 
 
