@@ -98,7 +98,6 @@ def column_names(path: str, data: Mapping[str, Any]) -> list[str]:
     ValueError, OSError
         If they cannot be read.
     """
-
     found: list[str] = []
 
     def told(known: Sequence[str]) -> Sequence[str]:
