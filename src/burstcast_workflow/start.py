@@ -9,9 +9,11 @@ from typing import Any
 
 from snakemake.exceptions import WorkflowError
 
+from burstcast_workflow.config.aware_checks import extrapolations
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
+from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.project import code_of
 from snaketrust import start as trust
 from snaketrust.modules import UnlikeCodeError
@@ -71,12 +73,14 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Star
     return started
 
 
-def tell_what_is_off(cases: Sequence[str], *, has_networks: bool) -> None:
-    """Say to a person which cases are measured series, and what the campaign does without."""
+def tell_what_is_off(cases: Sequence[str], config: Configuration, *, has_networks: bool) -> None:
+    """Say to a person what the campaign does without, and which parameters are extrapolated."""
     if not has_networks:
         print(f"no networks in the campaign; off: {OFF_WITHOUT_NETWORKS}", file=sys.stderr)
     if cases:
         print(f"{', '.join(cases)}: measured series; off: {OFF}", file=sys.stderr)
+    for extrapolation in extrapolations(config):
+        print(extrapolation, file=sys.stderr)
 
 
 def names_of_rules(workflow: Any) -> Mapping[str, Any]:

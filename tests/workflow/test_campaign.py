@@ -237,7 +237,7 @@ def test_settings_are_found_by_their_path():
     found = PAPER.settings(PATHS, NETWORK, {"neurons": 3.0})
     assert found == {
         "random_seed": 2022,
-        "case.training": {"series": 10, "noise": 0.01},
+        "case.training": {"actuation": None, "noise": 0.01, "series": 10, "trained_on": []},
         "case.training.noise": 0.01,
         "forecasters.esn.connectivity": 20,
         "forecaster.options": {"backend": "compiled", "connectivity": 20, "input_bias": 0.1},

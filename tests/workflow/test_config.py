@@ -24,6 +24,7 @@ ROOT = Path(__file__).parents[2]
 CHOICE = re.compile(r"(statistics|control)\.forecasters\.")
 WINDOWS = {"prediction_time_lt": [1], "window_lt": [1]}
 SEVEN = {"esn": {"neurons": [7]}}
+FREE = {"trained_on": [], "actuation": None}
 PRESETS = sorted((ROOT / "workflow" / "presets").glob("*.yaml"))
 
 
@@ -117,7 +118,8 @@ def test_every_setting_has_its_default_in_one_place(config):
         if "[" in place.name or CHOICE.match(place.name) or place.fields:
             continue
         value, said = value_at(config, place.name)
-        if place.name.startswith("case_defaults.data."):  # a section that nothing is said in
+        unsaid = ("case_defaults.data.", "case_defaults.training.actuation.")
+        if place.name.startswith(unsaid):  # sections that nothing is said in
             assert not said
         elif place.default is PydanticUndefined:
             assert said, f"config.yaml lacks {place.name}"
@@ -182,7 +184,7 @@ def test_campaign_of_the_paper(config):
         assert record["lyapunov"]["published_exponent"] == exponent
         assert record["lyapunov"]["time_unit"] == "published"
         assert record["test_series"] == series
-        assert record["training"] == {"series": 10, "noise": 0.01}
+        assert record["training"] == {**FREE, "series": 10, "noise": 0.01}
     assert records["Re400"]["recycle_validation"] == {"series": 3, "intervals_per_series": 30}
     assert records["Re800"]["recycle_validation"] == {"series": 4, "intervals_per_series": 22}
 
@@ -288,6 +290,7 @@ def test_cases_of_the_shear_flow_are_case_defaults_and_their_entry(config, path)
             "data": None,
             "lyapunov": {"published_exponent": None},
             "actuation": {"force": None},
+            "training": {"trained_on": [], "actuation": None},
         }
         expected = laid_over(unsaid, config["case_defaults"])
         expected = laid_over(expected, config["cases"].get(name, {}))
@@ -324,7 +327,7 @@ def test_a_case_of_another_system_starts_from_what_its_class_says(config):
             "perturbation": 1e-8,
             "saturation": 0.01,
         },
-        "training": {"series": 7, "noise": 0.01},
+        "training": {**FREE, "series": 7, "noise": 0.01},
         "density": {"bins": 200, "range": [0, 50]},
         "fixed_point": {"variation": 0.1, "above": 0},
         "controlled_density": {"bins": 100, "range": [0, 50]},
@@ -497,7 +500,8 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
             1,
             [
                 "unknown setting seeds",
-                "campaign[].forecasters.esn.seeds or control.sweep.seeds or ",
+                "campaign[].forecasters.esn.seeds or campaign[].forecasters.esn_aware.seeds or ",
+                "control.sweep.seeds or ",
                 "control.strategies[].seeds?",
             ],
         ),
@@ -664,7 +668,7 @@ def test_all_mistakes_are_told_at_once(config):
         (
             "control.strategies",
             [reactive(settings={"level": ["high"], "decision_interval_lt": [1]})],
-            ["control.strategies[0].settings.level[0] is the text 'high'", "a number"],
+            ["strategies[0].settings: setting 'level' of strategy", "must be a finite number"],
         ),
         (
             "control.strategies",
@@ -687,10 +691,10 @@ def test_all_mistakes_are_told_at_once(config):
                 reactive(
                     strategy="planned",
                     settings={"decision_interval_lt": [0.25], "horizon_lt": [3]},
-                    forecasters={"equations": {}},
+                    forecasters={"esn": {}},
                 )
             ],
-            ["control.strategies[0]: planned tells forecasters of a parameter", "no case has one"],
+            ["control.strategies[0]: planned tells forecasters", "which esn cannot use"],
         ),
         (
             "control.strategies",

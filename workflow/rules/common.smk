@@ -77,8 +77,8 @@ SCHEDULER_LOGS = Path("results/slurm-logs")
 STARTED = time.time()
 
 # Networks have a search before they are trained; forecasters of other kinds are fitted at once.
-NETWORKS = r"esn-N\d+-[A-Z]+-seed\d+"
-OTHERS = r"(?!esn-)[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*"
+NETWORKS = r"esn(_aware)?-N\d+-[A-Z]+-seed\d+"
+OTHERS = r"(?!esn(_aware)?-)[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*"
 # Who makes the ensemble of a case.
 SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
 REALISED = one_of(campaign.realised_cases)
@@ -87,14 +87,18 @@ INTEGRATED, IMPORTED = (
     for cases in (campaign.simulated_cases, campaign.measured_cases)
 )
 if workflow.is_main_process:
-    tell_what_is_off(campaign.measured_cases, has_networks=bool(campaign.networks))
+    tell_what_is_off(
+        campaign.measured_cases,
+        campaign.config,
+        has_networks=bool(campaign.networks),
+    )
 
 
 wildcard_constraints:
     case=r"[A-Za-z][A-Za-z0-9_.-]*",
     forecaster=r"[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*",
     controller=r"[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*",
-    reservoir=r"esn-N\d+-seed\d+",
+    reservoir=r"esn(_aware)?-N\d+-seed\d+",
     strategies=r"[A-Z]+(\+[A-Z]+)*",
     strategy=r"[a-z][A-Za-z0-9_.+-]*",
 
@@ -265,7 +269,7 @@ def table_stage(name, does, **arguments):
         {"tables": [f"{TABLES_OF_CASE}/{file}.csv" for file in files]},
         rule_name=name,
         found_by_name={"burstcast.tables.makers": [name]},
-        tables=written(names),
+        tables=written(names, campaign.unused_columns),
         **arguments,
     )
     cases = cases_of(campaign, names[0])
@@ -286,7 +290,7 @@ def table_stage(name, does, **arguments):
             ]
         },
         rule_name=f"all_{name}",
-        columns=joined(files),
+        columns=joined(files, campaign.unused_columns),
         **values,
     )
 

@@ -14,7 +14,7 @@ stage(
         "histograms": f"{CONTROL}/histograms.nc",
         "flows": f"{CONTROL}/flows.nc",
     },
-    settings="CONTROL case.controlled_density forecaster.options",
+    settings="CONTROL case.controlled_density forecaster.options forecasters.aware control.cost",
     cost="control",
     cached=True,
 )

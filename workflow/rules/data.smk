@@ -44,6 +44,18 @@ stage(
     quantile=of_case(Campaign.event_quantile),
 )
 stage(
+    # what kinds of forecasters learn from that know the parameters
+    "data/scheduled_series",
+    "series with the parameters in force",
+    inputs=files("ensemble time_unit"),
+    outputs={"scheduled_series": f"{CASE}/scheduled_series.nc"},
+    settings="SYSTEM TIME OBSERVED case.training.actuation case.actuation "
+    "case.laminarisation_threshold",
+    cost="data",
+    constraints={"case": SIMULATED},
+    parameters=campaign.config.forecasters.aware.parameters,
+)
+stage(
     "data/lyapunov",
     "Lyapunov exponents",
     inputs=files("ensemble"),

@@ -4,7 +4,7 @@ stage(
     # one job for all strategies that share their sums over the training data
     "forecasters/scan",
     "objectives on the grid",
-    inputs=files("ensemble time_unit"),
+    inputs={**files("ensemble time_unit"), "scheduled": stages.scheduled},
     outputs={
         "scan": f"{CASE}/scan/{{reservoir}}-{{strategies}}.csv",
         "scan_errors": f"{CASE}/scan/{{reservoir}}-{{strategies}}.nc",
@@ -18,6 +18,7 @@ stage(
     "Bayesian search",
     inputs={
         **files("ensemble time_unit"),
+        "scheduled": stages.scheduled,
         "scan": stages.scan_of_network("csv"),
         "scan_errors": stages.scan_of_network("nc"),
     },
@@ -33,7 +34,7 @@ stage(
     # of points that the objective cannot tell apart: nobody asks for it unless search.choice does
     "forecasters/survival_choice",
     "choose hyperparameters by survival",
-    inputs=files("ensemble time_unit trace"),
+    inputs={**files("ensemble time_unit trace"), "scheduled": stages.scheduled},
     outputs={
         "chosen": f"{FORECASTER}/survival_choice.json",
         "candidates": f"{FORECASTER}/survival_choice.csv",
@@ -48,7 +49,8 @@ stage(
     "train",
     inputs={
         **files("ensemble time_unit"),
-        "hyperparameters": f"{FORECASTER}/{campaign.hyperparameters_file}",
+        "scheduled": stages.scheduled,
+        "hyperparameters": stages.hyperparameters,
     },
     outputs={"forecaster": f"{FORECASTER}/forecaster.nc"},
     settings="TIME OBSERVED RESERVOIR washout_lt",
@@ -60,7 +62,7 @@ stage(
     # forecasters of all other kinds, which need no search
     "forecasters/fit",
     "fit",
-    inputs=files("ensemble time_unit"),
+    inputs={**files("ensemble time_unit"), "scheduled": stages.scheduled},
     outputs={"forecaster": f"{FORECASTER}/forecaster.nc"},
     settings="FORECASTER OBSERVED",
     cost="training",

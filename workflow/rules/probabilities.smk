@@ -14,7 +14,10 @@ stage(
 stage(
     "evaluation/calibration_forecast",
     "forecast the calibration set out of sample",
-    inputs=files("ensemble forecaster calibration_set time_unit"),
+    inputs={
+        **files("ensemble forecaster calibration_set time_unit"),
+        "scheduled": stages.scheduled,
+    },
     outputs={"calibration_forecast": f"{FORECASTER}/calibration_forecast.nc"},
     settings="FORECASTER forecaster.divergence_bound OBSERVED WINDOWS washout_lt "
     "probability.calibration_series",

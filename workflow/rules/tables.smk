@@ -23,7 +23,7 @@ table_stage(
     "table of the hyperparameters",
     inputs={
         "hyperparameters": files_in_case(
-            campaign.hyperparameters_file, campaign.networks
+            campaign.hyperparameters_file, campaign.searched_networks
         )
     },
     settings="KEYS",

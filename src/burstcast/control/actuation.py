@@ -14,7 +14,7 @@ from burstcast import durations
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.control.timing import Timing
 from burstcast.systems.base import DynamicalSystem, EnergyBudget, has_own
-from burstcast.systems.parameters import Parameters
+from burstcast.systems.parameters import SHARE, Parameters
 
 
 def actuation_interval(timing: Timing, start_lt: float, duration_lt: float) -> tuple[int, int]:
@@ -170,7 +170,7 @@ class ActuatorShare(Parameters):
             As of `actuated_system`.
         """
         actuated_system(system, changed, force)
-        return cls(("share",), (0.0,), free=system, changed=changed, force=force)
+        return cls((SHARE,), (0.0,), free=system, changed=changed, force=force)
 
     def system(self, values: Sequence[float]) -> DynamicalSystem:
         """Equations under a share of the actuation."""

@@ -2,16 +2,19 @@
 
 import dataclasses
 
+from burstcast.control.cost import ActuationCost
 from burstcast.control.counts import FlowCounts
 from burstcast.control.records import FlowRecords
 from burstcast.files.netcdf import Variable
-from burstcast.files.units import NUMBER, OBSERVABLE, POWER
+from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE, POWER
 
 # of `FlowRecords`: per unit of time; all others are counts
 _ENERGIES = ("input", "dissipation")
 
 
-def flow_variables(records: FlowRecords, first: int) -> dict[str, Variable]:
+def flow_variables(
+    records: FlowRecords, first: int, cost: ActuationCost | None = None
+) -> dict[str, Variable]:
     """Variables of the records of flows.
 
     Parameters
@@ -20,6 +23,8 @@ def flow_variables(records: FlowRecords, first: int) -> dict[str, Variable]:
         Of the flows.
     first
         Row of the first of the given flows' series in the ensemble.
+    cost
+        Of the actuation; None: it is not recorded.
     """
     which = "row of the series in the ensemble"
     return {
@@ -33,6 +38,16 @@ def flow_variables(records: FlowRecords, first: int) -> dict[str, Variable]:
             )
             for field in dataclasses.fields(records)
         },
+        **({} if cost is None else _cost_variables(cost)),
+    }
+
+
+def _cost_variables(cost: ActuationCost) -> dict[str, Variable]:
+    effort = "mean length of the force that acts as the actuation"
+    power = "mean energy that this force puts in or takes out"
+    return {
+        "effort": Variable(("flow",), cost.effort, COMPONENT, effort),
+        "power": Variable(("flow",), cost.power, POWER, power),
     }
 
 

@@ -178,8 +178,16 @@ actuation. Hazards are laminarisations per Lyapunov time of the flows that are n
 """
 
 
+COSTS = ("effort", "power")
+"""Costs of the actuation (`burstcast.control.cost.ActuationCost`), where they are recorded."""
+
+
 def score_flows(
-    records: FlowRecords, span: Span, resamples: int, generator: np.random.Generator
+    records: FlowRecords,
+    span: Span,
+    resamples: int,
+    generator: np.random.Generator,
+    costs: Mapping[str, FloatArray] | None = None,
 ) -> dict[str, ResampledScore]:
     """Score flows by what control costs and gains.
 
@@ -194,17 +202,23 @@ def score_flows(
     generator
         Source of the resamples: runs on the same flows are compared on the same resamples if
         theirs begin alike.
+    costs
+        Of each flow, ``(flows,)``, by the names in `COSTS`; None: they are not known.
 
     Returns
     -------
-    By the names in `FLOW_SCORES`.
+    By the names in `FLOW_SCORES`, and means of the costs by theirs.
     """
     flows = len(records.row)
     weights = np.ones((resamples + 1, flows))
     if flows:
         weights[1:] = bootstrap_weights(flows, resamples, generator)
     values = _scores(records, span, weights)
-    return {name: ResampledScore(float(values[name][0]), values[name][1:]) for name in FLOW_SCORES}
+    weighted = weights * _neither(records)
+    for name, of_flows in (costs or {}).items():
+        values[name] = _quotient((weighted * of_flows).sum(axis=1), weighted.sum(axis=1))
+    names = (*FLOW_SCORES, *(costs or {}))
+    return {name: ResampledScore(float(values[name][0]), values[name][1:]) for name in names}
 
 
 def flow_intervals(
@@ -233,7 +247,7 @@ def _neither(records: FlowRecords) -> BoolArray:
     return (records.laminar_step_uncontrolled < 0) & (records.laminar_step_controlled < 0)
 
 
-def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> Mapping[str, FloatArray]:
+def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> dict[str, FloatArray]:
     """Scores of weighted flows, ``(resamples,)`` each; weights are ``(resamples, flows)``."""
     counts = _neither(records).astype(np.float64)
     weighted = weights * counts

@@ -4,7 +4,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.data.parameter_factors import ParameterFactors
-from burstcast.forecasters._options import AWARE
+from burstcast.forecasters._options import DEFAULTS
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.systems.parameters import Parameters
 
@@ -37,7 +37,7 @@ def fitted_factors(schedules: FloatArray | None, case: ForecastingCase) -> Param
     ValueError
         If there are no schedules, or no parameter varies in them.
     """
-    parameters, options = parameters_of(case), {**AWARE, **case.options}
+    parameters, options = parameters_of(case), {**DEFAULTS["aware"], **case.options}
     names = parameters.names
     values = np.array([parameters.own]) if schedules is None else schedules
     factors = ParameterFactors.of(names, values, options["transform"], options["parameter_degree"])

@@ -12,12 +12,10 @@ DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     "filter": {"members": 40, "inflation": 1},
     "quadratic": {"degree": 2, "window_lt": 0.2, "significance": 4},
     "analogues": {"neighbours": 10},
+    "aware": {"parameters": ["reynolds"], "transform": "inverse", "parameter_degree": 1},
 }
-"""Options by section."""
-
-AWARE: Mapping[str, Any] = {"transform": "inverse", "parameter_degree": 1}
-"""Options of the section ``aware``, which configs do not have yet: how what is learnt depends on
-parameters (`burstcast.data.parameter_factors`)."""
+"""Options by section. Those of ``aware`` say how what is learnt depends on which parameters
+(`burstcast.data.parameter_factors`)."""
 
 _SECTIONS: Mapping[str, tuple[str, ...]] = {
     "equations_filtered": ("observation", "filter"),

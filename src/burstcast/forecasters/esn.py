@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -63,6 +63,7 @@ class NetworkForecaster(Forecaster):
         washout: int,
         tikhonov: float,
         divergence_bound: float | None,
+        **knowledge: Any,
     ) -> Self:
         """Train a network on all series.
 
@@ -80,10 +81,12 @@ class NetworkForecaster(Forecaster):
             Tikhonov parameter.
         divergence_bound
             See the class.
+        knowledge
+            Further fields of a kind that has any.
         """
         readout = train(dynamics, training, washout=washout, tikhonov=tikhonov)
         network = EchoStateNetwork(dynamics, readout, training.input_range)
-        return cls(network, seed, divergence_bound)
+        return cls(network, seed, divergence_bound, **knowledge)
 
     def leave_one_out(
         self,

@@ -10,8 +10,7 @@ from burstcast.forecasters.base import Forecaster
 
 _OTHERS = ("base", "registry")
 AWARE_KINDS = ("esn_aware", "quadratic_aware", "quadratic_aware_filtered")
-"""Kinds that learn from schedules, which a case's training series do not have yet: configs do not
-offer them."""
+"""Kinds that learn how the flow depends on parameters, from series with schedules."""
 
 
 def available_kinds() -> list[str]:
@@ -23,6 +22,12 @@ def available_kinds() -> list[str]:
 def linearises(kind: str) -> bool:
     """Whether a kind linearises its forecasts, so that it has Lyapunov exponents."""
     return forecaster_class(kind).advance_tangent is not Forecaster.advance_tangent
+
+
+def learns_parameters(kind: str) -> bool:
+    """Whether a kind learns how the flow depends on parameters: equations know without learning."""
+    found = forecaster_class(kind)
+    return found.aware and not found.needs_equations
 
 
 def forecaster_class(kind: str) -> type[Forecaster]:

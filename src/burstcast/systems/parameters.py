@@ -18,6 +18,9 @@ from burstcast.discovery import suggestion
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate, integrate_switched
 
+SHARE = "share"
+"""The parameter that is the share of an actuator in force, and none of the equations' own."""
+
 
 @dataclass(frozen=True)
 class Parameters:

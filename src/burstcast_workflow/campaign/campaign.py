@@ -7,16 +7,22 @@ from itertools import product
 from typing import Any
 
 from burstcast import durations
-from burstcast.control.strategies.registry import strategy_class
+from burstcast.control.setting_names import is_option
+from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import Forecaster
-from burstcast.forecasters.registry import forecaster_class, linearises
+from burstcast.forecasters.registry import forecaster_class, learns_parameters, linearises
 from burstcast.systems.mfe_modes import flow_modes
+from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
-from burstcast_workflow.campaign.control_plans import ControlPlan, block_plans, paper_plan
+from burstcast_workflow.campaign.control_plans import (
+    ControlPlan,
+    block_plans,
+    paper_plan,
+)
 from burstcast_workflow.config.cases import block_cases, cases_of
 from burstcast_workflow.config.kinds import Quantile, Section
 from burstcast_workflow.config.measured_cases import space_of
@@ -46,7 +52,7 @@ GROUPS = {
     "SCORED": "random_seed bootstrap classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt",
     "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
-    "forecasters.esn.backend",
+    "forecasters.esn.backend forecasters.aware",
     "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
     "search.interval_lt search.tikhonov search.spectral_radius search.input_scaling",
     "FORECASTER": "SYSTEM TIME forecaster.options",
@@ -61,6 +67,8 @@ GROUPS = {
 """Settings that several stages read, by one name for all of them."""
 
 NOISE = "case.training.noise"
+AWARE = "forecasters.aware"
+COST = "control.cost"
 
 
 @dataclass(frozen=True)
@@ -151,7 +159,23 @@ class Campaign:
     @cached_property
     def networks(self) -> tuple[CaseForecaster, ...]:
         """Those forecasters that are echo state networks."""
-        return tuple(one for one in self.forecasters if one.name.kind == "esn")
+        return tuple(one for one in self.forecasters if one.name.neurons is not None)
+
+    @cached_property
+    def searched_networks(self) -> tuple[CaseForecaster, ...]:
+        """Networks whose hyperparameters are searched in their own case."""
+        return tuple(one for one in self.networks if self.search_case(one) == one.case)
+
+    def search_case(self, one: CaseForecaster) -> str:
+        """Case in which the hyperparameters of a network are searched: the first it is trained on.
+
+        Networks that know the parameters and are trained on the same series share them.
+        """
+        return self.sources(one.case)[0] if learns_parameters(one.name.kind) else one.case
+
+    def sources(self, case: str) -> list[str]:
+        """Cases whose series the kinds that know the parameters are trained on, for a case."""
+        return self.cases[case].training.trained_on or [case]
 
     def select(self, **values: object) -> tuple[CaseForecaster, ...]:
         """Forecasters whose case, kind, neurons, validation or seed have the given values."""
@@ -266,6 +290,24 @@ class Campaign:
         )
 
     @cached_property
+    def costed_runs(self) -> tuple[ControlRun, ...]:
+        """Control whose settings are chosen by what they cost, on half of the flows."""
+        return self.strategy_runs if self.config.control.cost else ()
+
+    @property
+    def unused_columns(self) -> set[str]:
+        """Columns of tables of control that no plan of the campaign has a value of."""
+        values = [value for run in self.strategy_runs for _, value in run.plan.settings]
+        return set() if any(map(is_option, values)) else {"options"}
+
+    @cached_property
+    def aware_cases(self) -> tuple[str, ...]:
+        """Cases with forecasters that know the parameters."""
+        return tuple(
+            dict.fromkeys(one.case for one in self.forecasters if learns_parameters(one.name.kind))
+        )
+
+    @cached_property
     def _plans(self) -> dict[str, ControlPlan]:
         return {run.plan.identifier: run.plan for run in self.strategy_runs}
 
@@ -293,7 +335,8 @@ class Campaign:
             its kind's settings without ``forecaster.divergence_bound``, which only those read who
             judge long forecasts (None where the kind has none; left out for controllers that ask
             no forecaster), ``control.run`` for its plan of control. Kinds that see the truth are
-            given no noise.
+            given no noise, ``forecasters.aware`` is for forecasters that know the parameters, with
+            the case's own values (``own``), and ``control.cost`` is left out where it is false.
         wildcards
             Of the job.
         values
@@ -306,6 +349,10 @@ class Campaign:
         """
         name = _name_of(wildcards)
         left_out = {NOISE} if _sees_truth(name) else set()
+        if not (name.asks_forecasters and self._tells(name, wildcards)):
+            left_out.add(AWARE)
+        if not self.config.control.cost:
+            left_out.add(COST)
         if "controller" in wildcards and not name.asks_forecasters:
             left_out.add("forecaster.options")
         found = {
@@ -320,6 +367,8 @@ class Campaign:
         section, *rest = path.split(".")
         if section == "forecaster":
             value: Any = self._options(name.kind)
+        elif path == AWARE:
+            return {**self._plain[section]["aware"], "own": self._own_values(wildcards["case"])}
         elif section == "case":
             value = self._plain_cases[wildcards["case"]]
         elif path == "statistics.duration" and self.config.statistics.duration is None:
@@ -331,6 +380,19 @@ class Campaign:
         for key in rest:
             value = value[key]
         return value
+
+    def _tells(self, name: ForecasterName, wildcards: Mapping[str, str]) -> bool:
+        """Whether a job's forecaster learns about parameters, or its control tells it of them."""
+        plan = self.plan(wildcards["strategy"]) if "strategy" in wildcards else None
+        told = plan and make_strategy(plan.strategy, dict(plan.settings)).told
+        return bool(told) or learns_parameters(name.kind)
+
+    def _own_values(self, case: str) -> list[float]:
+        """Values of the parameters that forecasters are told of, in a case without actuation."""
+        names, one = self.config.forecasters.aware.parameters, self.cases[case]
+        if names == [SHARE]:
+            return [0.0]
+        return [*SystemParameters.of(make_system(one.system, one.parameters), names).own]
 
     @cached_property
     def _plain(self) -> dict[str, Any]:
@@ -496,8 +558,11 @@ class Campaign:
 
 
 def _name_of(wildcards: Mapping[str, str]) -> ForecasterName:
-    """Forecaster or controller of a job."""
-    return parsed(wildcards.get("forecaster") or wildcards.get("controller") or "none")
+    """Forecaster or controller of a job, or the network that its reservoir is for."""
+    return parsed(next(filter(None, map(wildcards.get, _WHOSE)), "none"))
+
+
+_WHOSE = ("forecaster", "controller", "reservoir")
 
 
 @cache

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
+from burstcast.control.setting_names import named
 from burstcast_workflow.config.model import StrategyBlock
-from burstcast_workflow.stages.canonical import canonical
 
 WINDOWS = "prediction_triggered"
 """The paper's strategy."""
@@ -43,7 +43,7 @@ class ControlPlan:
     """
 
     strategy: str
-    settings: tuple[tuple[str, float], ...]
+    settings: tuple[tuple[str, Any], ...]
     starts: str
     quiet_lt: float
     span_lt: float | None
@@ -55,13 +55,13 @@ class ControlPlan:
     def identifier(self) -> str:
         """Its name in paths and tables."""
         parts = [self.strategy]
-        parts += [f"{name.removesuffix('_lt')}{_number(value)}" for name, value in self.settings]
+        parts += [f"{name.removesuffix('_lt')}{named(value)}" for name, value in self.settings]
         if self.starts != _PAPER.starts:
             parts.append(self.starts)
         for name in CONDITIONS[1:]:
             value = getattr(self, name)
             if value != getattr(_PAPER, name):
-                parts.append(f"{name.removesuffix('_lt')}{_number(value)}")
+                parts.append(f"{name.removesuffix('_lt')}{named(value)}")
         return "-".join(parts)
 
     def record(self, span_lt: float) -> dict[str, Any]:
@@ -86,7 +86,7 @@ def block_plans(block: StrategyBlock) -> Iterator[ControlPlan]:
     for (delay_lt, strength, noise), values in product(conditions, several):
         yield ControlPlan(
             strategy=block.strategy,
-            settings=tuple(zip(names, values, strict=True)),
+            settings=tuple(zip(names, map(_hashable, values), strict=True)),
             starts=block.starts,
             quiet_lt=block.quiet_lt,
             span_lt=block.span_lt,
@@ -96,8 +96,8 @@ def block_plans(block: StrategyBlock) -> Iterator[ControlPlan]:
         )
 
 
-def _number(value: float) -> str:
-    return str(canonical(value))
+def _hashable(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
 
 
 # conditions that a block has unless it says others are those of the paper

@@ -17,6 +17,7 @@ def _is_multiple(value: float, unit: float) -> bool:
 _HOLDS: dict[str, Callable[[Any, Any], bool]] = {
     "below": lambda value, other: value < other,
     "at_most": lambda value, other: value <= other,
+    "at_least": lambda value, other: value >= other,
     "not_beyond": lambda value, other: value <= other,
     "multiple_of": _is_multiple,
     "one_of": lambda value, other: value in other,

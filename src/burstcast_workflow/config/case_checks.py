@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 from pydantic import ValidationError
 
-from burstcast.forecasters.registry import forecaster_class
+from burstcast.forecasters.registry import forecaster_class, learns_parameters
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class, system_module
+from burstcast_workflow.config.aware_checks import problems_of_parameters
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.cases import blocks_of, campaign_cases, case_record, data_of
 from burstcast_workflow.config.lengths import misfits
@@ -62,9 +63,11 @@ def _simulated(config: Configuration, name: str) -> Iterator[str]:
             "the chaotic phase; take best"
         )
     yield from _starts_of_actuation(config, case)
-    networks = [block.forecasters.esn for block in blocks_of(config, name)]
-    validations = [one for axes in networks if axes for one in axes.validation]
+    networks = [axes for block in blocks_of(config, name) for axes in block.forecasters.networks]
+    validations = [one for axes in networks for one in axes.validation]
     yield from misfits(config, name, case, kinds, validations)
+    if any(map(learns_parameters, kinds)):
+        yield from problems_of_parameters(config, name, case)
 
 
 def _files(system: str, files: list[str]) -> Iterator[str]:
@@ -209,6 +212,8 @@ def _measured(config: Configuration, name: str) -> Iterator[str]:
     kinds = _kinds(config, name)
     if needing := [kind for kind in kinds if forecaster_class(kind).needs_equations]:
         yield f"there are no equations of measured series to forecast with ({', '.join(needing)})"
+    if knowing := [kind for kind in kinds if learns_parameters(kind)]:
+        yield f"measured series have no parameters to be known ({', '.join(knowing)})"
     if any(forecaster_class(kind).has_filter for kind in kinds):
         yield from _filter(config.forecasters.filter, case, name)
     for index, block in enumerate(config.control.strategies):

@@ -33,6 +33,7 @@ from burstcast_workflow.config.model import (
     Case,
     CasePart,
     Configuration,
+    NetworkChoice,
     Simulated,
     StrategyBlock,
 )
@@ -97,7 +98,7 @@ def _campaign(config: Configuration) -> Iterator[str]:
         yield "case_defaults.data must be null: each case has data of its own, in cases.<name>.data"
     connectivity, known = config.forecasters.esn.connectivity, _known_cases(config)
     for index, block in enumerate(config.campaign):
-        place, networks = f"campaign[{index}]", block.forecasters.esn
+        place = f"campaign[{index}]"
         if not block_cases(block):
             yield f"{place} names no case: give it reynolds: [...] or cases: [...]"
         for name in block.cases:
@@ -108,7 +109,7 @@ def _campaign(config: Configuration) -> Iterator[str]:
                 yield from _realisations(config, place, block, name)
         if not block.forecasters.kinds:
             yield f"{place}.forecasters names no kind: give it esn, equations, ..."
-        smallest = min(networks.neurons) if networks else math.inf
+        smallest = min((min(axes.neurons) for axes in block.forecasters.networks), default=math.inf)
         if connectivity > smallest - 1:
             yield (
                 f"forecasters.esn.connectivity is {connectivity:g}, but a reservoir of {smallest} "
@@ -156,11 +157,20 @@ def _strategies(config: Configuration) -> Iterator[str]:
             yield f"{place}.forecasters: {name} asks no forecaster; leave it out"
         for plan in block_plans(block):
             try:
-                if make_strategy(name, dict(plan.settings)).told:
-                    yield f"{place}: {name} tells forecasters of a parameter, but no case has one"
+                if make_strategy(name, dict(plan.settings)).told and (untold := _untold(block)):
+                    yield (
+                        f"{place}: {name} tells forecasters of the parameters in force, which "
+                        f"{', '.join(untold)} cannot use; take kinds that know them"
+                    )
             except ValueError as error:
                 yield f"{place}.settings: {error}"
         yield from _votes(block, place)
+
+
+def _untold(block: StrategyBlock) -> list[str]:
+    """Kinds of a block that do not know the parameters in force."""
+    kinds = block.forecasters.kinds if block.forecasters else {}
+    return [kind for kind in kinds if not forecaster_class(kind).aware]
 
 
 def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
@@ -173,6 +183,8 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
     if not votes(strategy_class(block.strategy)):
         yield f"{place}.committee: {block.strategy} lets nobody vote; leave it out"
     for share in shares:
+        if not isinstance(share, float):  # told with the settings
+            continue
         if not 0 < share <= 1:
             yield (
                 f"{place}.settings.{VOTE_SHARE} has {share:g}, but a share of the votes is above "
@@ -181,7 +193,8 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
     if block.seeds is not None:
         yield f"{place}.seeds: all networks of a size and strategy are a committee; leave it out"
     for kind in block.forecasters.kinds if block.forecasters else []:
-        if kind != "esn" and not forecaster_class(kind).provides_ensemble:
+        several = isinstance(getattr(block.forecasters, kind), NetworkChoice)
+        if not several and not forecaster_class(kind).provides_ensemble:
             yield f"{place}.forecasters names {kind}, which provides no ensemble that could vote"
 
 

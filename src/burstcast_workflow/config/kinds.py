@@ -126,6 +126,10 @@ NetworkOrNull = Annotated[
     Annotated[str, Field(pattern=r"^esn-N\d+-[A-Z]+-seed\d+\Z")] | None,
     Words("the name of a network, such as esn-N2000-RV-seed0, or null"),
 ]
+StrategyValue = Annotated[
+    float | bool | str | list[float],
+    Words("a number, true or false, text, or a list of numbers"),
+]
 CaseName = Annotated[
     str,
     Field(pattern=rf"^(?!(?:{_RESERVED}|report)\Z)[A-Za-z][A-Za-z0-9_.-]*\Z"),
@@ -229,6 +233,7 @@ def _part_of(kind: Any) -> Any:
 RELATIONS = {
     "below": "must be below",
     "at_most": "must be at most",
+    "at_least": "must be at least",
     "not_beyond": "must not be beyond",
     "multiple_of": "must be a multiple of",
     "one_of": "must be one of",

@@ -17,6 +17,7 @@ from burstcast.forecasters.quadratic import window_steps
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast_workflow.campaign.control_plans import block_plans
+from burstcast_workflow.config.measured_cases import space_of
 from burstcast_workflow.config.model import Configuration, Simulated
 from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, VALIDATION
 
@@ -78,6 +79,7 @@ def misfits(
     if any("quadratic" in sections_of_kind(kind) for kind in kinds):
         with telling(""):
             window_steps(config.forecasters.quadratic.window_lt, steps, samples)
+    space = space_of(case)
     for index, block in enumerate(config.control.strategies):
         if case.actuation is None or (block.cases and name not in block.cases):
             continue
@@ -95,7 +97,10 @@ def misfits(
                     time_step=ensemble.time_step,
                 )
                 settings = dict(plan_of_control.settings)
-                make_control_strategy(plan_of_control.strategy, settings).check(schedule)
+                strategy = make_control_strategy(plan_of_control.strategy, settings)
+                strategy.check(schedule)
+                if space is not None:
+                    strategy.check_system(space, case.actuation.force is not None)
     return list(dict.fromkeys(problems))
 
 

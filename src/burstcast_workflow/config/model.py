@@ -32,6 +32,7 @@ from burstcast_workflow.config.kinds import (
     SomeFalling,
     SomeRising,
     Strategy,
+    StrategyValue,
     SystemName,
     Threshold,
     Whole,
@@ -92,12 +93,27 @@ class SingleKinds(Chosen):
     )
     analogues: Alone = setting("what followed the most similar states of the past", default=None)
     persistence: Alone = setting("the last observed state for ever", default=None)
+    quadratic_aware: Alone = setting(
+        "learnt equations that know the parameters in force, from what is observed", default=None
+    )
+    quadratic_aware_filtered: Alone = setting(
+        "learnt equations that know the parameters in force, started from a filter's estimate",
+        default=None,
+    )
 
 
 class BlockForecasters(SingleKinds):
     """Forecasters of a block, by kind; null for none of a kind."""
 
     esn: NetworkAxes | None = setting("echo state networks", default=None)
+    esn_aware: NetworkAxes | None = setting(
+        "echo state networks that know the parameters in force", default=None
+    )
+
+    @property
+    def networks(self) -> list[NetworkAxes]:
+        """Axes of the kinds that are networks."""
+        return [axes for axes in (self.esn, self.esn_aware) if axes is not None]
 
 
 class NetworkChoice(Section):
@@ -119,6 +135,9 @@ class Choice(SingleKinds):
     """Which of the campaign's forecasters, by kind; null for none of a kind."""
 
     esn: NetworkChoice | None = setting("echo state networks", default=None)
+    esn_aware: NetworkChoice | None = setting(
+        "echo state networks that know the parameters in force", default=None
+    )
 
 
 class Block(Section):
@@ -211,12 +230,35 @@ class Lyapunov(TimeUnit):
     )
 
 
+class TrainingActuation(Section):
+    """An actuator that switches on and off at random during training series; null for none."""
+
+    interval_lt: Positive = setting("interval at whose ends the actuator may switch")
+    mean_on_lt: Positive = setting(
+        "mean time that it stays on", at_least="training.actuation.interval_lt"
+    )
+    mean_off_lt: Positive = setting(
+        "mean time that it stays off", at_least="training.actuation.interval_lt"
+    )
+    strength: Positive = setting("share of the case's actuation", "actuations", default=1)
+
+
 class Training(Section):
     """Training data."""
 
     series: Count = setting("number of series that forecasters are trained on")
     noise: float = setting(
         "standard deviation of the observation noise", "standard deviations of each component", ge=0
+    )
+    trained_on: Distinct[CaseName] = setting(
+        "cases whose training series the kinds that know the parameters are trained on; the case "
+        "itself if empty",
+        default=[],
+    )
+    actuation: TrainingActuation | None = setting(
+        "actuation of the series that this case gives to the kinds that know the parameters; null: "
+        "its training series, which are free",
+        default=None,
     )
 
 
@@ -455,6 +497,19 @@ class AnalogueForecasters(Section):
     neighbours: Count = setting("number of analogues, whose mean is the forecast")
 
 
+@with_defaults(DEFAULTS["aware"])
+class Aware(Section):
+    """Kinds that know the parameters in force, whose factors what they learn is linear in."""
+
+    parameters: Some[ParameterName] = setting(
+        "parameters of the equations that they are told, or share: that of the actuator"
+    )
+    transform: Literal["identity", "inverse"] = setting(
+        "function of a parameter that the factors are made of, scaled to [-1, 1] in training"
+    )
+    parameter_degree: Whole = setting("highest degree of the factors", ge=1, le=3)
+
+
 class Forecasters(Section):
     """Settings of the kinds of forecasters that have any."""
 
@@ -463,6 +518,7 @@ class Forecasters(Section):
     filter: Filter = setting("", default_factory=Filter)
     quadratic: Quadratic = setting("", default_factory=Quadratic)
     analogues: AnalogueForecasters = setting("", default_factory=AnalogueForecasters)
+    aware: Aware = setting("", default_factory=Aware)
 
 
 class Search(Section):
@@ -546,7 +602,7 @@ class StrategyBlock(Section):
     strategy: ControlStrategyName = setting(
         "the strategy, a module of burstcast.control.strategies"
     )
-    settings: dict[ParameterName, Some[float]] = setting(
+    settings: dict[ParameterName, Some[StrategyValue]] = setting(
         "its settings, several values each; names in _lt are in Lyapunov times", default={}
     )
     cases: Distinct[CaseName] = setting(
@@ -596,6 +652,11 @@ class Control(Section):
         "whether alarms at random, as often as each network's own, are compared with it"
     )
     sweep: Sweep
+    cost: bool = setting(
+        "whether the effort and the power of the actuation are recorded, and settings of "
+        "strategies chosen by them on half of the flows (the table control_worth)",
+        default=False,
+    )
     strategies: list[StrategyBlock] = setting(
         "control beyond the paper's: the union of these blocks"
     )

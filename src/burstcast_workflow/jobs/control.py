@@ -2,13 +2,14 @@
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.control.actuation import actuated_system
+from burstcast.control.actuation import ActuationValues, actuated_system, reversed_actuation
 from burstcast.control.experiment import (
     ControlExperiment,
     Schedule,
@@ -24,10 +25,11 @@ from burstcast.data.dataset import component_scales
 from burstcast.files.netcdf import read_rows
 from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.densities import bin_edges
+from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
-from burstcast_workflow.jobs.systems import equations_of
+from burstcast_workflow.jobs.systems import equations_of, parameters_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
@@ -47,6 +49,9 @@ def control_setup(
     """
     strategy = make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
     experiment = control_experiment(settings, ensemble, summary, time_unit)
+    if strategy.told:
+        names = settings["forecasters.aware"]["parameters"]
+        experiment = replace(experiment, values=_values(settings, experiment, names))
     controller = settings["controller"]
     asked = [read_forecaster(path, settings, time_unit, name=controller) for path in forecasters]
     noise = None
@@ -72,7 +77,8 @@ def control_experiment(
     what follows them has had no say in what is kept.
     """
     system, steps = equations_of(settings), lyapunov_time(settings, time_unit)
-    actuation = settings["case.actuation"]
+    actuation, strength = settings["case.actuation"], settings["control.run.strength"]
+    reverses = bool(settings["control.run.settings"].get("push")) and actuation["force"] is not None
     washout = durations.steps(settings["washout_lt"], steps)
     training = settings["case.training.series"]
     kept = read_json(summary)["series_kept"]
@@ -85,7 +91,10 @@ def control_experiment(
             system,
             actuation["parameters"],
             actuation["force"],
-            settings["control.run.strength"],
+            strength,
+        ),
+        reversed_system=(
+            reversed_actuation(system, actuation["force"], strength) if reverses else None
         ),
         threshold=settings["case.event_threshold"],
         series=series,
@@ -107,6 +116,16 @@ def control_experiment(
     )
 
 
+def _values(
+    settings: Settings, experiment: ControlExperiment, names: Sequence[str]
+) -> ActuationValues:
+    """What forecasters are told of the actuator, off and on."""
+    off = parameters_of(settings, names)
+    if list(names) == [SHARE]:
+        return ActuationValues(off.own, (settings["control.run.strength"],))
+    return ActuationValues(off.own, SystemParameters.of(experiment.actuated_system, names).own)
+
+
 def write_control(
     files: tuple[str, str, str],
     strategy: ControlStrategy,
@@ -125,5 +144,6 @@ def write_control(
     write_json(counts, {**outcome.record(), "provenance": dict(provenance)})
     write_netcdf(histograms, histogram_variables(outcome), provenance)
     records, span = record_flows(simulation, laminarisation_threshold), Span.of(simulation.timing)
+    cost = simulation.cost if settings.get("control.cost") else None
     of_span = {**provenance, **dataclasses.asdict(span)}
-    write_netcdf(flows, flow_variables(records, experiment.series.start), of_span)
+    write_netcdf(flows, flow_variables(records, experiment.series.start, cost), of_span)

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import Variable, read_attributes, read_netcdf
@@ -11,7 +12,7 @@ from burstcast.forecasters.registry import forecaster_class
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import observed_rows
-from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.systems import parameters_of, system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
@@ -25,12 +26,16 @@ def forecasting_case(settings: Settings, time_unit: str | Sequence[str]) -> Fore
     time_unit
         The job's input of that name.
     """
+    options = settings["forecaster.options"]
+    told: Mapping[str, Any] = settings.get("forecasters.aware") or options
+    names = told.get("parameters")
     return ForecastingCase(
         system=system_of(settings),
         time_step=settings["case.ensemble.time_step"],
         sampling_stride=settings["case.ensemble.sampling_stride"],
         steps_per_lyapunov_time=lyapunov_time(settings, time_unit),
-        options=settings["forecaster.options"],
+        options=options,
+        parameters=parameters_of(settings, names) if names else None,
     )
 
 

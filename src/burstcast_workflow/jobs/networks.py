@@ -5,27 +5,76 @@ from typing import Any
 
 from burstcast import durations
 from burstcast.data.dataset import component_scales
+from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters._names import parsed
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.registry import forecaster_class
+from burstcast.systems.parameters import Parameters
 from burstcast.tuning.hyperparameters import SearchSpace
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.validation import PointValidator
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import observed_rows, training_states
+from burstcast_workflow.jobs.scheduled import read_scheduled
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
-def training_series(settings: Settings, ensemble: str) -> TrainingSeries:
+def network_class(identifier: str) -> type[NetworkForecaster]:
+    """Class of a network by its identifier."""
+    kind = forecaster_class(parsed(identifier).kind)
+    assert issubclass(kind, NetworkForecaster)
+    return kind
+
+
+def knowledge(settings: Settings, scheduled: Sequence[str]) -> dict[str, Any]:
+    """What a network is given that knows the parameters: nothing for others.
+
+    Parameters
+    ----------
+    settings
+        With ``forecasters.aware``.
+    scheduled
+        Input of that name.
+    """
+    if not scheduled:
+        return {}
+    options = settings["forecasters.aware"]
+    parameters = Parameters(tuple(options["parameters"]), tuple(options["own"]))
+    schedules = read_scheduled(scheduled, settings["case"]).schedules
+    factors = ParameterFactors.of(
+        parameters.names, schedules, options["transform"], options["parameter_degree"]
+    )
+    return {"factors": factors, "parameters": parameters}
+
+
+def training_series(
+    settings: Settings, ensemble: str, scheduled: Sequence[str] = ()
+) -> TrainingSeries:
     """Training series of a case as forecasters see them.
+
+    Parameters
+    ----------
+    settings
+        Of the job.
+    ensemble
+        Input of that name.
+    scheduled
+        Input of that name: series that networks learn from which know the parameters.
 
     Raises
     ------
     ValueError
         If the ensemble has too few series, or a component of them is constant.
     """
+    if scheduled:
+        learnt = read_scheduled(scheduled, settings["case"])
+        factors = knowledge(settings, scheduled)["factors"](learnt.schedules)
+        scales = component_scales(learnt.true.states)
+        return TrainingSeries(learnt.observed.states, scales.range, factors)
     states = training_states(settings, ensemble)
     observed = observed_rows(settings, ensemble, 0, states)
     return TrainingSeries(observed=observed, input_range=component_scales(states).range)
@@ -68,7 +117,11 @@ def search_space(settings: Settings) -> SearchSpace:
 
 
 def point_validator(
-    settings: Settings, identifier: str, ensemble: str, time_unit: str | Sequence[str]
+    settings: Settings,
+    identifier: str,
+    ensemble: str,
+    time_unit: str | Sequence[str],
+    scheduled: Sequence[str],
 ) -> PointValidator:
     """What validates the points of the search of one reservoir.
 
@@ -78,13 +131,13 @@ def point_validator(
         Of the scan or of the search.
     identifier
         Of the network, or of the reservoir alone.
-    ensemble, time_unit
+    ensemble, time_unit, scheduled
         Inputs of the job.
     """
     system = system_of(settings)
     return PointValidator(
         reservoir=reservoir_seed(settings, identifier).reservoir(system.dimension),
-        training=training_series(settings, ensemble),
+        training=training_series(settings, ensemble, scheduled),
         observable=system.observable,
         plan=_validation_plan(settings, lyapunov_time(settings, time_unit)),
         tikhonov=settings["search.tikhonov"],

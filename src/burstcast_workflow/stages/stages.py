@@ -10,6 +10,7 @@ from snakemake.io import local
 
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
+from burstcast.forecasters.registry import learns_parameters
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.costs.model import CostModel
@@ -51,7 +52,8 @@ def _once(function: OfJob) -> OfJob:
         for key in {"forecaster", "controller"} & names.keys():
             name = parsed(str(names[key]))
             names[key] = (name.kind, name.validation, name.role)
-        names.pop("reservoir", None)
+        if "reservoir" in names:
+            names["reservoir"] = parsed(str(names["reservoir"])).kind
         about = tuple(names.values())
         if about not in known:
             known[about] = function(wildcards)
@@ -176,6 +178,23 @@ class Stages:
             return self.in_results(f"{wildcards.case}/scan/{reservoir}-{strategies}.{suffix}")
 
         return path
+
+    def hyperparameters(self, wildcards: Any) -> Paths:
+        """What a network's search has found: in its case, or the first that it is trained on."""
+        case = self.campaign.search_case(
+            CaseForecaster(wildcards.case, parsed(wildcards.forecaster))
+        )
+        return self.in_results(
+            f"{case}/{wildcards.forecaster}/{self.campaign.hyperparameters_file}"
+        )
+
+    def scheduled(self, wildcards: Any) -> Paths:
+        """Series with schedules that a kind that knows the parameters learns from; or nothing."""
+        names = dict(wildcards.items())
+        name = parsed(names.get("forecaster") or names["reservoir"])
+        if not learns_parameters(name.kind):
+            return []
+        return self.of_cases("scheduled_series.nc", self.campaign.sources(names["case"]))
 
     def ensemble_of_source(self, wildcards: Any) -> Paths:
         """The ensemble that a case of other training series takes its series from."""

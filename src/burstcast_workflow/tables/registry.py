@@ -1,6 +1,6 @@
 """Which tables a campaign has, and what jobs and the report are told of their declarations."""
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -89,22 +89,32 @@ def made_by(script: str) -> list[str]:
     return [name for name, table in TABLES.items() if table.script == script]
 
 
-def written(names: Iterable[str]) -> dict[str, Any]:
-    """What a job that writes tables is told: their columns, and what it takes percentiles of."""
-    return {name: _written(TABLES[name]) for name in names}
+def written(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
+    """What a job that writes tables is told: their columns, and what it takes percentiles of.
+
+    Columns that a campaign has no use for are left out.
+    """
+    return {name: _written(TABLES[name], unused) for name in names}
 
 
-def _written(table: Table) -> dict[str, Any]:
-    columns = {"columns": [*table.keys, *table.columns]}
+def _written(table: Table, unused: Container[str]) -> dict[str, Any]:
+    columns = {
+        "columns": [
+            name for name in (*table.keys, *table.columns) if plain([name])[0] not in unused
+        ]
+    }
     if not table.percentiles:
         return columns
     return {**columns, "percentiles": table.percentiles, "by": plain([*ENSEMBLE, *table.over])}
 
 
-def joined(names: Iterable[str]) -> dict[str, Any]:
+def joined(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
     """What a job that joins tables of cases is told: all columns that they may have."""
     tables = {name: table_of(name) for name in names}
-    return {name: plain([*table.keys, *table.columns]) for name, table in tables.items()}
+    return {
+        name: [one for one in plain([*table.keys, *table.columns]) if one not in unused]
+        for name, table in tables.items()
+    }
 
 
 def typeset(names: Iterable[str]) -> dict[str, Any]:

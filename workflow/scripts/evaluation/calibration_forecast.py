@@ -19,6 +19,7 @@ from burstcast_workflow.jobs.forecasters import (
     seen_rows,
 )
 from burstcast_workflow.jobs.forecasts import windows_of
+from burstcast_workflow.jobs.scheduled import read_scheduled
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -30,6 +31,7 @@ def forecast_calibration_set(
     forecaster: str,
     calibration_set: str,
     time_unit: str | list[str],
+    scheduled: list[str],
     calibration_forecast: str,
     settings: Settings,
     provenance: Provenance,
@@ -41,8 +43,21 @@ def forecast_calibration_set(
     who = read_forecaster(forecaster, settings, time_unit, bound)
     points = read_netcdf(calibration_set, "series", "washout", "true_state")
     given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
-    if settings["probability.calibration_series"]:
+    learnt = read_scheduled(scheduled, settings["case"]) if scheduled else None
+    if settings["probability.calibration_series"] or (learnt and not learnt.own_rows):
         forecasts = window_forecasts(who, system.observable, given, boundaries)
+    elif learnt:
+        forecasts = out_of_sample_forecasts(
+            who,
+            learnt.observed.states,
+            forecasting_case(settings, time_unit),
+            durations.steps(settings["washout_lt"], steps),
+            system.observable,
+            given,
+            np.array(learnt.own_rows)[points["series"]],
+            boundaries,
+            learnt.schedules,
+        )
     else:
         forecasts = out_of_sample_forecasts(
             who,

@@ -6,6 +6,7 @@ from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import forecasting_case, seen_rows, write_forecaster
+from burstcast_workflow.jobs.scheduled import read_scheduled
 
 
 @job
@@ -13,12 +14,18 @@ def fit(
     *,
     ensemble: str,
     time_unit: str | list[str],
+    scheduled: list[str],
     forecaster: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
     """Write what it has learnt."""
     kind = forecaster_class(parsed(settings["forecaster"]).kind)
-    series = seen_rows(kind, settings, ensemble, 0, training_states(settings, ensemble))
-    fitted = kind.fit(series, forecasting_case(settings, time_unit))
+    case = forecasting_case(settings, time_unit)
+    if scheduled:
+        learnt = read_scheduled(scheduled, settings["case"])
+        fitted = kind.fit(learnt.observed.states, case, learnt.schedules)
+    else:
+        series = seen_rows(kind, settings, ensemble, 0, training_states(settings, ensemble))
+        fitted = kind.fit(series, case)
     write_forecaster(forecaster, fitted, provenance)

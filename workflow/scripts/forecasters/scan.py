@@ -17,13 +17,14 @@ def scan_grid(
     *,
     ensemble: str,
     time_unit: str | list[str],
+    scheduled: list[str],
     scan: str,
     scan_errors: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
     """Write the objective at every point, for every strategy and Tikhonov parameter."""
-    validator = point_validator(settings, settings["reservoir"], ensemble, time_unit)
+    validator = point_validator(settings, settings["reservoir"], ensemble, time_unit, scheduled)
     strategies = [make_strategy(name) for name in settings["strategies"].split("+")]
     with concerning(VALIDATION):
         found = scan_points(validator, search_space(settings), strategies, settings["search.grid"])

@@ -24,6 +24,7 @@ def search(
     *,
     ensemble: str,
     time_unit: str | list[str],
+    scheduled: list[str],
     scan: str,
     scan_errors: str,
     hyperparameters: str,
@@ -33,7 +34,7 @@ def search(
 ) -> None:
     """Write the whole trace of the search and its best point."""
     identifier = settings["forecaster"]
-    validator = point_validator(settings, identifier, ensemble, time_unit)
+    validator = point_validator(settings, identifier, ensemble, time_unit, scheduled)
     strategy = make_strategy(str(parsed(identifier).validation))
     reservoir = reservoir_seed(settings, identifier)
     found = network_search.search(

@@ -4,7 +4,6 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.files.netcdf import read_netcdf
-from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.statistics.long_term import Fate, run_long_term
 from burstcast.statistics.survival import Lifetimes, escape_rate
 from burstcast.tuning.survival import as_good_as_the_best, nearest_escape_rate
@@ -13,7 +12,13 @@ from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.harness.tables import read_table, write_table
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
-from burstcast_workflow.jobs.networks import dynamics_at, reservoir_seed, training_series
+from burstcast_workflow.jobs.networks import (
+    dynamics_at,
+    knowledge,
+    network_class,
+    reservoir_seed,
+    training_series,
+)
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
 
@@ -23,6 +28,7 @@ def choose_by_survival(
     *,
     ensemble: str,
     time_unit: str | list[str],
+    scheduled: list[str],
     trace: str,
     chosen: str,
     candidates: str,
@@ -41,21 +47,21 @@ def choose_by_survival(
         points["paired_standard_error"].to_numpy(dtype=np.float64),
     )
     points = points[good].sort_values("objective", kind="stable")
-    series, how = (
-        training_series(settings, ensemble),
-        long_term_settings(settings, ensemble, time_unit),
-    )
+    series = training_series(settings, ensemble, scheduled)
+    how = long_term_settings(settings, ensemble, time_unit)
+    kind, told = network_class(settings["forecaster"]), knowledge(settings, scheduled)
     seed = reservoir_seed(settings, settings["forecaster"])
     rates = []
     for point in points.to_dict("records"):
         values = {str(key): at for key, at in point.items()}
-        who = NetworkForecaster.trained(
+        who = kind.trained(
             dynamics_at(settings, seed, series.dimension, values),
             seed,
             series,
             washout=durations.steps(settings["washout_lt"], lyapunov_time(settings, time_unit)),
             tikhonov=values["tikhonov"],
             divergence_bound=settings["forecaster.divergence_bound"],
+            **told,
         )
         washouts = long_run_washouts(settings, ensemble, time_unit, who)
         run = run_long_term(who, system_of(settings).observable, washouts, how)

@@ -1,12 +1,17 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
 from burstcast import durations
-from burstcast.forecasters.esn import NetworkForecaster
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.jobs.forecasters import write_forecaster
-from burstcast_workflow.jobs.networks import dynamics_at, reservoir_seed, training_series
+from burstcast_workflow.jobs.networks import (
+    dynamics_at,
+    knowledge,
+    network_class,
+    reservoir_seed,
+    training_series,
+)
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
@@ -15,20 +20,23 @@ def train(
     *,
     ensemble: str,
     time_unit: str | list[str],
+    scheduled: list[str],
     hyperparameters: str,
     forecaster: str,
     settings: Settings,
     provenance: Provenance,
 ) -> None:
     """Write the trained network."""
-    series, chosen = training_series(settings, ensemble), read_json(hyperparameters)
+    series = training_series(settings, ensemble, scheduled)
+    kind, chosen = network_class(settings["forecaster"]), read_json(hyperparameters)
     seed = reservoir_seed(settings, settings["forecaster"])
-    network = NetworkForecaster.trained(
+    network = kind.trained(
         dynamics_at(settings, seed, series.dimension, chosen),
         seed,
         series,
         washout=durations.steps(settings["washout_lt"], lyapunov_time(settings, time_unit)),
         tikhonov=chosen["tikhonov"],
         divergence_bound=None,
+        **knowledge(settings, scheduled),
     )
     write_forecaster(forecaster, network, provenance)

@@ -16,6 +16,7 @@ from burstcast.control.monitors.base import Monitor
 from burstcast.control.simulation import ControlSimulation, Stepper, simulate
 from burstcast.control.timing import Clock
 from burstcast.forecasters.base import Forecaster
+from burstcast.systems.state_space import StateSpace
 
 
 class ControlStrategy(abc.ABC):
@@ -48,6 +49,22 @@ class ControlStrategy(abc.ABC):
             If a setting does not fit.
         """
         self.timing(schedule)
+
+    def check_system(self, system: StateSpace, reversible: bool) -> None:  # noqa: B027
+        """Check what it asks of the flow.
+
+        Parameters
+        ----------
+        system
+            What states are.
+        reversible
+            Whether the actuation can be reversed: it is a force.
+
+        Raises
+        ------
+        ValueError
+            If a setting does not fit.
+        """
 
     @abc.abstractmethod
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:

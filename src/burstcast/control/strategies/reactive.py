@@ -44,13 +44,19 @@ class Reactive(SampledStrategy):
     watch: str = ""
     push: str = ""
 
-    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
-        """Alarms where what is watched is high now (see `ControlStrategy.monitor`)."""
-        system = experiment.system
-        if self.push and experiment.reversed_system is None:
+    def check_system(self, system: StateSpace, reversible: bool) -> None:
+        """Check expressions, and that a push can be reversed (see `ControlStrategy`)."""
+        for expression in filter(None, (self.watch, self.push)):
+            quantity(expression, system)
+        if self.push and not reversible:
             raise ValueError(
                 f"the actuation cannot push by {self.push!r}: only a force can be reversed"
             )
+
+    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
+        """Alarms where what is watched is high now (see `ControlStrategy.monitor`)."""
+        system = experiment.system
+        self.check_system(system, experiment.reversed_system is not None)
         watched = quantity(self.watch, system) if self.watch else system.observable
         return ObservedMonitor(
             watched, self.level, quantity(self.push, system) if self.push else None

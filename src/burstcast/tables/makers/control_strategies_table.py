@@ -6,7 +6,8 @@ from dataclasses import fields
 from burstcast import random_streams
 from burstcast.arrays import IntArray
 from burstcast.control.differences import ComparedRun, paired_differences
-from burstcast.control.records import FlowRecords, Span, flow_intervals, score_flows
+from burstcast.control.records import COSTS, FlowRecords, Span, flow_intervals, score_flows
+from burstcast.control.setting_names import as_columns
 from burstcast.forecasters._names import ForecasterName
 from burstcast.tables.cells import Scores, medians_over_seeds, with_interval
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
@@ -42,10 +43,12 @@ def make(
         span = Span(**{field.name: int(one.content[field.name]) for field in fields(Span)})
         plan = dict(one.plan)
         # noise is the case's, unless the plan has one of its own: equations are given none
-        keys = {**one.name.keys, "noise": noise, **plan.pop("settings"), **plan}
+        settings = as_columns(plan.pop("settings"))
+        keys = {**one.name.keys, "noise": noise, **settings, **plan}
         # all runs of a case are resampled alike: their flows are the same
         generator = random_streams.stream(root_seed, "control", case)
-        scores = score_flows(records, span, resamples, generator)
+        costs = {name: one.content[name] for name in COSTS if name in one.content}
+        scores = score_flows(records, span, resamples, generator, costs)
         rows += [
             {**keys, "metric": name, "value": score.value, "low": score.low, "high": score.high}
             for name, score in flow_intervals(scores, records, span, confidence).items()

@@ -1,0 +1,38 @@
+"""Settings of strategies in words: as parts of names, and as columns of tables."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+
+def is_option(value: Any) -> bool:
+    """Whether a value of a setting is no number: truth, text or a list of numbers."""
+    return isinstance(value, bool | str | list | tuple)
+
+
+def named(value: Any) -> str:
+    """A value as a part of a name: what paths must not have is replaced by its number.
+
+    Examples
+    --------
+    >>> named("-a2"), named((0, 0.25)), named(0.5), named("a1*a2")
+    ('-a2', '0+0.25', '0.5', 'a1_2aa2')
+    """
+    if isinstance(value, tuple | list):
+        return "+".join(map(named, value))
+    whole = isinstance(value, float) and value.is_integer()
+    text = str(int(value) if whole else value)
+    return re.sub(r"[^A-Za-z0-9.+-]", lambda found: f"_{ord(found[0]):x}", text)
+
+
+def as_columns(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings of a strategy as columns: numbers by name, all others in one, ``options``.
+
+    Examples
+    --------
+    >>> as_columns({"horizon_lt": 3, "aware": True})
+    {'horizon_lt': 3, 'options': 'aware=True'}
+    """
+    numbers = {name: value for name, value in settings.items() if not is_option(value)}
+    others = [f"{name}={named(value)}" for name, value in settings.items() if is_option(value)]
+    return {**numbers, "options": " ".join(others)} if others else numbers
