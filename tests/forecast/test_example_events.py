@@ -37,6 +37,12 @@ def test_times_of_one_event_by_hand():
     assert event.times == (21, 31, 40, 47)
 
 
+def test_an_event_lasts_as_long_as_the_threshold_is_reached():
+    # from 2 by 0.1 a step, exactly: 1 in step 50
+    (event,) = isolated_events(bump(100, (20, 20, 16, 2.0))[np.newaxis], CRITERION)
+    assert event.times == (21, 31, 40, 51)
+
+
 def test_the_event_with_the_wanted_peak_comes_first():
     series = np.stack(
         [bump(200, (20, 20, 10, peak)) for peak in (1.2, 2.5, 1.9, 2.11, 0.9)]

@@ -61,6 +61,11 @@ def test_the_same_job_elsewhere_is_a_hit(place):
     assert run(place, "a")  # over outputs that are there
 
 
+def test_the_order_of_settings_and_inputs_makes_no_other_entry(place):
+    other = {name: dict(reversed(JOB[name].items())) for name in ("identity", "settings", "inputs")}
+    assert entry_of(place, **other) == entry_of(place)
+
+
 def test_what_changes_while_it_is_copied_is_not_kept(place, monkeypatch):
     monkeypatch.setattr(cache, "digest", lambda path: "another")
     assert not run(place)

@@ -263,10 +263,12 @@ def test_slow_departure_from_an_unstable_fixed_point_is_not_cut_off():
 
 
 @pytest.mark.parametrize("chunk", [2, 7, 100])
-def test_a_variation_as_large_as_the_criterion_says_is_no_fixed_point(chunk):
-    values = np.where(np.arange(1000) % 2, 0.25, 0.5)
+@pytest.mark.parametrize("small", [0.25, 2.0**-33])
+def test_a_variation_as_large_as_the_criterion_says_is_no_fixed_point(chunk, small):
+    # exact sums; the smaller one is below FIXED_POINT_RANGE of the washouts, too
+    values = np.where(np.arange(1000) % 2, 0.25, 0.25 + small)
     states = np.stack([values, np.full(1000, 0.1)], axis=1)
-    for variation, fate in ((0.25, Fate.KEPT), (0.2501, Fate.FIXED_POINT)):
+    for variation, fate in ((small, Fate.KEPT), (1.001 * small, Fate.FIXED_POINT)):
         criterion = FixedPointCriterion(variation=variation, above=0.05, interval=40)
         found, _ = run(copies(states), threshold=None, fixed_point=criterion, chunk=chunk)
         assert set(found.fates) == {fate}
