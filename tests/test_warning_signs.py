@@ -128,3 +128,10 @@ def test_noise_that_drowns_a_component():
     ratio = 0.1 / (2 * np.pi / 500)
     assert found.text.startswith("component 0: the noise is up to ")
     assert float(found.text.split()[7]) == pytest.approx(ratio, rel=0.01)
+
+
+def test_what_is_no_better_than_a_permanent_alarm():
+    permanent = [2 / 3, 2 / 3, float("nan")]
+    assert signs.no_better_than_permanent_alarm([1, 2, 3], [0.9, 0.7, 0.1], permanent) == []
+    (found,) = signs.no_better_than_permanent_alarm([1, 2, 3], [0.9, 0.6, float("nan")], permanent)
+    assert found.text.endswith("permanent alarm, in brackets: 2 LT 0.60 (0.67)")

@@ -13,6 +13,7 @@ from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
 
 from burstcast.files import units
 from burstcast.files.netcdf import read_attributes, read_netcdf
+from burstcast_workflow.campaign.summary import campaign_summary
 from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.project import code_of
 
@@ -148,6 +149,7 @@ def test_tables_have_every_network(finished, name):
     # only networks have hyperparameters
     others = {"equations", "equations_noisy", "quadratic_filtered"}
     others = others if name != "hyperparameters" else set()
+    others |= {"permanent_alarm"} if name == "classification" else set()
     assert set(rows["forecaster"]) == {"esn", *others}
     networks = rows[rows["forecaster"] == "esn"]
     assert set(zip(networks["neurons"], networks["validation"], strict=True)) == NETWORKS
@@ -175,6 +177,20 @@ def test_a_perfect_forecaster_is_perfect_and_a_noisy_one_nearly(finished):
     horizons = table(finished, "horizon").set_index("forecaster")["mean_horizon_lt"]
     assert horizons["equations"] == 2  # the longest that is asked for
     assert horizons["esn"].max() < horizons["equations_noisy"] <= 2
+
+
+def test_a_permanent_alarm_is_a_row(finished):
+    rows = table(finished, "classification")
+    always, perfect = (
+        rows[rows["forecaster"] == name].set_index("prediction_time_lt")
+        for name in ("permanent_alarm", "equations")
+    )
+    assert (always["false_negative"] == 0).all()
+    assert (always["true_negative"] == 0).all()
+    assert always["true_positive"].tolist() == perfect["true_positive"].tolist()
+    base_rate = perfect["true_positive"] / (perfect["true_positive"] + perfect["true_negative"])
+    np.testing.assert_allclose(always["f_score"], 2 * base_rate / (1 + base_rate))
+    assert "permanent alarm" in campaign_summary(finished.project.results / "tables")
 
 
 def test_dataset(finished):

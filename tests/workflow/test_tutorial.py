@@ -84,7 +84,7 @@ def test_the_small_campaign_up_to_its_scores(directory, tmp_path_factory, job_se
     table = "results/roessler_small/tables/classification.csv"
     run(command, directory, tmp_path_factory, job_server, table)
     scores = read_table(directory / table)
-    assert set(scores["forecaster"]) == {"esn", "equations_noisy"}
+    assert set(scores["forecaster"]) == {"esn", "equations_noisy", "permanent_alarm"}
     assert "reynolds" not in (directory / table).read_text()
 
 

@@ -1,7 +1,8 @@
 """(a) Share of the events that an alarm warned of at least a lead time before they began, and (b)
 false alarms per Lyapunov time (those who raise none have no curve), against lead time. Bands:
-bootstrap intervals over the test series; of single networks, median (line) and quartiles (band)
-over the ensemble.
+bootstrap intervals over the test series; of the median network, medians of the scores and of the
+ends of their intervals. The threshold of alarms by the observable now jumps from one lead time to
+the next: they are in the table alone.
 """
 
 import pandas as pd
@@ -52,6 +53,7 @@ def draw(lead_times: pd.DataFrame, neurons: float, validation: str) -> Figure:
     """
     require_single_case(lead_times)
     lead_times = alarms_shown(lead_times, neurons, validation)
+    lead_times = lead_times[lead_times["forecaster"] != "observable_now"]
     figure = new_figure(DOUBLE_COLUMN, 3.4)
     panels = figure.subplots(1, 2, sharex=True)
     for axes, (metric, label) in zip(panels, _LABELS.items(), strict=True):

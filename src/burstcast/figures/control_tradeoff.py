@@ -1,6 +1,7 @@
 """Share of the exceedance of the event threshold that control removes, (a) against the prediction
-time and (b) against the share of the time under actuation, with medians and quartiles over the
-networks of an ensemble. For comparison: alarms by the equations themselves, started from the true
+time and (b) against the share of the time under actuation: medians over the networks of an
+ensemble. Bands and bars: bootstrap intervals over flows, of networks the medians of their ends. For
+comparison: alarms by the equations themselves, started from the true
 state, and random alarms at the rate of the networks'. Open markers, if any: the paper's exceedance
 with control, over ours without control.
 """
@@ -41,7 +42,10 @@ from burstcast.tables.published import published_beside, published_reductions
 FIGURE = Declaration(
     section="control",
     position=30,
-    inputs={"percentiles": "case/tables/control_percentiles.csv"},
+    inputs={
+        "percentiles": "case/tables/control_percentiles.csv",
+        "strategies": "case/tables/control_strategies.csv",
+    },
     settings={"networks": "shown.control_networks", "symbol": "shown.symbol"},
     cases="controlled",
     published=True,
@@ -67,6 +71,7 @@ _OTHER = MarkerStyle(color=PURPLE, linestyle="-", linewidth=1.0, marker="D")
 def draw(
     *,
     percentiles: pd.DataFrame,
+    strategies: pd.DataFrame,
     networks: Mapping[str, Any],
     symbol: str,
     published: pd.DataFrame | None = None,
@@ -78,10 +83,50 @@ def draw(
     of_kind = (percentiles["neurons"] == networks["neurons"]) & (
         percentiles["validation"] == networks["validation"]
     )
-    shown = percentiles[percentiles["neurons"].isna() | of_kind]
+    shown = over_flows(percentiles[percentiles["neurons"].isna() | of_kind], strategies)
     exceedances = published_beside(percentiles, published, "control")
     reductions = None if exceedances is None else published_reductions(exceedances, shown)
     return control_tradeoff(shown, symbol=symbol, published=reductions)
+
+
+_ENDS = {"reduction": "relative_exceedance", "control_fraction": "control_fraction"}
+_PAPERS = {"strategy": "prediction_triggered", "starts": "quiet"} | {
+    "delay_lt": 0.0,
+    "quiet_lt": 0.0,
+    "strength": 1.0,
+}
+"""What the paper's control is among all strategies."""
+
+
+def over_flows(percentiles: pd.DataFrame, strategies: pd.DataFrame) -> pd.DataFrame:
+    """Replace quartiles over networks by intervals over flows: p25 and p75 are their ends.
+
+    Networks are few, and react to the same flows: their quartiles say nothing about other flows.
+
+    Parameters
+    ----------
+    percentiles
+        Of one case: forecaster, neurons, validation, prediction_time_lt, metric, p25, p50, p75.
+    strategies
+        Costs and gains of control of the same case: the same keys, seed, strategy, metric, low,
+        high.
+    """
+    papers = strategies
+    for name, value in _PAPERS.items():
+        papers = papers[papers[name] == value]
+    shown = percentiles.copy()
+    for index, row in shown.iterrows():
+        if row["metric"] not in _ENDS:
+            continue
+        same = papers["metric"] == _ENDS[row["metric"]]
+        for name in ("forecaster", "neurons", "validation", "prediction_time_lt"):
+            missing = pd.isna(row[name])
+            same &= papers[name].isna() if missing else papers[name] == row[name]
+        low, high = papers.loc[same, "low"].median(), papers.loc[same, "high"].median()
+        if row["metric"] == "reduction":
+            low, high = 1 - high, 1 - low
+        shown.loc[index, ["p25", "p75"]] = [low, high]
+    return shown
 
 
 @styled
@@ -90,14 +135,13 @@ def control_tradeoff(
 ) -> Figure:
     """Draw the reduction against (a) the prediction time and (b) the time under control.
 
-    Error bars and bands are quartiles over networks; in (b) each point is a
-    prediction time.
+    Error bars and bands are intervals over flows; in (b) each point is a prediction time.
 
     Parameters
     ----------
     percentiles
         Of one case, one size and one strategy: forecaster, prediction_time_lt, metric
-        (``reduction``, ``control_fraction``), p25, p50, p75.
+        (``reduction``, ``control_fraction``), p50, and the ends p25 and p75 (`over_flows`).
     symbol
         Of the observable.
     published
@@ -132,11 +176,11 @@ def control_tradeoff(
                 right.annotate(
                     f"{row['prediction_time_lt']:g} LT",
                     (row["p50_x"], row["p50_y"]),
-                    # the highest above its marker, the others below theirs: bars run sideways
-                    (0, 4 if highest else -4),
+                    # beside both bars: the highest above its marker, the others below theirs
+                    (4, 4 if highest else -4),
                     "data",
                     "offset points",
-                    ha="center",
+                    ha="left",
                     va="bottom" if highest else "top",
                     color=style["color"],
                 )
@@ -162,7 +206,7 @@ def control_tradeoff(
 
 
 def _draw_both(axes: Axes, both: pd.DataFrame, style: MarkerStyle) -> None:
-    """Draw one metric against another, with quartiles of both."""
+    """Draw one metric against another, with intervals of both."""
     bars = {
         f"{axis}err": np.array(
             [

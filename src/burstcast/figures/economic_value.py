@@ -1,7 +1,7 @@
 """Economic value of the calibrated probabilities, relative to perfect forecasts (1) and to the base
 rate (0), against the ratio of the cost of protection to the loss that it prevents: who can protect
 themselves does so where the probability exceeds their ratio. Bands: bootstrap intervals over the
-test series. Values below -0.1 are cut off.
+test series. Below 0, where the base rate serves better, nothing is drawn.
 """
 
 from collections.abc import Sequence
@@ -11,7 +11,13 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
-from burstcast.figures.parts.alarm_scores import alarms_shown, calibrated, draw_alarms, times_shown
+from burstcast.figures.parts.alarm_scores import (
+    alarms_shown,
+    calibrated,
+    draw_alarms,
+    median_network,
+    times_shown,
+)
 from burstcast.figures.parts.percentile_curves import require_single_case, say_where_empty
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
@@ -33,7 +39,35 @@ FIGURE = Declaration(
     },
 )
 
-_LOWEST = -0.1
+
+def from_zero(curve: pd.DataFrame, x: str) -> pd.DataFrame:
+    """Cut a curve where it falls below 0: it ends where it meets 0, on a logarithmic axis.
+
+    Parameters
+    ----------
+    curve
+        Of one forecaster, the columns ``x``, value, low, high.
+    x
+        Name of the column on the horizontal axis, positive.
+
+    Returns
+    -------
+    Rows with the points where the value is 0 among them; NaN as the value below 0, and ends of the
+    interval that are not below 0.
+    """
+    curve = curve.sort_values(x)
+    place, value = np.log(curve[x].to_numpy(dtype=float)), curve["value"].to_numpy(dtype=float)
+    change = np.flatnonzero(value[:-1] * value[1:] < 0)
+    share = value[change] / (value[change] - value[change + 1])
+    zeros = place[change] + share * (place[change + 1] - place[change])
+    names = ["value", "low", "high"]
+    added = {name: np.interp(zeros, place, curve[name]) for name in names}
+    added["value"] = np.zeros(len(zeros))
+    whole = pd.concat([curve, pd.DataFrame({x: np.exp(zeros), **added})]).sort_values(x)
+    whole["forecaster"] = curve["forecaster"].iloc[0]
+    whole["value"] = whole["value"].where(whole["value"] >= 0)
+    whole[["low", "high"]] = whole[["low", "high"]].clip(lower=0)
+    return whole
 
 
 @styled
@@ -64,7 +98,9 @@ def draw(
     panels = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
     for axes, time in zip(panels, shown, strict=True):
         of_time = values[np.isclose(values["prediction_time_lt"], time)]
-        draw_alarms(axes, of_time, "cost_loss_ratio")
+        curves = median_network(of_time, "cost_loss_ratio").groupby("forecaster")
+        cut = [from_zero(curve, "cost_loss_ratio") for _, curve in curves]
+        draw_alarms(axes, pd.concat(cut), "cost_loss_ratio", with_gaps=True)
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(FixedLocator([0.01, 0.03, 0.1, 0.3, 1.0]))
         axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -72,7 +108,7 @@ def draw(
         axes.set_title(f"PT = {time:g} LT", loc="center")
         axes.set_xlabel("Cost-loss ratio")
     panels[0].set_ylabel("Relative economic value")
-    panels[0].set_ylim(_LOWEST, 1.03)
+    panels[0].set_ylim(-0.01, 1.03)
     legend_above(figure, panels, columns=4)
     say_where_empty(panels)
     letter_panels(list(panels))

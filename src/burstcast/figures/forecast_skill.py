@@ -1,7 +1,7 @@
 """(a) F-score of the alarms, whose threshold was chosen on the calibration series, and (b) Brier
 skill of the calibrated probabilities, against prediction time. Bands: bootstrap intervals over the
-test series; of single networks, median (line) and quartiles (band) over the ensemble. The committee
-is the share of these networks that forecast an event. Skills below -0.1 are cut off.
+test series; of the median network, medians of the scores and of the ends of their intervals. The
+committee is the share of these networks that forecast an event. Skills below -0.1 are cut off.
 """
 
 import pandas as pd

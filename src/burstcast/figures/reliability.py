@@ -1,11 +1,13 @@
 """Reliability diagrams of forecast probabilities, as shares of votes and calibrated on
 series other than the test series: observed frequency of events against the mean probability, in
 bins. Grey bars: where the frequency would lie, at the level of confidence of the intervals, if the
-calibrated probabilities were right. Below: how many calibrated forecasts lie in each bin. Shown are
-the forecasters that tell more than two probabilities, if there are any.
+calibrated probabilities were right. Open markers: fewer than ten forecasts. Below: how many
+calibrated forecasts lie in each bin. Shown are the forecasters that tell more than two
+probabilities, if there are any.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -111,12 +113,25 @@ def draw(
     return figure
 
 
+FEW_FORECASTS = 10
+"""Bins with fewer are open markers without a line: their frequencies are mostly chance."""
+
+
 def _draw_diagram(axes: Axes, bins: pd.DataFrame) -> None:
     axes.plot([0, 1], [0, 1], zorder=1, **THRESHOLD)
     for name, (label, style) in _LOOKS.items():
         rows = bins[bins["probability"] == name].sort_values("mean_probability")
-        if not rows.empty:
-            axes.plot(rows["mean_probability"], rows["observed_frequency"], label=label, **style)
+        many = rows[rows["forecasts"] >= FEW_FORECASTS]
+        few = rows[rows["forecasts"] < FEW_FORECASTS]
+        if not many.empty:
+            axes.plot(many["mean_probability"], many["observed_frequency"], label=label, **style)
+        lone: dict[str, Any] = {
+            **style,
+            "linestyle": "none",
+            "markerfacecolor": "white",
+            "alpha": 0.6,
+        }
+        axes.plot(few["mean_probability"], few["observed_frequency"], **lone)
     axes.vlines(
         rows["mean_probability"],
         rows["consistency_low"],

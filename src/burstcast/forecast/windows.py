@@ -7,6 +7,7 @@ threshold is. Neighbouring windows share their common step.
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Self
 
 import numpy as np
 
@@ -29,6 +30,12 @@ class WindowSummaries:
 
     first: FloatArray
     largest: FloatArray
+
+    @classmethod
+    def always_crossing(cls, shape: tuple[int, ...]) -> Self:
+        """Summaries that cross every threshold in every window: of a permanent alarm."""
+        most = np.finfo(np.float64).max
+        return cls(np.full(shape, -most), np.full(shape, most))
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,9 @@ from typing import Any
 KEYS = ("case", "reynolds", "forecaster", "neurons", "validation", "seed")
 """Columns of tables that say what a row is about; a key that does not apply is empty."""
 
+PERMANENT_ALARM = "permanent_alarm"
+"""What tables call an alarm at every time, in the place of a forecaster."""
+
 _PATTERN = re.compile(
     r"(?P<kind>[a-z][a-z0-9_]*)(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
     r"(-(?P<role>committee|random))?"
@@ -75,6 +78,8 @@ class ForecasterName:
 
 def described(kind: Any, neurons: Any = None, validation: Any = None) -> str:
     """How a person is told who forecasts: "esn, 500 neurons, RV"; for what is missing, nothing."""
+    if kind == PERMANENT_ALARM:
+        return "permanent alarm"
     parts = [kind] if isinstance(kind, str) else []
     if isinstance(neurons, int | float) and neurons == neurons and neurons > 0:
         parts.append(f"{neurons:g} neurons")

@@ -137,6 +137,32 @@ def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]
     return [Finding("few_positives", f"{counted} positives at {times} LT")]
 
 
+def no_better_than_permanent_alarm(
+    prediction_times_lt: Sequence[float], f_scores: Sequence[float], permanent: Sequence[float]
+) -> list[Finding]:
+    """F-scores that an alarm at every time has as well.
+
+    Parameters
+    ----------
+    prediction_times_lt
+        Prediction times in Lyapunov times.
+    f_scores
+        Median F-scores of an ensemble at these times; NaN where they are undefined.
+    permanent
+        F-scores of a permanent alarm; NaN where nothing happened.
+    """
+    found = [
+        (time, score, other)
+        for time, score, other in zip(prediction_times_lt, f_scores, permanent, strict=True)
+        if score <= other
+    ]
+    if not found:
+        return []
+    listed = ", ".join(f"{time:g} LT {score:.2f} ({other:.2f})" for time, score, other in found)
+    text = f"F-scores no better than those of a permanent alarm, in brackets: {listed}"
+    return [Finding("no_better_than_permanent_alarm", text)]
+
+
 def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> list[Finding]:
     """Long runs that leave the chaotic phase, or diverge.
 

@@ -49,7 +49,9 @@ def times_shown(table: pd.DataFrame, wanted: Sequence[float]) -> list[float]:
 
 
 def median_network(table: pd.DataFrame, x: str) -> pd.DataFrame:
-    """Replace single networks by the median and the quartiles over them, for each value of x.
+    """Replace single networks by medians over them, for each value of x: of scores and of ends.
+
+    The band is then of the same kind as those of all others: an interval over test series.
 
     Parameters
     ----------
@@ -59,14 +61,12 @@ def median_network(table: pd.DataFrame, x: str) -> pd.DataFrame:
         Name of the column on the horizontal axis.
     """
     single = table["forecaster"] == "esn"
-    values = table[single].groupby(x)["value"]
-    levels = {"value": 0.5, "low": 0.25, "high": 0.75}
-    median = pd.DataFrame({name: values.quantile(level) for name, level in levels.items()})
+    median = table[single].groupby(x)[["value", "low", "high"]].median()
     median = median.reset_index().assign(forecaster="esn")
     return pd.concat([table[~single], median], ignore_index=True)
 
 
-def draw_alarms(axes: Axes, table: pd.DataFrame, x: str) -> None:
+def draw_alarms(axes: Axes, table: pd.DataFrame, x: str, *, with_gaps: bool = False) -> None:
     """Draw a curve for each kind of forecaster, with a band from ``low`` to ``high``.
 
     Parameters
@@ -78,12 +78,16 @@ def draw_alarms(axes: Axes, table: pd.DataFrame, x: str) -> None:
         networks are drawn as `median_network`.
     x
         Name of the column on the horizontal axis.
+    with_gaps
+        Whether a line is interrupted where it has no value.
     """
     table = median_network(table, x)
     for kind in ordered_forecasters(set(table["forecaster"])):
-        rows = table[(table["forecaster"] == kind) & table["value"].notna()].sort_values(x)
-        if rows.empty:
+        rows = table[table["forecaster"] == kind].sort_values(x)
+        if not rows["value"].notna().any():
             continue
+        if not with_gaps:
+            rows = rows[rows["value"].notna()]
         style = forecaster_style(kind)
         if kind == "esn":
             style["label"] = "median network"

@@ -82,8 +82,8 @@ def draw_percentiles(
 ) -> None:
     """Draw the median of a metric against a column: a line, and the quartiles as a band.
 
-    A single point, or ``band=False``, shows the quartiles as an error bar. Nothing is drawn for
-    no rows.
+    A single point, two sizes, or ``band=False`` show the quartiles as error bars. Nothing is drawn
+    for no rows.
 
     Parameters
     ----------
@@ -108,7 +108,9 @@ def draw_percentiles(
     position = rows[x].to_numpy(dtype=np.float64) + shift
     low, median, high = (rows[name].to_numpy(dtype=np.float64) for name in ("p25", "p50", "p75"))
     keywords: dict[str, Any] = {**style}
-    if band and len(rows) > 1:
+    if x == "neurons" and len(rows) == 2:
+        keywords["linestyle"] = "none"  # a line through two sizes would tell of a trend
+    if band and len(rows) > 1 and keywords["linestyle"] != "none":
         axes.fill_between(position, low, high, color=style["color"], alpha=0.22, linewidth=0)
         axes.plot(position, median, label=label, **keywords)
     else:

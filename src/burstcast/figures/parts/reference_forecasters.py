@@ -42,6 +42,7 @@ _LOOKS = {
     "persistence": _Look("persistence", _PALE, _LONG),
     "observable_now": _Look("observable now", _PALE, (0.0, (6.0, 1.5, 1.0, 1.5))),
     "climatology": _Look("climatology", _PALE, "-"),
+    "permanent_alarm": _Look("permanent alarm", _PALE, "-"),
 }
 
 

@@ -208,7 +208,7 @@ def letter_panels(axes: Sequence[Axes], *, inside: bool = False, start: int = 0)
 
 def observable_label(symbol: str, name: str | None = None) -> str:
     """Label of an axis that shows the observable: "Kinetic energy, $k$", or the symbol alone."""
-    if name is None or name == symbol:
+    if name is None or name.lower() == symbol.lower():
         return f"${symbol}$"
     return f"{name[:1].upper()}{name[1:]}, ${symbol}$"
 

@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 
 from burstcast.files.netcdf import read_rows
+from burstcast.forecasters._names import PERMANENT_ALARM
 from burstcast.statistics import warning_signs
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.statistics.warning_signs import Finding
@@ -42,6 +43,8 @@ ADVICE = {
     "own_exponents_differ": "if the statistics of these forecasters are those of the data "
     "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.published_exponent",
     "outside_bins": "widen density.range",
+    "no_better_than_permanent_alarm": "more neurons or longer series; shorter prediction times, "
+    "or rarer events (event_threshold)",
     "noise_drowns_components": "lower training.noise, or raise ensemble.sampling_stride",
 }
 """Settings to change where a sign of `burstcast.statistics.warning_signs` was found."""
@@ -79,6 +82,7 @@ def make(
         *_of_numbers(dataset, classification),
     ]
     found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
+    found += _of_scores(classification)
     for keys, members in _ensembles(hyperparameters):
         found += [(keys, one) for one in _of_search(members, searched, samples)]
     for keys, members in _ensembles(statistics):
@@ -116,6 +120,19 @@ def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator
         scores["prediction_time_lt"].tolist(),
         (scores["true_positive"] + scores["false_negative"]).tolist(),
     )
+
+
+def _of_scores(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], Finding]]:
+    """Ensembles that are no better than a permanent alarm."""
+    is_permanent = table["forecaster"] == PERMANENT_ALARM
+    permanent = table[is_permanent].set_index("prediction_time_lt")["f_score"]
+    for keys, rows in _ensembles(table[~is_permanent]):
+        medians = rows.groupby("prediction_time_lt")["f_score"].median()
+        times = medians.index.tolist()
+        for finding in warning_signs.no_better_than_permanent_alarm(
+            times, medians.tolist(), permanent.loc[times].tolist()
+        ):
+            yield keys, finding
 
 
 def _leading(dataset: pd.DataFrame, name: str) -> tuple[float, float, float]:
