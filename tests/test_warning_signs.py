@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast.statistics import warning_signs as signs
+from burstcast.tuning.negligible_ridge import negligible_ridge
 
 
 def texts(findings):
@@ -27,7 +28,7 @@ def test_optima_on_the_edges():
 
 
 def test_a_ridge_that_rounding_loses_is_no_edge():
-    least = signs.negligible_ridge(neurons=700, samples=40_000)
+    least = negligible_ridge(neurons=700, samples=40_000)
     assert 1e-12 < least < 1e-8
     at_bound = [1e-12, 1e-12]
     assert signs.optimum_on_edge("tikhonov", at_bound, 1e-12, 1e-6, least) == []

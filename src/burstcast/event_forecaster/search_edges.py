@@ -3,7 +3,8 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from burstcast.statistics.warning_signs import negligible_ridge, optimum_on_edge
+from burstcast.statistics.warning_signs import optimum_on_edge
+from burstcast.tuning.negligible_ridge import negligible_ridge
 
 
 def search_edges(

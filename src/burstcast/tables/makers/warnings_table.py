@@ -11,6 +11,7 @@ from burstcast.statistics import warning_signs
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.statistics.warning_signs import Finding
 from burstcast.tables.makers.registry import PATH, Declaration, Rows
+from burstcast.tuning.negligible_ridge import negligible_ridge
 
 TABLES = Declaration(
     inputs={
@@ -151,7 +152,7 @@ def _of_search(
     rows: pd.DataFrame, searched: Mapping[str, list[float]], samples: int
 ) -> Iterator[Finding]:
     # smaller Tikhonov parameters than this give the same readouts
-    least = warning_signs.negligible_ridge(int(rows["neurons"].iloc[0]), samples)
+    least = negligible_ridge(int(rows["neurons"].iloc[0]), samples)
     for name, values in searched.items():
         lost = least if name == "tikhonov" else 0.0
         yield from warning_signs.optimum_on_edge(
