@@ -145,6 +145,8 @@ def test_tables_with_mistakes(tmp_path, text, data, message) -> None:
     [
         ("flow rate v\n1 2\n", r"line 2 has 2 fields, but line 1 has 3"),
         ("u v\n######## 2\n3 4\n", r"line 2: column 'u' has '########'"),
+        ("u v\n1\N{NO-BREAK SPACE}234\n", r"line 2 has 1 fields, but line 1 has 2"),
+        ("u v\n1\f234 5\n", r"line 2: column 'u' has '1\\x0c234', which is no number"),
         ("u v\n1\t\t2\n", r"line 2: a field between tabs is empty: such a file ends in \.tsv"),
     ],
 )

@@ -285,9 +285,10 @@ def _fields(line: str, separator: str | None) -> list[str]:
     if separator is None:
         if "\t" in line and not all(map(str.strip, line.rstrip().split("\t"))):
             raise ValueError("a field between tabs is empty: such a file ends in .tsv")
+        fields = list(filter(None, line.replace("\t", " ").split(" ")))  # no others part fields
         if '"' not in line:
-            return line.split()
-        line, separator = " ".join(line.split()), " "
+            return fields
+        line, separator = " ".join(fields), " "
     elif '"' not in line:
         return line.split(separator)
     # by lines: a quote that is not closed would take in the rows after it
