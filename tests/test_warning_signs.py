@@ -97,9 +97,21 @@ def test_an_estimate_that_the_forecasters_contradict():
     assert signs.own_exponents_differ(estimated, [np.nan]) == []
     assert texts(signs.own_exponents_differ(estimated, [0.7, 0.5, np.nan, 0.6])) == [
         "estimated from the series 1 (0.95 to 1.05), "
-        "of forecasters' own flows 0.6 (0.5 to 0.7 of 3)"
+        "of forecasters' own flows 0.6 (0.5 to 0.7 of 3); the interval of the estimate knows "
+        "nothing of its bias. To count in the forecasters' exponent: "
+        "lyapunov: {published_exponent: 0.6}"
     ]
-    assert len(signs.own_exponents_differ(estimated, [-0.1])) == 1
+
+
+def test_forecasters_that_have_learnt_no_chaos_give_no_unit_of_time():
+    assert signs.own_exponents_differ((1.0, 0.95, 1.05), [-0.1, -0.3, np.nan]) == []
+    assert signs.no_chaos_learnt(1.0, [0.1, 0.2, -0.1]) == []
+    assert signs.no_chaos_learnt(1.0, [np.nan]) == []
+    (found,) = signs.no_chaos_learnt(1.0, [-0.1, -0.3, np.nan])
+    assert found.warning == "no_chaos_learnt"
+    assert found.text.startswith("the forecasters have learnt no chaos: ")
+    assert "-0.3 to -0.1 (of 2)" in found.text
+    assert "published_exponent" not in found.text
 
 
 def test_exponents_that_contradict_one_another():

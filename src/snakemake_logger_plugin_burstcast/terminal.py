@@ -89,10 +89,15 @@ class Progress:
 
     def line(self, now: float) -> str:
         """What is shown: share done, jobs, time left."""
-        done = f"{self.share:4.0%}  {self.finished} of {self.jobs} jobs"
+        done = f"{self.share:4.0%}  {self.finished} of {counted(self.jobs)}"
         if self.finished >= self.jobs:
             return done
         return f"{done}, about {duration(self.remaining(now))} left"
+
+
+def counted(jobs: int) -> str:
+    """How many jobs, in words: "1 job", "2 jobs"."""
+    return f"{jobs} job{'' if jobs == 1 else 's'}"
 
 
 def duration(seconds: float) -> str:
@@ -159,7 +164,7 @@ class TerminalHandler(LogHandlerBase):
                 self._progress = Progress(_expected, self._cores, time.monotonic())
                 seconds = self._progress.remaining(time.monotonic())
                 cores = "1 core" if self._cores == 1 else f"{self._cores} cores"
-                self._say(f"{self._progress.jobs} jobs, about {duration(seconds)} on {cores}")
+                self._say(f"{counted(self._progress.jobs)}, about {duration(seconds)} on {cores}")
             if fields["output"]:  # a target has none
                 self._labels[fields["jobid"]] = fields["rule_msg"] or fields["rule_name"]
                 self._show()

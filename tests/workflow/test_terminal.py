@@ -132,3 +132,9 @@ def test_a_dry_run_is_shown_as_snakemake_shows_it(handler):
     handler.common_settings.dryrun = True
     send(handler, "This was a dry-run (flag -n).")
     assert "dry-run" in handler._stream.getvalue()
+
+
+def test_a_single_job_is_one_job():
+    from snakemake_logger_plugin_burstcast.terminal import counted
+
+    assert [counted(number) for number in (0, 1, 2)] == ["0 jobs", "1 job", "2 jobs"]

@@ -232,14 +232,37 @@ def own_exponents_differ(
     if not known.size or known.min() <= estimated[0] <= known.max():
         return []
     median = float(np.median(known))
-    if abs(median - estimated[0]) <= OWN_EXPONENT_DIFFERENCE * estimated[0]:
+    if median <= 0 or abs(median - estimated[0]) <= OWN_EXPONENT_DIFFERENCE * estimated[0]:
         return []
     text = (
         f"estimated from the series {estimated[0]:.4g} ({estimated[1]:.4g} to {estimated[2]:.4g}), "
         f"of forecasters' own flows {median:.4g} ({known.min():.4g} to {known.max():.4g} of "
-        f"{known.size})"
+        f"{known.size}); the interval of the estimate knows nothing of its bias. To count in the "
+        f"forecasters' exponent: lyapunov: {{published_exponent: {median:.4g}}}"
     )
     return [Finding("own_exponents_differ", text)]
+
+
+def no_chaos_learnt(estimated: float, own: Sequence[float]) -> list[Finding]:
+    """Forecasters whose own flows are not chaotic: the median of their exponents is not positive.
+
+    Parameters
+    ----------
+    estimated
+        Leading Lyapunov exponent that was estimated from the series.
+    own
+        Leading Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where there
+        is none.
+    """
+    known = np.asarray(own)[np.isfinite(own)]
+    if not known.size or np.median(known) > 0:
+        return []
+    text = (
+        f"the forecasters have learnt no chaos: the leading exponents of their own flows are "
+        f"{known.min():.4g} to {known.max():.4g} (of {known.size}), estimated from the series "
+        f"{estimated:.4g}"
+    )
+    return [Finding("no_chaos_learnt", text)]
 
 
 def outside_bins(below: int, above: int, inside: int) -> list[Finding]:

@@ -300,7 +300,7 @@ def report(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> str:
         counted = _counted(jobs[number] for number in sorted(cause.jobs))
         lines.append(f"{cause.text}{cases}: {counted}")
     rules = f": {_counted(jobs)}" if len(found) > 1 else ""
-    lines.append(f"\nIn all {len(jobs)} jobs{rules}")
+    lines.append(f"\nIn all {len(jobs)} job{'' if len(jobs) == 1 else 's'}{rules}")
     return "\n".join(lines)
 
 

@@ -1,6 +1,7 @@
 """What settings are made of: kinds of values, and sections of settings."""
 
 import math
+import os
 import posixpath
 import re
 from collections.abc import Callable, Mapping
@@ -85,6 +86,9 @@ def _axes(values: Any) -> Any:
 def _named(path: str) -> str:
     if posixpath.basename(posixpath.normpath(path)) in ("", ".", ".."):
         text = f"is {path}: results need a directory of their own, such as results/mine"
+        raise PydanticCustomError("between", text)
+    if os.path.isfile(path):
+        text = f"is {path}, which is a file: results need a directory"
         raise PydanticCustomError("between", text)
     # POSIX keeps two slashes at the beginning, which Snakemake does not
     return posixpath.normpath(re.sub("^//+", "/", path))

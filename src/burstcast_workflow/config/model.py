@@ -75,7 +75,7 @@ class NetworkAxes(Section):
     validation: Some[Strategy] = setting(
         "validation strategies: Single Shot (SSV), Recycle (RV), Walk Forward (WFV)"
     )
-    seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1")
+    seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1", le=10_000)
 
 
 class SingleKinds(Chosen):
@@ -170,7 +170,7 @@ class Steps(Section):
 class Ensemble(Steps):
     """The time series that all data come from."""
 
-    series: Whole = setting("number of series that are generated", ge=2)
+    series: Whole = setting("number of series that are generated", ge=2, le=1_000_000)
     initial_state: Annotated[
         list[float] | None, Words("a list of numbers, or null: the system draws initial states")
     ] = setting("initial state that all series share, one number per component")

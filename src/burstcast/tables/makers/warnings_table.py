@@ -43,6 +43,8 @@ ADVICE = {
     "lyapunov.time_unit to computed where the published exponent is of something else",
     "own_exponents_differ": "if the statistics of these forecasters are those of the data "
     "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.published_exponent",
+    "no_chaos_learnt": "more neurons, longer series, or another sampling of them; their exponent "
+    "is no unit of time",
     "outside_bins": "widen density.range",
     "no_better_than_permanent_alarm": "more neurons or longer series; shorter prediction times, "
     "or rarer events (event_threshold)",
@@ -93,6 +95,7 @@ def make(
         own = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()
         leading = _leading(dataset, "lyapunov_exponent")
         found += [(keys, one) for one in warning_signs.own_exponents_differ(leading, own)]
+        found += [(keys, one) for one in warning_signs.no_chaos_learnt(leading[0], own)]
     rows = [
         {
             **dict.fromkeys(ENSEMBLE),
