@@ -194,6 +194,13 @@ def test_a_kind_that_is_not_there_is_named_with_those_that_are():
         forecaster_class("ens")
 
 
+def test_who_integrates_the_equations_needs_them_and_can_be_told_of_actuation():
+    kinds = {kind: forecaster_class(kind) for kind in available_kinds()}
+    integrating = ["equations", "equations_filtered", "equations_noisy"]
+    assert [kind for kind, found in kinds.items() if found.needs_equations] == integrating
+    assert [kind for kind, found in kinds.items() if found.aware] == integrating
+
+
 def test_only_the_bound_sees_the_truth():
     seeing = [kind for kind in available_kinds() if forecaster_class(kind).sees_truth]
     assert seeing == ["equations"]
