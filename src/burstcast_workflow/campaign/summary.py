@@ -26,17 +26,7 @@ _KEYS = ["case", "forecaster", "neurons", "validation"]
 
 
 def campaign_summary(tables: Path) -> str:
-    """Medians over the networks of each ensemble: F-score, prediction horizon, control.
-
-    Parameters
-    ----------
-    tables
-        Directory of the campaign's tables.
-
-    Returns
-    -------
-    A table, the best forecasters of each case first; empty if there are none of these tables.
-    """
+    """`summary_table` as text, as far as it fits on a screen; empty without any score."""
     table = summary_table(tables)
     if table is None:
         return ""
