@@ -19,6 +19,8 @@ from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.data import check_kept_series, kept_series
 from burstcast_workflow.jobs.systems import equations_of
 
+ENDS = ("mean", "low", "high")
+
 
 @job
 def lyapunov(
@@ -42,12 +44,7 @@ def lyapunov(
     interval = round(settings["case.lyapunov.orthonormalisation_interval"] / time_step)
     alignment = alignment_of(steps, interval)
     by_series = lyapunov_spectrum(
-        system,
-        start,
-        time_step,
-        steps - alignment,
-        interval,
-        alignment_steps=alignment,
+        system, start, time_step, steps - alignment, interval, alignment_steps=alignment
     )
     size = attractor_size(states.reshape(-1, states.shape[2]).T)
     growth = perturbation_growth(
@@ -65,16 +62,8 @@ def lyapunov(
     write_json(
         exponents,
         {
-            "leading": {
-                "mean": float(spectral.mean[0]),
-                "low": float(spectral.low[0]),
-                "high": float(spectral.high[0]),
-            },
-            "leading_by_growth": {
-                "mean": float(by_growth.mean),
-                "low": float(by_growth.low),
-                "high": float(by_growth.high),
-            },
+            "leading": {name: float(getattr(spectral, name)[0]) for name in ENDS},
+            "leading_by_growth": {name: float(getattr(by_growth, name)) for name in ENDS},
             "spectrum": spectral.mean.tolist(),
             "spectrum_low": spectral.low.tolist(),
             "spectrum_high": spectral.high.tolist(),
