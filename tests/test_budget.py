@@ -16,7 +16,7 @@ BUDGET = {
     "src/burstcast_workflow/campaign": 1102,
     "src/burstcast_workflow/commands": 957,
     "src/burstcast_workflow/config": 2710,
-    "src/burstcast_workflow/costs": 515,
+    "src/burstcast_workflow/costs": 522,
     "src/burstcast_workflow/figures": 439,
     "src/burstcast_workflow/harness": 675,
     "src/burstcast_workflow/jobs": 1144,

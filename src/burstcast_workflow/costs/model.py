@@ -15,6 +15,7 @@ from typing import Any
 
 from burstcast import durations
 from burstcast.forecasters._names import ForecasterName, parsed
+from burstcast.forecasters.registry import learns_parameters
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.config.model import Simulated
@@ -89,7 +90,13 @@ class _Job:
         self.test_series = min(self("case.test_series") or left, left)
         self.numbers = self.series * self.samples * self.dimension
         self.transient = self("case.ensemble").get("transient", 0) / self.interval
-        self.rows = self.training_series * max(0.0, self.samples - self.steps("washout_lt"))
+        learns = name.asks_forecasters and learns_parameters(name.kind)
+        sources = len(campaign.sources(self.case)) if learns else 1
+        # of a network's readout: the states once more for the parameter
+        self.features = self.neurons * (2 if learns else 1)
+        self.rows = (
+            sources * self.training_series * max(0.0, self.samples - self.steps("washout_lt"))
+        )
         self.stride = self("case.ensemble.sampling_stride")
         # an ensemble takes in the washout before a forecast
         options = campaign.options(name.kind)
@@ -165,7 +172,7 @@ def _network(job: _Job, steps: float, held: float) -> _Work:
 def _closed_loops(job: _Job, count: float, steps: float) -> _Work:
     # batches of a thousand, and their outputs of some hundred steps before they are reduced
     held = min(count, 1000) * (2 * job.neurons + 4 * min(steps, 500) * job.dimension)
-    if job.name.kind == "esn":
+    if job.neurons:
         return _network(job, count * steps, held)
     # other kinds of forecasters take what the equations take; an ensemble is held several times
     held += (job.members > 1) * min(count, 1000) * 8 * job.members * job.dimension
@@ -176,15 +183,15 @@ def _closed_loops(job: _Job, count: float, steps: float) -> _Work:
 def _training(job: _Job, points: float = 1, loops: float = 0, solves: float = 1) -> _Work:
     """Open loop, moments, and per point of a search steps of closed loops and regressions."""
     series = 3 * job.rows * job.dimension
-    if job.name.kind != "esn":
+    if not job.neurons:
         return _Work(_PLAIN, {"number": job.rows * job.dimension}, series)
     units = {
-        "gram product": points * job.rows * job.neurons**2,
+        "gram product": points * job.rows * job.features**2,
         "centred state": points * job.rows * job.neurons,
-        "solve product": points * solves * job.neurons**3,
+        "solve product": points * solves * job.features**3,
     }
     # training series, the Gram matrix with its copies, panels of a thousand states
-    held = series + 4 * job.neurons**2 + 2000 * job.neurons
+    held = series + 4 * job.features**2 + 2000 * job.features
     return _network(job, points * (job.rows + loops), held) + _Work(_COMPILED, units)
 
 
@@ -248,7 +255,7 @@ def _leave_one_out(job: _Job) -> _Work:
 def _spectrum(job: _Job) -> _Work:
     """Long runs with their perturbations, which no compiled code takes along."""
     steps = job("statistics.lyapunov_runs") * job.long_runs[1]
-    if job.name.kind != "esn":
+    if not job.neurons:
         return _Work(_PLAIN, {"tangent step": job.stride * steps})
     perturbations = job("statistics.lyapunov_exponents")
     steps *= 1 + _SCIPY_SLOWER * perturbations

@@ -1,0 +1,175 @@
+"""Campaigns with forecasters that know the parameters: from the config to control that plans."""
+
+import copy
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from helpers_rebuilds import Project
+from snakemake.utils import update_config
+
+from burstcast.files.netcdf import read_netcdf
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.aware_checks import extrapolations
+from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.harness.tables import read_table
+
+ROOT = Path(__file__).parents[2]
+OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_aware.yaml").read_text())
+TARGETS = ("Re600/tables/control_strategies.csv", "Re600/quadratic_aware/calibration_forecast.nc")
+
+
+def config(change=None):
+    """The tiny campaign with a change, as Snakemake merges it."""
+    whole = yaml.safe_load((ROOT / "config.yaml").read_text())
+    tiny = yaml.safe_load((ROOT / "workflow" / "presets" / "tiny.yaml").read_text())
+    for overlay in (tiny, OVERLAY, change or {}):
+        update_config(whole, copy.deepcopy(overlay))
+    return whole
+
+
+# -- mistakes, told before any job -----------------------------------------------------------------
+
+
+def block(**changes):
+    """Strategies of control: one block that plans."""
+    found = {
+        "strategy": "planned",
+        "settings": {"horizon_lt": [3], "decision_interval_lt": [0.5]},
+        "cases": ["Re400"],
+        "forecasters": {"quadratic_aware": {}},
+    }
+    return {"control": {"strategies": [{**found, **changes}]}}
+
+
+def training(**changes):
+    return {"case_defaults": {"training": changes}}
+
+
+@pytest.mark.parametrize(
+    ("change", "parts"),
+    [
+        (
+            {"cases": {"Re800": {"training": {"actuation": None}}}, **training(trained_on=[])},
+            ["reynolds does not vary in training", "training.trained_on"],
+        ),
+        (training(trained_on=["Re400", "Re80"]), ["Re80 is no case", "did you mean Re800?"]),
+        (
+            {"forecasters": {"aware": {"parameters": ["reynold"]}}},
+            ["no parameter 'reynold'", "did you mean 'reynolds'"],
+        ),
+        (
+            {"cases": {"Re400": {"training": {"trained_on": ["Re800", "Re400"]}}}},
+            ["hyperparameters that are found for the first case, Re400"],
+        ),
+        (
+            {"cases": {"Re800": {"ensemble": {"duration": 500}}}},
+            ["must have the same ensemble.duration, not 400.0, 500.0"],
+        ),
+        (block(forecasters={"quadratic_filtered": {}}), ["which quadratic_filtered cannot use"]),
+        (
+            block(settings={"horizon_lt": [2], "decision_interval_lt": [0.5]}),
+            ["plans are longer than the horizon"],
+        ),
+        (
+            block(
+                strategy="receding_horizon",
+                settings={"horizon_lt": [1], "decision_interval_lt": [0.5], "aware": [True]},
+                delay_lt=[1],
+            ),
+            ["does not reach beyond the delay of 1"],
+        ),
+        (
+            block(
+                strategy="reactive",
+                settings={"level": [0.3], "decision_interval_lt": [0.5], "watch": ["b1"]},
+                forecasters=None,
+            ),
+            ["unknown name 'b1'", "known are a1"],
+        ),
+        (
+            block(
+                strategy="reactive",
+                settings={"level": [0.3], "decision_interval_lt": [0.5], "push": ["-a2"]},
+                forecasters=None,
+            ),
+            ["only a force can be reversed"],
+        ),
+    ],
+)
+def test_a_mistake_is_told_before_any_job(change, parts):
+    with pytest.raises(ConfigError) as caught:
+        load(config(change))
+    assert [part for part in parts if part not in str(caught.value)] == []
+
+
+def test_what_is_extrapolated_is_told_with_the_range():
+    found = list(extrapolations(Campaign(load(config())).config))
+    assert found == []  # Re = 2000 is in the actuated series of Re800
+    free = {"cases": {"Re800": {"training": {"actuation": None}}}}
+    told = list(extrapolations(Campaign(load(config(free))).config))
+    assert "Re400: reynolds = 2000 lies outside of the values in training, 400 to 800" in told[0]
+    assert [one.partition(":")[0] for one in told].count("Re600") > 0
+
+
+def test_only_forecasters_that_know_the_parameters_are_given_them():
+    campaign = Campaign(load(config()))
+    paths = ["RESERVOIR", "control.cost"]
+    plain, aware = (
+        campaign.settings(paths, {"case": "Re600", "forecaster": f"{kind}-N40-RV-seed0"}, {})
+        for kind in ("esn", "esn_aware")
+    )
+    assert "forecasters.aware" not in plain
+    assert aware["forecasters.aware"]["own"] == [600]
+    assert plain["control.cost"] is True
+
+
+# -- a run -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory, job_server):
+    project = Project.create(tmp_path_factory.mktemp("aware") / "project", job_server)
+    overlay = copy.deepcopy(OVERLAY)
+    directory = overlay["results"]
+    outcome = project.snakemake(*(f"{directory}/{one}" for one in TARGETS), overlay=overlay)
+    assert outcome.status == 0, outcome.text[-3000:]
+    return project.directory / directory
+
+
+def test_the_schedule_is_stored_with_the_series(results):
+    free, switched = (
+        read_netcdf(results / case / "scheduled_series.nc") for case in ("Re400", "Re800")
+    )
+    assert free["parameter"].shape == (3, 400, 1)
+    assert free["state"].shape == (3, 401, 9)
+    assert np.unique(free["parameter"]).tolist() == [400]
+    assert np.unique(switched["parameter"]).tolist() == [800, 2000]
+    assert 0.1 < (switched["parameter"] == 2000).mean() < 0.6
+    noise = free["observed"] - free["state"]
+    scatter = free["state"].reshape(-1, 9).std(axis=0)
+    np.testing.assert_allclose(noise.reshape(-1, 9).std(axis=0), 0.01 * scatter, rtol=0.1)
+
+
+def test_a_network_of_an_unseen_case_has_the_hyperparameters_of_the_first_it_is_trained_on(results):
+    identifier = "esn_aware-N40-RV-seed0"
+    assert (results / "Re400" / identifier / "hyperparameters.json").exists()
+    assert not (results / "Re600" / identifier / "hyperparameters.json").exists()
+    found = read_netcdf(results / "Re600" / identifier / "forecaster.nc")
+    assert found["parameter_low"].tolist() == [400]
+    assert found["parameter_high"].tolist() == [2000]
+
+
+def test_control_says_what_it_was_told_and_what_it_cost(results):
+    table = read_table(results / "Re600" / "tables" / "control_strategies.csv")
+    planned = table[table["strategy"] == "planned"]
+    assert set(planned["options"]) == {"durations_lt=0.25+0.5 starts_lt=0+0.5"}
+    assert set(planned["forecaster"]) == {"esn_aware", "quadratic_aware"}
+    assert set(table[table["strategy"] == "reactive"]["options"]) == {"watch=a1"}
+    keys = ["forecaster", "strategy", "margin", "delay_lt"]
+    wide = table.pivot_table(index=keys, columns="metric", values="value", dropna=False).dropna(
+        how="all"
+    )
+    for metric in ("effort", "power"):
+        assert ((wide[metric] > 0) == (wide["control_fraction"] > 0)).all()
