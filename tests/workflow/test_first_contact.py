@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+import yaml
 from helpers_rebuilds import Project
 
 from burstcast.files.netcdf import read_netcdf
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.harness.tables import read_table
 
 FIVE_LINES = """\
@@ -75,3 +77,31 @@ def test_a_campaign_without_networks_is_a_campaign(project):
     figures = {path.stem for path in (project.directory / "results/own/figures").glob("*.png")}
     assert "forecast_skill" in figures
     assert "classification_scores" not in outcome.text.partition("look first at")[2]
+
+
+@pytest.mark.long
+def test_a_campaign_that_is_too_small_for_its_stages_ends(tmp_path, job_server):
+    """Series in whose washouts events are always under way: nothing to calibrate with."""
+    project = Project.create(tmp_path / "project", job_server, "small.yaml")
+    config = yaml.safe_load((project.directory / "workflow/presets/tiny.yaml").read_text())
+    networks = {"neurons": [40], "validation": ["RV"], "seeds": 2}
+    forecasters = {"esn": networks, "equations": {}, "quadratic_filtered": {}}
+    config["results"] = "results/small"
+    config["campaign"] = [{"reynolds": [1000, 400, 800], "forecasters": forecasters}]
+    config["case_defaults"]["test_series"] = 12
+    config["case_defaults"]["recycle_validation"] = {"series": 2, "intervals_per_series": None}
+    (project.directory / "small.yaml").write_text(yaml.safe_dump(config))
+    outcome = project.snakemake()
+    assert outcome.status == 0, outcome.text[-3000:]
+    results = project.directory / "results/small"
+    calibration = read_json(results / "Re1000/calibration.json")
+    (rule,) = calibration["alarms"]["climatology"]["1"]["1"].values()
+    assert rule["values"] == []
+    scores = read_table(results / "tables/probability_scores.csv")
+    scores = scores[scores["probability"] == "calibrated"]
+    undefined = scores[(scores["case"] == "Re1000") & (scores["metric"] == "brier_score")]
+    assert len(undefined) > 3
+    assert undefined["value"].isna().all()
+    warnings = read_table(results / "tables/warnings.csv")
+    assert {"few_events", "few_positives"} <= set(warnings[warnings["case"] == "Re1000"]["warning"])
+    assert (results / "figures/forecast_skill_Re1000.png").stat().st_size > 5000
