@@ -64,7 +64,7 @@ def test_records(config):
     lab, part, whole = records["lab"], records["part"], records["Re400"]
     # nothing in units of the shear flow
     assert lab["laminarisation_threshold"] is None
-    assert lab["training"] == {"series": 2, "noise": 0}
+    assert lab["training"] == {"series": 2, "noise": 0, "actuation": None, "trained_on": []}
     assert lab["ensemble"] == {"time_step": 0.125, "sampling_stride": 4, "duration": None}
     assert lab["lyapunov"] == {
         "time_unit": "published",
