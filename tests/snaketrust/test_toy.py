@@ -109,6 +109,12 @@ def test_an_edit_runs_the_jobs_that_use_it(toy, path, old, new, jobs, total):
     assert toy.run() == {}
 
 
+def test_some_of_the_rules_run_on_the_results_of_the_others(toy):
+    toy.edit("lib/toy/scaling.py", "number * factor", "number + factor")
+    assert toy.run("--allowed-rules", "double", "total") == {"double": 2, "total": 1}
+    assert toy.total() == 7
+
+
 def test_a_damaged_result_is_made_again(toy):
     result = toy.directory / "results" / "doubled" / "one.txt"
     state = result.stat()
