@@ -39,10 +39,17 @@ class Committee:
         return np.concatenate(states, axis=2).transpose(2, 3, 0, 1)
 
     def summaries(
-        self, case: ForecastingCase, washouts: FloatArray, boundaries: tuple[int, ...]
+        self,
+        case: ForecastingCase,
+        washouts: FloatArray,
+        boundaries: tuple[int, ...],
+        schedules: FloatArray | None = None,
     ) -> list[WindowSummaries]:
-        """Window summaries of the forecasts after washouts ``(points, steps, component)``."""
-        asked = case.system.observable, washouts, boundaries
+        """Window summaries of the forecasts after washouts ``(points, steps, component)``.
+
+        Schedules are those of `burstcast.forecast.window_forecasts.window_forecasts`.
+        """
+        asked = case.system.observable, washouts, boundaries, schedules
         found = [window_forecasts(one, *asked) for one in self.forecasters]
         return [member for one in found for member in one.members]
 
@@ -52,9 +59,21 @@ class Committee:
         training: FloatArray,
         points: ObservedPoints,
         boundaries: tuple[int, ...],
+        parameters: FloatArray | None = None,
     ) -> list[WindowSummaries]:
-        """Window summaries of forecasts of each training series, refitted without that series."""
+        """Window summaries of forecasts of each training series, refitted without that series.
+
+        ``parameters`` are the schedules of the training series, ``(series, time - 1, parameters)``.
+        """
         known = training, case, points.washouts.shape[1], case.system.observable
+        of_points = None
+        if parameters is not None:
+            steps = np.arange(1 - points.washouts.shape[1], boundaries[-1])
+            around = points.points.step[:, np.newaxis] + steps
+            of_points = parameters[points.points.series[:, np.newaxis], around]
         asked = points.washouts, points.points.series, boundaries
-        found = [out_of_sample_forecasts(one, *known, *asked) for one in self.forecasters]
+        found = [
+            out_of_sample_forecasts(one, *known, *asked, parameters=parameters, schedules=of_points)
+            for one in self.forecasters
+        ]
         return [member for one in found for member in one.members]

@@ -24,6 +24,7 @@ from burstcast.event_forecaster.committee import Committee
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.observed_states import Observable, state_space
 from burstcast.event_forecaster.parameters import checked_parameters
+from burstcast.event_forecaster.schedules import as_schedules
 from burstcast.event_forecaster.search_edges import search_edges
 from burstcast.event_forecaster.series_layout import as_series
 from burstcast.event_forecaster.stream import ObservationStream
@@ -32,7 +33,7 @@ from burstcast.forecast.observed_points import ObservedPoints, observed_points
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
-from burstcast.forecasters.registry import forecaster_class
+from burstcast.forecasters.registry import forecaster_class, learns_parameters
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.alarms import useless_votes
 from burstcast.probability.calibration import UNCALIBRATED, isotonic
@@ -40,6 +41,7 @@ from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.scores import probability_scores
 from burstcast.probability.votes import share_of_votes
 from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.parameters import Parameters
 
 NETWORKS = "esn"
 """The kind whose hyperparameters are searched, and of which there is a committee."""
@@ -199,7 +201,7 @@ class EventForecaster(Estimator):
 
     # -- what a user calls -------------------------------------------------------------------------
 
-    def fit(self, series: Any, y: None = None) -> Self:
+    def fit(self, series: Any, y: None = None, *, parameters: Any = None) -> Self:
         """Search, train, and calibrate.
 
         Parameters
@@ -208,6 +210,10 @@ class EventForecaster(Estimator):
             Training series, ``(series, time, component)``.
         y
             Nothing: events are found in the series themselves.
+        parameters
+            For kinds that know the parameters (``quadratic_aware``): values of those that the
+            option ``parameters`` names, in the training series, in a form of
+            `burstcast.event_forecaster.schedules.as_schedules`.
 
         Raises
         ------
@@ -222,10 +228,12 @@ class EventForecaster(Estimator):
             If most networks have a hyperparameter on the edge of its search, or if the votes tell
             events from no events no better than chance, in the forecasts that calibrate them.
         """
-        parameters = checked_parameters(self.get_params())
+        checked = checked_parameters(self.get_params())
         states = as_series(series, "the training series")
         timing, kind = self._timing, forecaster_class(self.kind)
-        case = self._case(states.shape[2])
+        learnt = self._told(parameters, len(states), states.shape[1] - 1, "fit")
+        own = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
+        case = self._case(states.shape[2], own)
         value = case.system.observable(states.transpose(2, 0, 1))
         threshold = self._threshold(value)
         observed = states
@@ -246,19 +254,19 @@ class EventForecaster(Estimator):
             members, found = networks(
                 TrainingSeries(observed, component_scales(states).range),
                 case,
-                parameters,
+                checked,
                 self._samples("washout"),
                 self._samples("validation_interval"),
             )
         else:
-            members, found = [kind.fit(observed, case)], []
-        for text in search_edges(found, parameters, states.shape):
+            members, found = [kind.fit(observed, case, learnt)], []
+        for text in search_edges(found, checked, states.shape):
             warnings.warn(text, stacklevel=2)
         # nothing of a former fit is left before all can be replaced
         self.members_ = members
         self._stream = None
         self.hyperparameters_ = found
-        self.components_ = states.shape[2]
+        self.components_, self.own_parameters_ = states.shape[2], own
         every = states.reshape(-1, self.components_)
         self.reference_states_ = every[
             np.linspace(0, len(every) - 1, _REFERENCE_STATES).astype(int)
@@ -268,7 +276,9 @@ class EventForecaster(Estimator):
         self.classes_ = np.array([False, True])
         self.alarms_ = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
-            votes = Committee(members).out_of_sample(case, observed, points, timing.boundaries)
+            votes = Committee(members).out_of_sample(
+                case, observed, points, timing.boundaries, learnt
+            )
             for time in timing.times:
                 outcomes = self._outcomes(points, votes, time)
                 if not outcomes.levels.size:
@@ -278,7 +288,7 @@ class EventForecaster(Estimator):
                     )
                 if text := useless_votes(outcomes):
                     warnings.warn(f"prediction time {time:g}: {text}", stacklevel=2)
-                calibration = isotonic(outcomes, parameters["prior_forecasts"])
+                calibration = isotonic(outcomes, checked["prior_forecasts"])
                 self.alarms_[time] = AlarmRule.chosen(outcomes, calibration)
         return self
 
@@ -304,7 +314,14 @@ class EventForecaster(Estimator):
         washouts = self._washouts(series)
         return Committee(self.members_).forecasts(washouts, steps)
 
-    def predict_proba(self, series: Any, prediction_time: float | None = None) -> FloatArray:
+    def predict_proba(
+        self,
+        series: Any,
+        prediction_time: float | None = None,
+        *,
+        parameters: Any = None,
+        planned: Any = None,
+    ) -> FloatArray:
         """Probability of no event, and of one, in the window at a prediction time.
 
         Parameters
@@ -313,15 +330,51 @@ class EventForecaster(Estimator):
             As for `forecast`.
         prediction_time
             One of ``prediction_times``; None: the first.
+        parameters
+            For kinds that know the parameters: values in force from each sample of the washout to
+            the next, as in `fit`; None: their means in training.
+        planned
+            Values that will be in force in each step of the forecast; None: the last of
+            ``parameters``.
 
         Returns
         -------
         ``(series, 2)``: the columns are ``classes_``, so that ``[:, 1]`` is that of an event.
         """
         time = self._time(prediction_time)
-        shares = self._shares(self._votes(self._washouts(series)), time)
+        washouts = self._washouts(series)
+        schedules = self._schedules(washouts, parameters, planned)
+        shares = self._shares(self._votes(washouts, schedules), time)
         probability = self.alarms_[time].calibration(shares)
         return np.stack([1 - probability, probability], axis=1)
+
+    def what_if(
+        self,
+        series: Any,
+        actions: Mapping[str, Any],
+        prediction_time: float | None = None,
+        *,
+        parameters: Any = None,
+    ) -> dict[str, FloatArray]:
+        """Probability of an event under each of several actions, and without any.
+
+        Parameters
+        ----------
+        series, prediction_time, parameters
+            As for `predict_proba`.
+        actions
+            Values that would be in force in each step of the forecast (``planned``), by name.
+
+        Returns
+        -------
+        By the names of the actions, and "none", ``(series,)`` each.
+        """
+        return {
+            name: self.predict_proba(
+                series, prediction_time, parameters=parameters, planned=planned
+            )[:, 1]
+            for name, planned in {"none": None, **actions}.items()
+        }
 
     def predict(self, series: Any, prediction_time: float | None = None) -> BoolArray:
         """Alarms: whether the probability of an event is high enough (see ``alarms_``).
@@ -427,6 +480,7 @@ class EventForecaster(Estimator):
         alarms = [{"prediction_time": time, **one.record()} for time, one in self.alarms_.items()]
         fitted = {
             "components": self.components_,
+            "own_parameters": self.own_parameters_,
             "reference_states": self.reference_states_,
             "reference_observable": self.reference_observable_,
             "event_threshold": self.event_threshold_,
@@ -460,7 +514,9 @@ class EventForecaster(Estimator):
         """
         saved = files.read_saved(path, observable)
         self, fitted = cls(**saved.parameters), saved.fitted
-        kind, case = forecaster_class(self.kind), self._case(fitted["components"])
+        self.own_parameters_ = fitted.get("own_parameters")
+        kind = forecaster_class(self.kind)
+        case = self._case(fitted["components"], self.own_parameters_)
         self.members_ = [kind.restore(record, case) for record in saved.members]
         self.hyperparameters_ = fitted["hyperparameters"]
         self.components_ = fitted["components"]
@@ -491,8 +547,8 @@ class EventForecaster(Estimator):
         """Samples of the duration that a parameter says."""
         return self._timing.samples(name, getattr(self, name))
 
-    def _case(self, components: int) -> ForecastingCase:
-        """What forecasters may know beside the series."""
+    def _case(self, components: int, own: Sequence[float] | None = None) -> ForecastingCase:
+        """What forecasters may know beside the series; ``own`` values of parameters of theirs."""
         system = state_space(self.observable, components)
         options = options_of_kind(self.kind)
         for name in self.options or {}:
@@ -511,7 +567,42 @@ class EventForecaster(Estimator):
             sampling_stride=self.sampling_stride,
             steps_per_lyapunov_time=self._timing.unit,
             options=options,
+            parameters=None if own is None else Parameters(self._parameter_names, tuple(own)),
         )
+
+    @property
+    def _parameter_names(self) -> tuple[str, ...]:
+        return tuple({**options_of_kind(self.kind), **(self.options or {})}["parameters"])
+
+    def _told(self, given: Any, series: int, steps: int, where: str) -> FloatArray | None:
+        """Schedules of a kind that knows the parameters; None of others."""
+        if not learns_parameters(self.kind):
+            if given is not None:
+                raise ValueError(
+                    f"forecasters of the kind {self.kind} do not know the parameters: leave them "
+                    f"out of {where}, or take a kind that does, such as quadratic_aware"
+                )
+            return None
+        if given is None:
+            raise ValueError(
+                f"forecasters of the kind {self.kind} need the values of "
+                f"{', '.join(self._parameter_names)}: {where}(..., parameters=...)"
+            )
+        return as_schedules(given, series, steps, self._parameter_names)
+
+    def _schedules(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray | None:
+        """Schedules over washouts and forecasts; None where nothing is told."""
+        series, steps = washouts.shape[:2]
+        if parameters is None and planned is None and not learns_parameters(self.kind):
+            return None
+        known = self.own_parameters_ if parameters is None else parameters
+        past = self._told(known, series, steps - 1, "predict_proba")
+        assert past is not None
+        reach = self._timing.boundaries[-1]
+        ahead = np.repeat(past[:, -1:], reach, axis=1)
+        if planned is not None:
+            ahead = as_schedules(planned, series, reach, self._parameter_names)
+        return np.concatenate([past, ahead], axis=1)
 
     def _threshold(self, observable: FloatArray) -> float:
         given = self.event_threshold
@@ -580,9 +671,11 @@ class EventForecaster(Estimator):
             spacing=self._samples(spacing),
         )
 
-    def _votes(self, washouts: FloatArray) -> list[WindowSummaries]:
-        case = self._case(self.components_)
-        return Committee(self.members_).summaries(case, washouts, self._timing.boundaries)
+    def _votes(
+        self, washouts: FloatArray, schedules: FloatArray | None = None
+    ) -> list[WindowSummaries]:
+        case, boundaries = self._case(self.components_), self._timing.boundaries
+        return Committee(self.members_).summaries(case, washouts, boundaries, schedules)
 
     def _shares(self, votes: Sequence[WindowSummaries], time: float) -> FloatArray:
         return share_of_votes(votes, *self._timing.windows(time), self.event_threshold_)
