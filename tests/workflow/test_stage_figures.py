@@ -154,7 +154,7 @@ def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
 
 def test_densities_of_different_systems_are_not_in_one_figure():
     blocks = [block([2000], reynolds=[600, 400], cases=["lorenz"])]
-    found = campaign(blocks, cases={"lorenz": LORENZ})
+    found = campaign(blocks, cases={"lorenz": LORENZ}, figures={"example_case": "Re400"})
     assert {"control_density", "control_density_lorenz"} <= stage_figures(found)
     for case, cases in (("Re400", ["Re400", "Re600"]), ("lorenz", ["lorenz"])):
         panels = shown(found, "control_density", case)["shown.panels"]
@@ -187,7 +187,11 @@ def test_the_suppressed_event_is_the_example_networks_if_it_controls():
     seeds = [block([500, 2000], validation=("SSV", "RV"), reynolds=[600, 400], seeds=3)]
     own = campaign(seeds, figures={"example_forecaster": "esn-N2000-RV-seed2"})
     assert control_example(own).controller == own.example.name
-    other = campaign(seeds, figures={"example_forecaster": "esn-N500-RV-seed2"})
+    other = campaign(
+        seeds,
+        figures={"example_forecaster": "esn-N500-RV-seed2"},
+        control={"forecasters": {"esn": {"neurons": [2000]}}},
+    )
     run = control_example(other)
     assert (run.case, run.controller.identifier) == ("Re400", "esn-N2000-RV-seed0")
     assert run.prediction_time_lt == 2

@@ -289,11 +289,6 @@ class Campaign:
             case=case, kind=name.kind, neurons=name.neurons, validation=name.validation
         )
 
-    @cached_property
-    def costed_runs(self) -> tuple[ControlRun, ...]:
-        """Control whose settings are chosen by what they cost, on half of the flows."""
-        return self.strategy_runs if self.config.control.cost else ()
-
     @property
     def unused_columns(self) -> set[str]:
         """Columns of tables of control that no plan of the campaign has a value of."""

@@ -653,9 +653,7 @@ class Control(Section):
     )
     sweep: Sweep
     cost: bool = setting(
-        "whether the effort and the power of the actuation are recorded, and settings of "
-        "strategies chosen by them on half of the flows (the table control_worth)",
-        default=False,
+        "whether the effort and the power of the actuation are recorded", default=False
     )
     strategies: list[StrategyBlock] = setting(
         "control beyond the paper's: the union of these blocks"

@@ -39,6 +39,11 @@ def forecasting_case(settings: Settings, time_unit: str | Sequence[str]) -> Fore
     )
 
 
+def kind_of(identifier: str) -> type[Forecaster]:
+    """Class of a forecaster, or of a controller's forecasters, by its identifier."""
+    return forecaster_class(parsed(identifier).kind)
+
+
 def write_forecaster(path: str, forecaster: Forecaster, provenance: Mapping[str, str]) -> None:
     """Write what a forecaster is restored from."""
     record = forecaster.record()
@@ -76,7 +81,7 @@ def read_forecaster(
     name
         Identifier with the forecaster's kind: of a controller; None: of the job's own forecaster.
     """
-    kind = forecaster_class(parsed(name or settings.get("forecaster", "")).kind)
+    kind = kind_of(name or settings.get("forecaster", ""))
     record = ForecasterRecord(read_netcdf(path), read_attributes(path))
     case = forecasting_case(settings, time_unit)
     options = {**case.options, "divergence_bound": divergence_bound}

@@ -10,8 +10,6 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters._names import parsed
-from burstcast.forecasters.esn import NetworkForecaster
-from burstcast.forecasters.registry import forecaster_class
 from burstcast.systems.parameters import Parameters
 from burstcast.tuning.hyperparameters import SearchSpace
 from burstcast.tuning.strategies.base import ValidationPlan
@@ -21,13 +19,6 @@ from burstcast_workflow.jobs.data import observed_rows, training_states
 from burstcast_workflow.jobs.scheduled import read_scheduled
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
-
-
-def network_class(identifier: str) -> type[NetworkForecaster]:
-    """Class of a network by its identifier."""
-    kind = forecaster_class(parsed(identifier).kind)
-    assert issubclass(kind, NetworkForecaster)
-    return kind
 
 
 def knowledge(settings: Settings, scheduled: Sequence[str]) -> dict[str, Any]:

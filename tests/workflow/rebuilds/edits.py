@@ -139,9 +139,17 @@ _VALUES: dict[str, Any] = {
     "case_defaults.data": None,  # what is measured, each case says by itself: the same again
     "case_defaults.actuation.force": [0.001, 0, 0, 0, 0, 0, 0, 0, 0],
     "case_defaults.actuation.start_lt": -0.5,
+    "case_defaults.training.actuation": {
+        "interval_lt": 0.25,
+        "mean_on_lt": 0.75,
+        "mean_off_lt": 2.25,
+    },
+    "case_defaults.training.trained_on": ["Re400"],
     "cases.Re400.recycle_validation.series": 3,
     "cases.Re400.lyapunov.published_exponent": 0.0174,
     "forecasters.esn.backend": "compiled",
+    "forecasters.aware.parameters": ["length_x"],
+    "forecasters.aware.transform": "identity",
     "forecasters.observation.noise": 0.02,
     "forecasters.filter.members": 24,  # an even number
     "forecasters.filter.inflation": 1.02,
@@ -247,7 +255,11 @@ _CHOICES = [
     ("control", "forecasters", "equations_noisy"),
 ]
 # settings that say nothing where they are: another one hides them, or nothing uses them here
-_WITHOUT_EFFECT = ("figures.", "control.sweep.seeds", "control.sweep.prediction_times_lt")
+_WITHOUT_EFFECT = (
+    *("figures.", "control.sweep.seeds", "control.sweep.prediction_times_lt"),
+    # of forecasters that know the parameters, which the preset does not have
+    *("case_defaults.training.actuation", "case_defaults.training.trained_on", "forecasters.aware"),
+)
 
 
 def config_edits() -> list[ConfigEdit]:

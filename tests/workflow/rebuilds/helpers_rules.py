@@ -37,7 +37,8 @@ def predicted_jobs(arguments=(), seconds_per=SECONDS_PER):
 
 def groups():
     """Groups of the rules that have a script: the others only name what to make."""
-    found = {name: rule for name, rule in workflow().rules.items() if rule.script}
+    # read anew: rules see the workflow that Snakemake has read last
+    found = {name: rule for name, rule in workflow.__wrapped__().rules.items() if rule.script}
     settings = SimpleNamespace(common_settings=SimpleNamespace(local_exec=False))
     for rule in found.values():
         rule.workflow._executor_plugin = settings  # as where jobs are submitted

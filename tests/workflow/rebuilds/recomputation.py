@@ -77,7 +77,18 @@ class Recomputation:
         names = ["spectral_radius", "input_scaling", "tikhonov", "objective", "solver"]
         return pd.DataFrame(rows)[[*KEYS, *names]]
 
-    def events(self, case: str, path: Path, time: float) -> tuple[np.ndarray, ...]:
+    def alarms(self) -> Iterator[tuple[dict[str, Any], Path, bool]]:
+        """Forecasts with their keys; then, for each case, whoever raises an alarm always."""
+        cases = {}
+        for keys, path in self.files("forecast.nc"):
+            cases[keys["case"]] = {name: keys[name] for name in ("case", "reynolds")}, path
+            yield keys, path, False
+        for keys, path in cases.values():
+            yield {**dict.fromkeys(KEYS), **keys, "forecaster": "permanent_alarm"}, path, True
+
+    def events(
+        self, case: str, path: Path, time: float, always: bool = False
+    ) -> tuple[np.ndarray, ...]:
         """Whether an event happens and is predicted at each scored point, and its series."""
         settings = self.config["classification"]
         threshold = self.records[case]["event_threshold"]
@@ -90,13 +101,14 @@ class Recomputation:
             & (data["largest"][:, first:last].max(axis=1) >= threshold)
             for data in (truth, forecast)
         )
+        predicted = predicted | always
         return happened[scored], predicted[scored], truth["series"][scored], truth["series"]
 
     def classification(self) -> pd.DataFrame:
         rows = []
-        for keys, path in self.files("forecast.nc"):
+        for keys, path, always in self.alarms():
             for time in self.config["classification"]["prediction_times_lt"]:
-                happened, predicted, _, _ = self.events(keys["case"], path, time)
+                happened, predicted, _, _ = self.events(keys["case"], path, time, always)
                 counts = confusion_matrix(happened, predicted, labels=[False, True])
                 (negative, false), (missed, positive) = counts.tolist()
                 rows.append(
@@ -117,9 +129,9 @@ class Recomputation:
         settings, seed = self.config["bootstrap"], self.config["random_seed"]
         tail = (1 - settings["confidence"]) / 2
         rows = []
-        for keys, path in self.files("forecast.nc"):
+        for keys, path, always in self.alarms():
             for time in self.config["classification"]["prediction_times_lt"]:
-                happened, predicted, series, every = self.events(keys["case"], path, time)
+                happened, predicted, series, every = self.events(keys["case"], path, time, always)
                 number = int(every.max()) + 1
                 generator = random_streams.stream(seed, "bootstrap", keys["case"], _text(time))
                 weights = generator.multinomial(

@@ -319,7 +319,7 @@ WITH_EFFECT = [
             "experiment.threshold - 2.0 * self.margin",
         ),
         "control/*/receding_horizon-* control_strategies_table/* "
-        "all_control_strategies_table figure/control_frontier",
+        "all_control_strategies_table figure/control_frontier figure/control_tradeoff",
     ),
     (
         Edit(

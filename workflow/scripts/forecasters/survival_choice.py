@@ -1,5 +1,7 @@
 """Choose, of hyperparameters that the search cannot tell apart, those that survive best."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast import durations
@@ -11,11 +13,11 @@ from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.harness.tables import read_table, write_table
+from burstcast_workflow.jobs.forecasters import kind_of
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
 from burstcast_workflow.jobs.networks import (
     dynamics_at,
     knowledge,
-    network_class,
     reservoir_seed,
     training_series,
 )
@@ -49,12 +51,13 @@ def choose_by_survival(
     points = points[good].sort_values("objective", kind="stable")
     series = training_series(settings, ensemble, scheduled)
     how = long_term_settings(settings, ensemble, time_unit)
-    kind, told = network_class(settings["forecaster"]), knowledge(settings, scheduled)
+    networks: Any = kind_of(settings["forecaster"])
+    told = knowledge(settings, scheduled)
     seed = reservoir_seed(settings, settings["forecaster"])
     rates = []
     for point in points.to_dict("records"):
         values = {str(key): at for key, at in point.items()}
-        who = kind.trained(
+        who = networks.trained(
             dynamics_at(settings, seed, series.dimension, values),
             seed,
             series,

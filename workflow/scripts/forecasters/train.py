@@ -1,14 +1,15 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
+from typing import Any
+
 from burstcast import durations
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.jobs.forecasters import write_forecaster
+from burstcast_workflow.jobs.forecasters import kind_of, write_forecaster
 from burstcast_workflow.jobs.networks import (
     dynamics_at,
     knowledge,
-    network_class,
     reservoir_seed,
     training_series,
 )
@@ -28,9 +29,10 @@ def train(
 ) -> None:
     """Write the trained network."""
     series = training_series(settings, ensemble, scheduled)
-    kind, chosen = network_class(settings["forecaster"]), read_json(hyperparameters)
+    networks: Any = kind_of(settings["forecaster"])
+    chosen = read_json(hyperparameters)
     seed = reservoir_seed(settings, settings["forecaster"])
-    network = kind.trained(
+    network = networks.trained(
         dynamics_at(settings, seed, series.dimension, chosen),
         seed,
         series,
