@@ -49,8 +49,9 @@ report: $(VENV)/installed ## a finished campaign on one page to hand on, report.
 archive: $(VENV)/installed ## tables, figures, config, versions and why in one zip
 	@$(BIN)/burstcast archive $(ARGS)
 
-pages: $(VENV)/installed ## docs/settings.md and docs/tables.md, from the model and the declarations
+pages: $(VENV)/installed ## pages and the schema of settings, from the model and the declarations
 	$(BIN)/burstcast settings > docs/settings.md
+	$(BIN)/python -m burstcast_workflow.config.schema > workflow/schemas/config.schema.json
 	$(BIN)/python -m burstcast_report.tables_page > docs/tables.md
 
 # make results ARGS="collect results/paper" takes a campaign's tables first

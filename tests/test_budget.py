@@ -15,7 +15,7 @@ BUDGET = {
     "src/burstcast_workflow": 223,
     "src/burstcast_workflow/campaign": 1097,
     "src/burstcast_workflow/commands": 957,
-    "src/burstcast_workflow/config": 2708,
+    "src/burstcast_workflow/config": 2751,
     "src/burstcast_workflow/costs": 522,
     "src/burstcast_workflow/figures": 439,
     "src/burstcast_workflow/harness": 675,

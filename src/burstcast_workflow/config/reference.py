@@ -27,7 +27,9 @@ Kinds of forecasters are modules of `burstcast.forecasters`; where they are chos
 `statistics`, `control`), a kind that is left out or null has none. An overlay lays mappings over
 those of config.yaml and replaces all else, lists too: null takes away a kind that config.yaml has.
 
-This page is made by `make pages` (`burstcast settings`).
+Editors that understand YAML complete settings and show their meaning, by the JSON Schema
+`workflow/schemas/config.schema.json`, which the first line of config.yaml names. It and this page
+are made by `make pages` (`burstcast settings`).
 """
 _COLUMNS = ("Setting", "Allowed", "Unit", "Default", "Meaning")
 
