@@ -1,7 +1,7 @@
 """Kills and damages at random: the next run has the tables of one that nothing disturbed.
 
-The issue's numbers are the defaults; BURSTCAST_KILLS and BURSTCAST_DAMAGES set others, and
-BURSTCAST_SEED the seed, which is printed with what was tried.
+A hundred kills and fifty damages are the default; BURSTCAST_KILLS and BURSTCAST_DAMAGES set other
+numbers, and BURSTCAST_SEED the seed, which is printed with what was tried.
 """
 
 import os
