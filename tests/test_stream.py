@@ -7,16 +7,9 @@ import numpy as np
 import pytest
 
 import burstcast
-from burstcast.systems.integration import integrate
-from burstcast.systems.lorenz63 import Lorenz63
+from test_event_forecaster import lorenz
 
 INTERVAL = 0.02
-
-
-def lorenz(series, steps, seed):
-    start = np.array([[1.0, 1.0, 20.0]] * series).T
-    start += np.random.default_rng(seed).uniform(-5, 5, start.shape)
-    return integrate(Lorenz63(), start, 0.01, 2 * steps + 1000, stride=2)[501:].transpose(2, 0, 1)
 
 
 SERIES = lorenz(1, 300, 5)[0]

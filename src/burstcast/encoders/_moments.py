@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace
 
 
@@ -38,7 +39,7 @@ def state_moments(states: FloatArray, space: StateSpace | None = None) -> Moment
     """
     mean = states.mean(axis=0)
     second = states.T @ states / len(states)
-    for symmetry in () if space is None else getattr(space, "symmetries", tuple)():
+    for symmetry in space.symmetries() if isinstance(space, DynamicalSystem) else ():
         matrix = symmetry.transform(np.eye(len(mean)))
         means, seconds = [mean], [second]
         for _ in range(symmetry.order - 1):

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Self
 
 from burstcast.arrays import FloatArray
 from burstcast.observation.base import Observation
-from burstcast.systems.state_space import StateSpace
+from burstcast.systems.state_space import StateSpace, component_names
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,13 @@ class EncodingCase:
     options: Mapping[str, Any] = field(default_factory=dict)
     observation: Observation | None = None
     noise: FloatArray | None = None
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Names of the observed components."""
+        if self.observation is not None:
+            return self.observation.channels
+        return component_names(self.space)
 
 
 class Encoder(abc.ABC):

@@ -8,7 +8,6 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.encoders.base import Encoder, EncodingCase
-from burstcast.encoders.identity import IdentityEncoder
 from burstcast.systems.expressions import Expression
 
 
@@ -49,7 +48,7 @@ class ExpressionsEncoder(Encoder):
     @classmethod
     def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
         """Read the expressions."""
-        components = IdentityEncoder.restore({}, case).channels
+        components = case.components
         expressions = tuple(map(Expression, case.options.get("expressions", ())))
         if not expressions:
             raise ValueError("expressions must name one expression at least")

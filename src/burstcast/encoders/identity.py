@@ -6,7 +6,6 @@ from typing import ClassVar, Self
 
 from burstcast.arrays import FloatArray
 from burstcast.encoders.base import Encoder, EncodingCase
-from burstcast.systems.state_space import component_names
 
 
 @dataclass(frozen=True)
@@ -43,6 +42,4 @@ class IdentityEncoder(Encoder):
     @classmethod
     def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
         """Take the names of the components."""
-        if case.observation is not None:
-            return cls(case.observation.channels)
-        return cls(component_names(case.space))
+        return cls(case.components)

@@ -68,13 +68,11 @@ class PodEncoder(Encoder):
 
     def encode(self, observed: FloatArray) -> FloatArray:
         """Coefficients ``(mode, ...)`` of states ``(component, ...)``."""
-        flat = observed.reshape(len(observed), -1) - self.mean[:, np.newaxis]
-        return (self.modes.T @ flat).reshape(-1, *observed.shape[1:])
+        return np.tensordot(self.modes.T, (observed.T - self.mean).T, axes=1)
 
     def decode(self, channels: FloatArray) -> FloatArray:
         """States ``(component, ...)`` of coefficients ``(mode, ...)``."""
-        flat = self.modes @ channels.reshape(len(channels), -1) + self.mean[:, np.newaxis]
-        return flat.reshape(-1, *channels.shape[1:])
+        return (np.tensordot(self.modes, channels, axes=1).T + self.mean).T
 
     def record(self) -> dict[str, FloatArray]:
         """Mean, modes and variances."""

@@ -14,6 +14,7 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.encoders._moments import state_moments
 from burstcast.encoders.base import Encoder, EncodingCase
+from burstcast.observation.base import Observation
 from burstcast.systems.state_space import component_names
 
 
@@ -23,21 +24,21 @@ class StateEstimateEncoder(Encoder):
 
     Attributes
     ----------
+    observation
+        What instruments see of a state.
     gain
         ``(dimension, observed)``.
     constant
         ``(dimension,)``.
-    matrix
-        Of the observation, ``(observed, dimension)``.
     channels
         Names of the components of a state.
     """
 
     decodes: ClassVar[bool] = True
 
+    observation: Observation
     gain: FloatArray
     constant: FloatArray
-    matrix: FloatArray
     channels: tuple[str, ...] = ()
 
     @classmethod
@@ -47,9 +48,7 @@ class StateEstimateEncoder(Encoder):
         With mean m and covariance C of the states, observation matrix H and covariance R of its
         errors, the estimate from y is m + C H' (H C H' + R)^-1 (y - H m).
         """
-        if case.observation is None:
-            raise ValueError("the state is observed itself: there is nothing to estimate")
-        matrix = case.observation.matrix
+        matrix = _observation(case).matrix
         noise = np.zeros(len(matrix)) if case.noise is None else case.noise
         if not (noise > 0.0).all():
             raise ValueError("an estimate of the state takes observations with noise, not without")
@@ -57,23 +56,29 @@ class StateEstimateEncoder(Encoder):
         across = moments.covariance @ matrix.T
         gain = np.linalg.solve(matrix @ across + np.diag(np.square(noise)), across.T).T
         constant = moments.mean - gain @ (matrix @ moments.mean)
-        return cls(gain, constant, matrix, component_names(case.space))
+        return cls.restore({"gain": gain, "constant": constant}, case)
 
     def encode(self, observed: FloatArray) -> FloatArray:
         """Estimates ``(dimension, ...)`` of states from what was observed, ``(observed, ...)``."""
-        flat = self.gain @ observed.reshape(len(observed), -1) + self.constant[:, np.newaxis]
-        return flat.reshape(-1, *observed.shape[1:])
+        return (np.tensordot(self.gain, observed, axes=1).T + self.constant).T
 
     def decode(self, channels: FloatArray) -> FloatArray:
         """What instruments see of states ``(dimension, ...)``."""
-        return (self.matrix @ channels.reshape(len(channels), -1)).reshape(-1, *channels.shape[1:])
+        return self.observation(channels)
 
     def record(self) -> dict[str, FloatArray]:
-        """Gain, constant and the matrix of the observation."""
-        return {"gain": self.gain, "constant": self.constant, "matrix": self.matrix}
+        """Gain and constant."""
+        return {"gain": self.gain, "constant": self.constant}
 
     @classmethod
     def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
         """Put the estimate together again."""
         names = component_names(case.space)
-        return cls(record["gain"], record["constant"], record["matrix"], names)
+        return cls(_observation(case), record["gain"], record["constant"], names)
+
+
+def _observation(case: EncodingCase) -> Observation:
+    """Observation of a case. Raises ValueError if states are observed themselves."""
+    if case.observation is None:
+        raise ValueError("the state is observed itself: there is nothing to estimate")
+    return case.observation

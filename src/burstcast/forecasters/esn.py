@@ -151,17 +151,13 @@ class NetworkForecaster(Forecaster):
             reciprocal_condition=float(attributes["reciprocal_condition"]),
         )
         network = EchoStateNetwork(dynamics, readout, input_range)
-        return cls._restored(network, seed, record, case)
+        bound = case.options["divergence_bound"]
+        return cls(network, seed, bound, **cls._knowledge(record, case))
 
     @classmethod
-    def _restored(
-        cls,
-        network: EchoStateNetwork,
-        seed: ReservoirSeed,
-        record: ForecasterRecord,
-        case: ForecastingCase,
-    ) -> Self:
-        return cls(network, seed, case.options["divergence_bound"])
+    def _knowledge(cls, record: ForecasterRecord, case: ForecastingCase) -> dict[str, Any]:
+        """Fields of a kind that has more than a network."""
+        return {}
 
     def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Reservoir states after the washout, ``(neurons, batch)``."""

@@ -6,12 +6,10 @@ forecasts under any (`burstcast.esn.factored`).
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import Any, ClassVar
 
 from burstcast.arrays import FloatArray
 from burstcast.data.parameter_factors import ParameterFactors
-from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.tangent import ClosedLoopTangent
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters._aware import (
@@ -64,15 +62,8 @@ class AwareNetworkForecaster(NetworkForecaster):
         )
 
     @classmethod
-    def _restored(
-        cls,
-        network: EchoStateNetwork,
-        seed: ReservoirSeed,
-        record: ForecasterRecord,
-        case: ForecastingCase,
-    ) -> Self:
-        bound, factors = case.options["divergence_bound"], restored_factors(record, case)
-        return cls(network, seed, bound, factors, parameters_of(case))
+    def _knowledge(cls, record: ForecasterRecord, case: ForecastingCase) -> dict[str, Any]:
+        return {"factors": restored_factors(record, case), "parameters": parameters_of(case)}
 
     def advance(
         self, memory: FloatArray, steps: int, parameters: FloatArray | None = None

@@ -2,6 +2,8 @@
 
 import abc
 
+import numpy as np
+
 from burstcast.arrays import FloatArray
 
 
@@ -20,5 +22,4 @@ class Observation(abc.ABC):
 
     def __call__(self, states: FloatArray) -> FloatArray:
         """Observe states ``(dimension, ...)``: ``(observed, ...)``, without noise."""
-        flat = states.reshape(len(states), -1)
-        return (self.matrix @ flat).reshape(-1, *states.shape[1:])
+        return np.tensordot(self.matrix, states, axes=1)
