@@ -44,7 +44,7 @@ FIGURE = Declaration(
         "fixed_prediction_time_lt": "figures.fixed_prediction_time_lt",
         "sizes_validation": "shown.validation",
     },
-    cases="every",
+    cases="networks",
     published=True,
 )
 

@@ -89,6 +89,7 @@ _OTHER_SETTINGS = {
     "decision_interval_lt": "every {} LT",
     "window_lt": "window of {} LT",
     "vote_share": "{} of the votes",
+    "options": "{}",
 }
 
 # Colours and fillings of who forecasts: full, open, half.
@@ -288,7 +289,9 @@ def _kind(
     look: _Strategy, texts: Mapping[str, str], row: "pd.Series[Any]", symbol: str
 ) -> str:  # fmt: skip
     values = [
-        text.format(f"{row[name]:g}", symbol=f"${symbol}$")
+        text.format(
+            row[name] if isinstance(row[name], str) else f"{row[name]:g}", symbol=f"${symbol}$"
+        )
         for name, text in texts.items()
         if pd.notna(row[name])
     ]

@@ -204,6 +204,11 @@ def _every(campaign: Campaign) -> list[str]:
     return list(dict.fromkeys([campaign.example.case, *campaign.case_names]))
 
 
+def _with_networks(campaign: Campaign) -> list[str]:
+    """Cases with networks that are not aware, the example's first."""
+    return [case for case in _every(campaign) if campaign.select(case=case, kind="esn")]
+
+
 def _with_sizes(campaign: Campaign) -> list[str]:
     """The example's, and others with networks of several sizes."""
     sizes = {
@@ -264,6 +269,7 @@ def _with_frontier(campaign: Campaign) -> list[str]:
 CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
     "example": _example,
     "every": _every,
+    "networks": _with_networks,
     "several_sizes": _with_sizes,
     "several_reynolds": _with_reynolds,
     "committees": _with_committees,
