@@ -80,14 +80,30 @@ stage(
     cost="data",
     constraints={"case": MEASURED},
 )
+EVALUATION_SET = {"evaluation_set": f"{CASE}/evaluation_set.nc"}
+EVALUATED = (
+    "SYSTEM TIME OBSERVED WINDOWS case.test_series washout_lt "
+    "classification.start_spacing_lt"
+)
 stage(
     "data/evaluation_set",
     "starting points of the forecasts",
     inputs=files("ensemble time_unit"),
-    outputs={"evaluation_set": f"{CASE}/evaluation_set.nc"},
-    settings="SYSTEM TIME OBSERVED WINDOWS case.test_series washout_lt "
-    "classification.start_spacing_lt",
+    outputs=EVALUATION_SET,
+    settings=EVALUATED,
     cost="data",
+    constraints={"case": one_of({*campaign.cases} - {*campaign.switched_cases})},
+)
+stage(
+    "data/switched_evaluation_set",
+    "starting points of forecasts under actuation",
+    inputs=files("ensemble time_unit"),
+    outputs=EVALUATION_SET,
+    settings=f"{EVALUATED} case.training.actuation case.actuation "
+    "case.laminarisation_threshold",
+    cost="data",
+    constraints={"case": one_of(campaign.switched_cases)},
+    parameters=campaign.config.forecasters.aware.parameters,
 )
 stage(
     "data/events",

@@ -5,7 +5,7 @@ stage(
     "forecast the evaluation set",
     inputs=files("forecaster evaluation_set time_unit"),
     outputs={"forecast": f"{FORECASTER}/forecast.nc"},
-    settings="FORECASTER forecaster.divergence_bound WINDOWS",
+    settings="FORECASTER forecaster.divergence_bound forecasters.aware WINDOWS",
     cost="forecast",
     cached=True,
 )

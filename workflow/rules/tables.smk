@@ -93,6 +93,12 @@ table_stage(
     settings="KEYS case.training.noise random_seed bootstrap",
 )
 table_stage(
+    "control_choice_table",
+    "strategies at their best",
+    inputs={"flows": files_in_case("flows.nc", campaign.chosen_runs)},
+    settings="KEYS case.training.noise control.tolerated_exceedance random_seed bootstrap",
+)
+table_stage(
     "warnings_table",
     "look for warning signs",
     inputs={

@@ -213,12 +213,35 @@ def score_flows(
     weights = np.ones((resamples + 1, flows))
     if flows:
         weights[1:] = bootstrap_weights(flows, resamples, generator)
+    values = weighted_scores(records, span, weights, costs)
+    return {name: ResampledScore(float(one[0]), one[1:]) for name, one in values.items()}
+
+
+def weighted_scores(
+    records: FlowRecords,
+    span: Span,
+    weights: FloatArray,
+    costs: Mapping[str, FloatArray] | None = None,
+) -> dict[str, FloatArray]:
+    """Scores of flows that count with weights.
+
+    Parameters
+    ----------
+    records, span, costs
+        As of `score_flows`.
+    weights
+        ``(resamples, flows)``.
+
+    Returns
+    -------
+    By the names in `FLOW_SCORES`, and those of the costs, ``(resamples,)`` each; NaN where a score
+    is not defined.
+    """
     values = _scores(records, span, weights)
     weighted = weights * _neither(records)
     for name, of_flows in (costs or {}).items():
         values[name] = _quotient((weighted * of_flows).sum(axis=1), weighted.sum(axis=1))
-    names = (*FLOW_SCORES, *(costs or {}))
-    return {name: ResampledScore(float(values[name][0]), values[name][1:]) for name in names}
+    return {name: values[name] for name in (*FLOW_SCORES, *(costs or {}))}
 
 
 def flow_intervals(

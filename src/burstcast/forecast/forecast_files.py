@@ -60,6 +60,33 @@ def point_variables(
     }
 
 
+def schedule_variables(
+    found: ObservedPoints, schedules: FloatArray, horizon: int
+) -> dict[str, Variable]:
+    """Variable of the parameters in force over the washouts and the forecasts of points.
+
+    Parameters
+    ----------
+    found
+        The points.
+    schedules
+        Of the series that they lie in, from each sample to the next, ``(series, time - 1,
+        parameters)``.
+    horizon
+        Steps of the forecasts.
+    """
+    washout = found.washouts.shape[1]
+    return {
+        "parameter": Variable(
+            ("point", "step_in_force", "parameter_name"),
+            segments(schedules, found.points, washout - 1, horizon - 1),
+            None,
+            "value of each parameter in force from each sample of the washout and of the forecast "
+            "to the next",
+        )
+    }
+
+
 def forecast_variables(forecasts: WindowForecasts, name: str) -> dict[str, Variable]:
     """Variables of forecasts of the observable called ``name``, and of an ensemble's members."""
     points, members = ("point", "window"), ("point", "member", "window")

@@ -255,6 +255,12 @@ class Campaign:
         runs = [run for block in self.config.control.strategies for run in self._runs_of(block)]
         return tuple(dict.fromkeys([*self.control_runs, *runs]))
 
+    @property
+    def chosen_runs(self) -> tuple[ControlRun, ...]:
+        """Runs of control whose settings are chosen on half of the flows; none by default."""
+        chooses = self.config.control.tolerated_exceedance is not None
+        return self.strategy_runs if chooses else ()
+
     def _runs_of(self, block: StrategyBlock) -> Iterator[ControlRun]:
         controlled = [case for case in self.case_names if self.cases[case].actuation is not None]
         wanted = block.cases or controlled
@@ -301,6 +307,12 @@ class Campaign:
         return tuple(
             dict.fromkeys(one.case for one in self.forecasters if learns_parameters(one.name.kind))
         )
+
+    @property
+    def switched_cases(self) -> tuple[str, ...]:
+        """Cases whose test series are under an actuator that switches at random."""
+        actuations = {case: self.cases[case].training.actuation for case in self.case_names}
+        return tuple(case for case, one in actuations.items() if one is not None and one.tested)
 
     @cached_property
     def _plans(self) -> dict[str, ControlPlan]:
@@ -363,7 +375,7 @@ class Campaign:
         if section == "forecaster":
             value: Any = self._options(name.kind)
         elif path == AWARE:
-            return {**self._plain[section]["aware"], "own": self._own_values(wildcards["case"])}
+            return {**self._plain[section]["aware"], "own": self.own_values(wildcards["case"])}
         elif section == "case":
             value = self._plain_cases[wildcards["case"]]
         elif path == "statistics.duration" and self.config.statistics.duration is None:
@@ -377,12 +389,13 @@ class Campaign:
         return value
 
     def _tells(self, name: ForecasterName, wildcards: Mapping[str, str]) -> bool:
-        """Whether a job's forecaster learns about parameters, or its control tells it of them."""
+        """Whether a job's forecaster learns about parameters, or is told of those in force."""
         plan = self.plan(wildcards["strategy"]) if "strategy" in wildcards else None
         told = plan and make_strategy(plan.strategy, dict(plan.settings)).told
-        return bool(told) or learns_parameters(name.kind)
+        switched = wildcards.get("case") in self.switched_cases
+        return bool(told) or switched or learns_parameters(name.kind)
 
-    def _own_values(self, case: str) -> list[float]:
+    def own_values(self, case: str) -> list[float]:
         """Values of the parameters that forecasters are told of, in a case without actuation."""
         names, one = self.config.forecasters.aware.parameters, self.cases[case]
         if names == [SHARE]:

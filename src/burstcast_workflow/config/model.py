@@ -241,6 +241,11 @@ class TrainingActuation(Section):
         "mean time that it stays off", at_least="training.actuation.interval_lt"
     )
     strength: Positive = setting("share of the case's actuation", "actuations", default=1)
+    tested: bool = setting(
+        "whether the case's test series are such series, too; forecasters that know the parameters "
+        "are given the actuation",
+        default=False,
+    )
 
 
 class Training(Section):
@@ -654,6 +659,11 @@ class Control(Section):
     sweep: Sweep
     cost: bool = setting(
         "whether the effort and the power of the actuation are recorded", default=False
+    )
+    tolerated_exceedance: Annotated[float, Field(ge=0, lt=1)] | None = setting(
+        "share of the uncontrolled exceedance that may be left when settings of strategies are "
+        "chosen on half of the flows and scored on the others; null: nothing is chosen",
+        default=None,
     )
     strategies: list[StrategyBlock] = setting(
         "control beyond the paper's: the union of these blocks"

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from burstcast.discovery import suggestion
 from burstcast.figures.registry import Declaration, available_figures, declaration
+from burstcast.forecasters.registry import learns_parameters
 from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.campaign.alarm_sources import shown_voters
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
@@ -128,6 +129,30 @@ def _observed(campaign: Campaign, case: str) -> dict[str, int]:
     return {case: campaign.dimension(case), **parts} if parts else {}
 
 
+def _aware_cases(campaign: Campaign) -> list[str]:
+    """Cases of the example's system with forecasters that know the parameters, tested freely."""
+    system = campaign.cases[campaign.example.case].system
+    free = [case for case in campaign.aware_cases if case not in campaign.switched_cases]
+    return [case for case in free if campaign.cases[case].system == system]
+
+
+def _parameter(campaign: Campaign, case: str) -> dict[str, Any]:
+    """The first parameter that forecasters know: its values by case, and those trained on."""
+    cases = _aware_cases(campaign)
+    kinds = sorted({one.name.kind for one in campaign.forecasters if one.case in cases})
+    trained = {
+        campaign.own_values(source)[0]
+        for one in cases
+        for source in campaign.cases[one].training.trained_on or [one]
+    }
+    return {
+        "name": campaign.config.forecasters.aware.parameters[0],
+        "values": {one: campaign.own_values(one)[0] for one in cases},
+        "trained": sorted(trained),
+        "kinds": [*filter(learns_parameters, kinds)],
+    }
+
+
 def _strategies(campaign: Campaign, case: str) -> list[str]:
     names = {one.name.validation for one in campaign.networks if one.case == case}
     return sorted((str(name) for name in names), reverse=True)
@@ -169,10 +194,11 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "suppressed_event": _suppressed_event,
     "reynolds_cases": lambda campaign, case: _reynolds_cases(campaign),
     "controlled_cases": _controlled_cases,
+    "aware_cases": lambda campaign, case: _aware_cases(campaign),
     # a case and those that are parts of it
     "parts": lambda campaign, case: list(_observed(campaign, case)),
 }
-_OF_SEVERAL_CASES = ("reynolds_cases", "controlled_cases", "parts")
+_OF_SEVERAL_CASES = ("reynolds_cases", "controlled_cases", "aware_cases", "parts")
 
 # Settings that are not in the config, by what follows ``shown.``
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
@@ -189,6 +215,7 @@ _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
     "control_networks": _control_kind,
     "frontier_network": _frontier_network,
     "panels": _panels,
+    "parameter": _parameter,
 }
 
 
@@ -220,6 +247,11 @@ def _with_sizes(campaign: Campaign) -> list[str]:
 
 def _with_reynolds(campaign: Campaign) -> list[str]:
     return _example(campaign) if len(_reynolds_cases(campaign)) > 1 else []
+
+
+def _with_parameters(campaign: Campaign) -> list[str]:
+    values = {tuple(campaign.own_values(case)) for case in _aware_cases(campaign)}
+    return _example(campaign) if len(values) > 1 else []
 
 
 def _with_committees(campaign: Campaign) -> list[str]:
@@ -266,12 +298,19 @@ def _with_frontier(campaign: Campaign) -> list[str]:
     return [case for case in _every(campaign) if case in cases]
 
 
+def _with_choices(campaign: Campaign) -> list[str]:
+    """Cases whose control is shown with the settings chosen on half of the flows."""
+    cases = {run.case for run in campaign.chosen_runs}
+    return [case for case in _every(campaign) if case in cases]
+
+
 CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
     "example": _example,
     "every": _every,
     "networks": _with_networks,
     "several_sizes": _with_sizes,
     "several_reynolds": _with_reynolds,
+    "several_parameters": _with_parameters,
     "committees": _with_committees,
     "parts": _with_parts,
     "long_term": _with_long_term,
@@ -280,6 +319,7 @@ CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
     "controlled": _controlled,
     "controlled_systems": _controlled_systems,
     "other_control": _with_frontier,
+    "chosen_control": _with_choices,
 }
 """Choices of cases by name."""
 

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 
 from burstcast import durations
+from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import read_rows
-from burstcast.forecast.forecast_files import point_variables
+from burstcast.forecast.forecast_files import point_variables, schedule_variables
 from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.windows import window_boundaries
 from burstcast_workflow.harness.settings import CLASSIFICATION, Settings, concerning
@@ -26,10 +27,26 @@ def write_point_set(
     settings: Settings,
     ensemble: str,
     rows: range,
-    spacing: str,
-    spacing_lt: float,
+    spacing: tuple[str, float],
     steps_per_lyapunov_time: int,
     provenance: Mapping[str, str],
+) -> None:
+    """Write starting points in kept series of an ensemble (see `write_points`)."""
+    states = read_rows(ensemble, "state", rows.start, rows.stop)
+    observed = observed_rows(settings, ensemble, rows.start, states)
+    observable = read_rows(ensemble, "observable", rows.start, rows.stop)
+    series = (states, observed, observable)
+    write_points(path, settings, series, spacing, steps_per_lyapunov_time, provenance)
+
+
+def write_points(
+    path: str,
+    settings: Settings,
+    series: tuple[FloatArray, FloatArray, FloatArray],
+    spacing: tuple[str, float],
+    steps_per_lyapunov_time: int,
+    provenance: Mapping[str, str],
+    schedules: FloatArray | None = None,
 ) -> None:
     """Write starting points, observed washouts, and the true window summaries.
 
@@ -39,16 +56,18 @@ def write_point_set(
         The file.
     settings
         With ``SYSTEM OBSERVED WINDOWS washout_lt`` of the rules.
-    ensemble
-        Path of the ensemble.
-    rows
-        Kept series that the points lie in.
-    spacing, spacing_lt
+    series
+        What the points lie in: states, what is observed of them, both ``(series, time,
+        dimension)``, and the true observable, ``(series, time)``.
+    spacing
         Setting of the distance of two points, and its value in Lyapunov times.
     steps_per_lyapunov_time
         Steps of a forecast in a Lyapunov time.
     provenance
         Of the job.
+    schedules
+        Parameters in force in each step, ``(series, time - 1, parameters)``; None: those of the
+        case.
 
     Raises
     ------
@@ -56,15 +75,19 @@ def write_point_set(
         If the series are too short for a single point.
     """
     system, steps = system_of(settings), steps_per_lyapunov_time
-    states = read_rows(ensemble, "state", rows.start, rows.stop)
-    resolution_lt, count = windows_of(settings)
+    states, observed, observable = series
+    (name, spacing_lt), (resolution_lt, count) = spacing, windows_of(settings)
+    boundaries = window_boundaries(resolution_lt, count, steps)
     with concerning(CLASSIFICATION):
         found = observed_points(
-            observed_rows(settings, ensemble, rows.start, states),
-            read_rows(ensemble, "observable", rows.start, rows.stop),
+            observed,
+            observable,
             system.observable,
-            spacing=durations.positive_steps(spacing_lt, steps, spacing),
+            spacing=durations.positive_steps(spacing_lt, steps, name),
             washout=durations.positive_steps(settings["washout_lt"], steps, "washout_lt"),
-            boundaries=window_boundaries(resolution_lt, count, steps),
+            boundaries=boundaries,
         )
-    write_netcdf(path, point_variables(found, states, system.observable_name), provenance)
+    variables = point_variables(found, states, system.observable_name)
+    if schedules is not None:
+        variables |= schedule_variables(found, schedules, boundaries[-1])
+    write_netcdf(path, variables, provenance)

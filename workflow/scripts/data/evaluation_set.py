@@ -2,7 +2,7 @@
 
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import check_kept_series, kept_series, test_series
+from burstcast_workflow.jobs.data import test_rows
 from burstcast_workflow.jobs.forecasts import write_point_set
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -17,16 +17,13 @@ def evaluation_set_of_case(
     provenance: Provenance,
 ) -> None:
     """Write points in the test series."""
-    kept, first = kept_series(ensemble), settings["case.training.series"]
-    series = test_series(settings, kept)
-    check_kept_series(kept, {"training.series": first, "test_series": series})
+    spacing = "classification.start_spacing_lt"
     write_point_set(
         evaluation_set,
         settings,
         ensemble,
-        range(first, first + series),
-        "classification.start_spacing_lt",
-        settings["classification.start_spacing_lt"],
+        test_rows(settings, ensemble),
+        (spacing, settings[spacing]),
         lyapunov_time(settings, time_unit),
         provenance,
     )

@@ -30,8 +30,12 @@ def forecast_evaluation_set(
     boundaries = window_boundaries(*windows_of(settings), lyapunov_time(settings, time_unit))
     bound = settings["forecaster.divergence_bound"]
     who = read_forecaster(forecaster, settings, time_unit, bound)
-    points = read_netcdf(evaluation_set, "washout", "true_state")
+    points = read_netcdf(evaluation_set)
     given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
-    forecasts = window_forecasts(who, system.observable, given, boundaries)
+    schedule = points.get("parameter")
+    if schedule is not None:
+        # those who see the true state have no washout
+        schedule = schedule[:, -(given.shape[1] - 1 + boundaries[-1]) :]
+    forecasts = window_forecasts(who, system.observable, given, boundaries, schedule)
     variables = forecast_variables(forecasts, system.observable_name)
     write_netcdf(forecast, variables, provenance)

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from burstcast.figures.parts.percentile_curves import select
-from burstcast.figures.parts.style import BLUE, GREY, VERMILLION
+from burstcast.figures.parts.style import BLUE, GREEN, GREY, PURPLE, VERMILLION
 
 _MAUVE = "#8A5A83"
 _PALE = "#A0A0A0"
@@ -27,6 +27,7 @@ class _Look(NamedTuple):
 _LOOKS = {
     "esn_committee": _Look("committee of networks", BLUE, "-"),
     "esn": _Look("single network", VERMILLION, (0.0, (3.5, 1.2))),
+    "esn_aware": _Look("parameter-aware network", GREEN, "-"),
     "equations": _Look("equations, true state", GREY, _DOTS),
     "equations_filtered": _Look("equations, filtered", GREY, "-"),
     "equations_filtered_committee": _Look("equations, filter's members", GREY, _CHAIN),
@@ -36,6 +37,8 @@ _LOOKS = {
     "quadratic_filtered_committee": _Look(
         "learnt equations, filter's members", _MAUVE, (6.0, (9.0, 2.0, 1.5, 5.5))
     ),
+    "quadratic_aware": _Look("parameter-aware equations, noisy state", PURPLE, (0.0, (4.0, 1.5))),
+    "quadratic_aware_filtered": _Look("parameter-aware equations, filtered", PURPLE, "-"),
     "analogues": _Look("analogues", _PALE, _DASHES),
     "analogues_committee": _Look("analogues, one by one", _PALE, _CHAIN),
     "linear_inverse": _Look("linear inverse model", _PALE, _DOTS),

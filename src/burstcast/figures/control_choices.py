@@ -1,0 +1,238 @@
+"""When is a forecast worth it? Strategies of control at their best, under each condition: (a) share
+of the uncontrolled exceedance that is left and (b) cost of the actuation. Settings are chosen on
+half of the flows: the cheapest that leave no more than the tolerated share (line), or else those
+that leave the least. Shown are the other flows, with bootstrap intervals; where nothing is left,
+the bar ends at the bound of the rule of three.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.percentile_curves import require_single_case
+from burstcast.figures.parts.reference_forecasters import forecaster_label, ordered_forecasters
+from burstcast.figures.parts.style import (
+    BLACK,
+    BLUE,
+    DOUBLE_COLUMN,
+    GREEN,
+    GREY,
+    LIGHT_GREY,
+    ORANGE,
+    PURPLE,
+    VERMILLION,
+    letter_panels,
+    new_figure,
+    styled,
+)
+from burstcast.figures.registry import Declaration
+
+FIGURE = Declaration(
+    section="control",
+    position=60,
+    inputs={"choices": "case/tables/control_choices.csv"},
+    settings={"tolerance": "control.tolerated_exceedance", "noise": "case.training.noise"},
+    cases="chosen_control",
+)
+
+_LEFT, _COSTS = "relative_exceedance", ("effort", "control_fraction")
+_COST_LABELS = {
+    "effort": "Mean length of the actuation's force",
+    "control_fraction": "Share of the time under actuation",
+}
+_MARKERS = {"reactive": "^", "receding_horizon": "o", "planned": "D", "random_decisions": "X"}
+_COLORS = {
+    "none": ORANGE,
+    "esn": VERMILLION,
+    "esn_committee": BLUE,
+    "esn_aware": GREEN,
+    "esn_aware_committee": BLUE,
+    "quadratic_aware": GREY,
+    "quadratic_aware_filtered": PURPLE,
+    "equations": BLACK,
+}
+_ROW = 0.17
+"""Height of a row, inches."""
+
+
+def draw(*, choices: pd.DataFrame, tolerance: float, noise: float) -> Figure:
+    """Draw the strategies of one case."""
+    return control_choices(choices, tolerance, usual_noise=noise)
+
+
+@styled
+def control_choices(choices: pd.DataFrame, tolerance: float, *, usual_noise: float) -> Figure:
+    """Draw what is left, and what it costs, a row for each strategy under each condition.
+
+    Parameters
+    ----------
+    choices
+        Of one case: ``forecaster`` ("none" where no forecaster takes part), ``strategy``,
+        ``options`` if any, ``delay_lt``, ``strength``, ``noise``, ``metric``
+        (``relative_exceedance``; ``effort``, or else ``control_fraction``), ``value``, ``low``,
+        ``high``. Networks that differ by their seeds are shown by their medians.
+    tolerance
+        Share of the exceedance that settings were chosen to leave at most.
+    usual_noise
+        Noise of the observations where no other is tried.
+
+    Returns
+    -------
+    The figure; one that says why it is empty where no share is defined.
+
+    Raises
+    ------
+    ValueError
+        If the table holds several cases.
+    """
+    require_single_case(choices)
+    cost = next(name for name in _COSTS if name in set(choices["metric"]))
+    rows = _medians(choices[choices["metric"].isin([_LEFT, cost])], usual_noise)
+    if rows.empty:
+        return nothing_to_show("Without control no event occurred that control could prevent.")
+    conditions = list(dict.fromkeys(rows["condition"]))
+    kinds = _ordered_kinds(rows)
+    places = _places(rows, conditions, kinds)
+    bottom = max(places.values()) + 1.0
+    figure = new_figure(DOUBLE_COLUMN, 1.1 + _ROW * bottom)
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, metric in ((left, _LEFT), (right, cost)):
+        for record in rows[rows["metric"] == metric].to_dict("records"):
+            place = places[record["condition"], record["kind"]]
+            _draw_interval(axes, record, place)
+    _mark_conditions((left, right), places, conditions)
+    left.set_ylim(bottom, -1.0)
+    _with_nothing(left, rows[rows["metric"] == _LEFT])
+    left.axvline(tolerance, color=GREY, linewidth=0.7, zorder=0.5)
+    left.set_xlabel("Exceedance left: with control / without it")
+    right.set_xlim(left=0)
+    right.xaxis.set_major_locator(MaxNLocator(5))
+    right.set_xlabel(_COST_LABELS[cost])
+    handles = [
+        Line2D([], [], linestyle="", label=label, **_style(record))
+        for label, record in _legend(rows, kinds)
+    ]
+    figure.legend(handles=handles, loc="outside upper center", ncols=2)
+    letter_panels([left, right])
+    return figure
+
+
+def _medians(choices: pd.DataFrame, usual_noise: float) -> pd.DataFrame:
+    """A row for each kind of strategy, condition and metric, with what they are called."""
+    options = choices["options"] if "options" in choices else pd.Series("", choices.index)
+    named = choices.assign(options=options.fillna(""))
+    keys = ["forecaster", "strategy", "options", "delay_lt", "strength", "noise", "metric"]
+    found = named.groupby(keys, sort=False)[["value", "low", "high"]].median().reset_index()
+    # conditions from the usual ones on: late, weak, noisy
+    distance = (found["noise"] - usual_noise).abs()
+    found = found.assign(distance=distance).sort_values(
+        ["distance", "strength", "delay_lt"], ascending=[True, False, True], kind="stable"
+    )
+    records = found.to_dict("records")
+    return found.assign(
+        condition=[_condition(record, usual_noise) for record in records],
+        kind=pd.Series(map(_kind, records), index=found.index, dtype=object),
+    ).dropna(subset="value")
+
+
+def _kind(record: Mapping[Any, Any]) -> tuple[str, str, str]:
+    return record["strategy"], record["options"], record["forecaster"]
+
+
+def _condition(record: Mapping[Any, Any], usual_noise: float) -> str:
+    """What a condition is called: what differs from an actuator in time, at full strength."""
+    parts = []
+    if record["strength"] != 1:
+        parts.append(f"strength {record['strength']:g}")
+    if record["delay_lt"]:
+        parts.append(f"{record['delay_lt']:g} LT late")
+    if not np.isclose(record["noise"], usual_noise):
+        parts.append(f"{100 * record['noise']:g} % noise")
+    return ",\n".join(parts) or "in time"
+
+
+def _ordered_kinds(rows: pd.DataFrame) -> list[tuple[str, str, str]]:
+    strategies = [*_MARKERS, *sorted(set(rows["strategy"]) - set(_MARKERS))]
+    forecasters = ["none", *ordered_forecasters(set(rows["forecaster"]) - {"none"})]
+    return sorted(
+        dict.fromkeys(rows["kind"]),
+        key=lambda kind: (strategies.index(kind[0]), kind[1], forecasters.index(kind[2])),
+    )
+
+
+def _places(
+    rows: pd.DataFrame, conditions: Iterable[str], kinds: Sequence[tuple[str, str, str]]
+) -> dict[tuple[str, tuple[str, str, str]], float]:
+    """Vertical places: the rows of a condition one below the other, then a gap."""
+    places, at = {}, 0.0
+    for condition in conditions:
+        present = set(rows.loc[rows["condition"] == condition, "kind"])
+        for kind in kinds:
+            if kind in present:
+                places[condition, kind] = at
+                at += 1.0
+        at += 1.0
+    return places
+
+
+def _legend(
+    rows: pd.DataFrame, kinds: Iterable[tuple[str, str, str]]
+) -> Iterable[tuple[str, Mapping[Any, Any]]]:
+    for kind in kinds:
+        strategy, options, forecaster = kind
+        # what a rule without forecasts watches; other options are the campaign's
+        said = " ".join(part for part in options.split() if part.startswith(("watch=", "push=")))
+        name = strategy.replace("_", " ") + (f" ({said.replace('=', ' ')})" if said else "")
+        label = name if forecaster == "none" else f"{name}: {forecaster_label(forecaster)}"
+        yield label, rows[rows["kind"] == kind].iloc[0].to_dict()
+
+
+def _style(record: Mapping[Any, Any]) -> dict[str, Any]:
+    color = _COLORS.get(record["forecaster"], GREY)
+    full = record["options"] in ("", "aware=True") or record["strategy"] == "planned"
+    return {
+        "color": color,
+        "marker": _MARKERS.get(record["strategy"], "s"),
+        "markersize": 4.0,
+        "markerfacecolor": color if full else "white",
+    }
+
+
+def _draw_interval(axes: Axes, record: Mapping[Any, Any], place: float) -> None:
+    value, low, high = (float(record[name]) for name in ("value", "low", "high"))
+    lengths = np.clip(np.nan_to_num([[value - low], [high - value]]), 0.0, None)
+    axes.errorbar(value, place, xerr=lengths, elinewidth=0.8, capsize=1.5, **_style(record))
+
+
+def _mark_conditions(
+    panels: Sequence[Axes],
+    places: Mapping[tuple[str, tuple[str, str, str]], float],
+    conditions: Sequence[str],
+) -> None:
+    """Name each condition at its rows, and shade every second one."""
+    middles = []
+    for number, condition in enumerate(conditions):
+        own = [place for (name, _), place in places.items() if name == condition]
+        middles.append((min(own) + max(own)) / 2)
+        if number % 2 == 0:
+            for axes in panels:
+                axes.axhspan(min(own) - 1, max(own) + 1, color=LIGHT_GREY, alpha=0.35, zorder=0)
+    panels[0].set_yticks(middles, conditions)
+    panels[0].tick_params(axis="y", length=0)
+    panels[1].tick_params(axis="y", length=0)
+
+
+def _with_nothing(axes: Axes, rows: pd.DataFrame) -> None:
+    """Make the horizontal axis logarithmic, and linear near zero: "nothing left" has a place."""
+    positive = rows.loc[rows["value"] > 0, "value"]
+    least = float(positive.min()) if len(positive) else 0.1
+    end = 10.0 ** np.clip(np.floor(np.log10(least)), -4, -1)
+    axes.set_xscale("symlog", linthresh=end, linscale=0.6)
+    axes.set_xlim(-0.25 * end, 1.5 * max(1.0, float(rows["high"].max())))

@@ -1,0 +1,80 @@
+"""Compare strategies at their best: settings are chosen on half of the flows, scored on the others.
+
+What is chosen is told by `burstcast.control.choice.choose`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import fields
+
+from burstcast import random_streams
+from burstcast.control.choice import FlowSample, choose
+from burstcast.control.records import COSTS, FlowRecords, Span, flow_intervals, score_flows
+from burstcast.control.setting_names import as_columns
+from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+
+TABLES = Declaration(
+    gathered={"flows": ""},
+    settings={
+        "case": "case",
+        "root_seed": "random_seed",
+        "noise": "case.training.noise",
+        "tolerance": "control.tolerated_exceedance",
+        "resamples": "bootstrap.resamples",
+        "confidence": "bootstrap.confidence",
+    },
+)
+
+METRICS = (
+    "exceedance_uncontrolled",
+    "exceedance_controlled",
+    "relative_exceedance",
+    "control_fraction",
+    *COSTS,
+)
+"""Scores of the chosen runs."""
+
+
+def make(
+    *,
+    flows: Sequence[Gathered],
+    case: str,
+    root_seed: int,
+    noise: float,
+    tolerance: float,
+    resamples: int,
+    confidence: float,
+) -> dict[str, Rows]:
+    """A row for each strategy, condition, controller and score."""
+    groups: dict[tuple[object, ...], list[Gathered]] = {}
+    for one in flows:
+        conditions = {name: value for name, value in one.plan.items() if name != "settings"}
+        options = as_columns(one.plan["settings"]).get("options")
+        groups.setdefault((one.name, options, *conditions.items()), []).append(one)
+    rows: Rows = []
+    for runs in groups.values():
+        halves = [_sample(one).halves() for one in runs]
+        number = choose([choosing for choosing, _ in halves], tolerance)
+        run, (_, scored) = runs[number], halves[number]
+        plan = dict(run.plan)
+        settings = as_columns(plan.pop("settings"))
+        # all are resampled alike; noise is the case's, unless the plan has one of its own
+        generator = random_streams.stream(root_seed, "control choice", case)
+        scores = score_flows(scored.records, scored.span, resamples, generator, scored.costs)
+        found = flow_intervals(scores, scored.records, scored.span, confidence)
+        keys = {**run.name.keys, "noise": noise, **settings, **plan}
+        keys |= {"candidates": len(runs), "scored_flows": len(scored.records.row)}
+        rows += [
+            {**keys, "metric": name, "value": one.value, "low": one.low, "high": one.high}
+            for name, one in found.items()
+            if name in METRICS
+        ]
+    return {"control_choices": rows}
+
+
+def _sample(run: Gathered) -> FlowSample:
+    content = run.content
+    return FlowSample(
+        FlowRecords(**{field.name: content[field.name] for field in fields(FlowRecords)}),
+        Span(**{field.name: int(content[field.name]) for field in fields(Span)}),
+        {name: content[name] for name in COSTS if name in content},
+    )

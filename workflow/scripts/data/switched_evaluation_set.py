@@ -1,0 +1,35 @@
+"""Lay out the starting points of the evaluation set in test series whose actuator switches."""
+
+from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.data import test_rows
+from burstcast_workflow.jobs.forecasts import write_points
+from burstcast_workflow.jobs.scheduled import switched_series
+from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+
+@job
+def switched_evaluation_set_of_case(
+    *,
+    ensemble: str,
+    time_unit: str | list[str],
+    evaluation_set: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write points in series that go on from the ends of the test series, with their schedules."""
+    steps = lyapunov_time(settings, time_unit)
+    rows = test_rows(settings, ensemble)
+    series, observed = switched_series(settings, ensemble, rows, steps, "test")
+    observable = system_of(settings).observable(series.states.transpose(2, 0, 1))
+    spacing = "classification.start_spacing_lt"
+    write_points(
+        evaluation_set,
+        settings,
+        (series.states, observed, observable),
+        (spacing, settings[spacing]),
+        steps,
+        provenance,
+        series.schedules,
+    )
