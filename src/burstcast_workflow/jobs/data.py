@@ -51,20 +51,6 @@ def test_series(settings: Settings, kept: int) -> int:
     return int(wanted or max(1, kept - settings["case.training.series"]))
 
 
-def test_rows(settings: Settings, ensemble: str) -> range:
-    """Kept series that forecasts are tested on: those that follow the training series.
-
-    Raises
-    ------
-    ValueError
-        If the ensemble has too few series.
-    """
-    kept, first = kept_series(ensemble), settings["case.training.series"]
-    series = test_series(settings, kept)
-    check_kept_series(kept, {"training.series": first, "test_series": series})
-    return range(first, first + series)
-
-
 def density_edges(settings: Settings, ensemble: str) -> FloatArray:
     """Edges of the bins of the observable's density: over all the data where no range is said."""
     density = settings["case.density"]

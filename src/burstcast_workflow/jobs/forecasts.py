@@ -10,7 +10,12 @@ from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.windows import window_boundaries
 from burstcast_workflow.harness.settings import CLASSIFICATION, Settings, concerning
 from burstcast_workflow.harness.storage import write_netcdf
-from burstcast_workflow.jobs.data import observed_rows
+from burstcast_workflow.jobs.data import (
+    check_kept_series,
+    kept_series,
+    observed_rows,
+    test_series,
+)
 from burstcast_workflow.jobs.systems import system_of
 
 
@@ -20,6 +25,20 @@ def windows_of(settings: Settings) -> tuple[float, int]:
     longest = settings["classification.longest_prediction_time_lt"]
     reach = longest + settings["classification.window_lt"]
     return resolution, round(reach / resolution) - 1
+
+
+def test_rows(settings: Settings, ensemble: str) -> range:
+    """Kept series that forecasts are tested on: those that follow the training series.
+
+    Raises
+    ------
+    ValueError
+        If the ensemble has too few series.
+    """
+    kept, first = kept_series(ensemble), settings["case.training.series"]
+    series = test_series(settings, kept)
+    check_kept_series(kept, {"training.series": first, "test_series": series})
+    return range(first, first + series)
 
 
 def write_point_set(

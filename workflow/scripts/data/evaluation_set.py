@@ -2,8 +2,7 @@
 
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import test_rows
-from burstcast_workflow.jobs.forecasts import write_point_set
+from burstcast_workflow.jobs.forecasts import test_rows, write_point_set
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 

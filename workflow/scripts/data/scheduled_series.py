@@ -4,7 +4,8 @@ from burstcast.data.scheduled_series import ScheduledSeries
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import observed_rows, training_states
-from burstcast_workflow.jobs.scheduled import switched_series, write_scheduled
+from burstcast_workflow.jobs.scheduled import write_scheduled
+from burstcast_workflow.jobs.switched import switched_series
 from burstcast_workflow.jobs.systems import parameters_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 

@@ -2,9 +2,8 @@
 
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import test_rows
-from burstcast_workflow.jobs.forecasts import write_points
-from burstcast_workflow.jobs.scheduled import switched_series
+from burstcast_workflow.jobs.forecasts import test_rows, write_points
+from burstcast_workflow.jobs.switched import switched_series
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
