@@ -11,6 +11,7 @@ from burstcast.figures.alarm_lead_times import draw as alarm_lead_times
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.committee_event import CommitteeForecast, SeenEvent, committee_event
+from burstcast.figures.control_choices import control_choices
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
@@ -34,6 +35,7 @@ from burstcast.figures.profile_errors import profile_errors
 from burstcast.figures.reliability import draw as reliability
 from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.suppressed_event import suppressed_event
+from burstcast.figures.skill_by_parameter import skill_by_parameter
 from burstcast.figures.survival import draw as survival
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
@@ -184,6 +186,53 @@ def control_rows() -> pd.DataFrame:
 
 
 USUAL = {"span_lt": 20.0, "noise": 0.01}
+
+
+def choice_rows() -> pd.DataFrame:
+    """Strategies at their best: rules fail late, plans do not."""
+    rows = []
+    for delay, strength, noise in ((0, 1, 0.01), (1, 1, 0.01), (0, 0.25, 0.01), (0, 1, 0.1)):
+        for forecaster, strategy, options, left, effort in (
+            ("none", "reactive", "watch=a1", 0.01 + 0.3 * delay, 0.004),
+            ("esn", "receding_horizon", None, 0.02 * delay, 0.003),
+            ("esn_aware", "receding_horizon", "aware=True", 0.005 * delay, 0.002),
+            ("quadratic_aware_filtered", "planned", None, 0.0, 0.001),
+        ):
+            keys = {"case": "Re400", "forecaster": forecaster, "strategy": strategy}
+            keys |= {"options": options, "delay_lt": delay, "strength": strength, "noise": noise}
+            for metric, value in (("relative_exceedance", left), ("effort", effort)):
+                ends = {"low": 0.5 * value, "high": 1.5 * value if value else 0.008}
+                rows.append({**keys, "metric": metric, "value": value, **ends})
+    return pd.DataFrame(rows)
+
+
+PARAMETER = {
+    "name": "reynolds",
+    "values": {"Re400": 400.0, "Re500": 500.0, "Re600": 600.0, "Re800": 800.0},
+    "trained": [400.0, 600.0, 1000.0],
+    "kinds": ["esn_aware", "quadratic_aware_filtered"],
+}
+
+
+def parameter_rows() -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Scores, their intervals and escape rates of three kinds at four Reynolds numbers."""
+    scores, intervals, survival = [], [], []
+    for case, value in PARAMETER["values"].items():
+        survival.append(_escape(case, "data", 2e-5 * (1000 / value)))
+        for kind, best in (("esn", 0.7), ("esn_aware", 0.72), ("quadratic_aware_filtered", 0.9)):
+            survival.append(_escape(case, kind, 2.2e-5 * (1000 / value)))
+            for time in (1.0, 2.0, 3.0):
+                keys = {"case": case, "forecaster": kind, "prediction_time_lt": time}
+                f_score = best - 0.1 * (time - 1) - 1e-4 * (value - 400)
+                scores.append({**keys, "f_score": f_score})
+                ends = {"low": f_score - 0.05, "high": f_score + 0.04}
+                intervals.append({**keys, "metric": "f_score", **ends})
+    return pd.DataFrame(scores), pd.DataFrame(intervals), pd.DataFrame(survival)
+
+
+def _escape(case: str, kind: str, rate: float) -> dict[str, object]:
+    ends = {"escape_rate_low": 0.7 * rate, "escape_rate_high": 1.4 * rate}
+    return {"case": case, "forecaster": kind, "escape_rate": rate, **ends}
 
 
 def frontier_rows() -> pd.DataFrame:
@@ -530,4 +579,6 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     ),
     "control_tradeoff": lambda: control_tradeoff(control_rows()),
     "control_frontier": lambda: control_frontier(frontier_rows(), USUAL),
+    "control_choices": lambda: control_choices(choice_rows(), 0.01, usual_noise=0.01),
+    "skill_by_parameter": lambda: skill_by_parameter(*parameter_rows(), PARAMETER, [2, 3]),
 }

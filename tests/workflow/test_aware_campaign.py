@@ -17,7 +17,14 @@ from burstcast_workflow.harness.tables import read_table
 
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_aware.yaml").read_text())
-TARGETS = ("Re600/tables/control_strategies.csv", "Re600/quadratic_aware/calibration_forecast.nc")
+TARGETS = (
+    "Re600/tables/control_strategies.csv",
+    "Re600/tables/control_choices.csv",
+    "Re600/quadratic_aware/calibration_forecast.nc",
+    "Re400switched/tables/classification.csv",
+    *(f"figures/{one}.png" for one in ("control_choices_Re600", "control_frontier_Re600")),
+    "figures/skill_by_parameter.png",
+)
 
 
 def config(change=None):
@@ -109,8 +116,9 @@ def test_what_is_extrapolated_is_told_with_the_range():
     assert found == []  # Re = 2000 is in the actuated series of Re800
     free = {"cases": {"Re800": {"training": {"actuation": None}}}}
     told = list(extrapolations(Campaign(load(config(free))).config))
-    assert "Re400: reynolds = 2000 lies outside of the values in training, 400 to 800" in told[0]
-    assert [one.partition(":")[0] for one in told].count("Re600") > 0
+    said = "reynolds = 2000 lies outside of the values in training, 400 to 800"
+    assert [said in one for one in told] == [True] * len(told)
+    assert [one.partition(":")[0] for one in told] == ["Re400switched", "Re400", "Re600", "Re800"]
 
 
 def test_only_forecasters_that_know_the_parameters_are_given_them():
@@ -173,3 +181,51 @@ def test_control_says_what_it_was_told_and_what_it_cost(results):
     )
     for metric in ("effort", "power"):
         assert ((wide[metric] > 0) == (wide["control_fraction"] > 0)).all()
+
+
+def test_choices_are_the_cheapest_runs_of_half_of_the_flows_scored_on_the_others(results):
+    table = read_table(results / "Re600" / "tables" / "control_choices.csv")
+    table = table[(table["forecaster"] == "esn_aware") & (table["strategy"] == "receding_horizon")]
+    assert set(table["candidates"]) == {2}
+    for delay, rows in table.groupby("delay_lt"):
+        ending = f"-delay{delay:g}" if delay else ""
+        runs = {}
+        for margin in ("0", "0.01"):
+            plan = f"receding_horizon-awareTrue-decision_interval0.5-horizon2-margin{margin}"
+            place = results / "Re600" / "control" / "esn_aware-N40-RV-seed0" / f"{plan}{ending}"
+            runs[float(margin)] = read_netcdf(place / "flows.nc")
+        ranks = {}
+        for margin, flows in runs.items():
+            kept = flows["row"] % 2 == 0
+            assert (flows["laminar_step_controlled"] < 0).all()
+            left = flows["exceeding_controlled"][kept].sum() / max(
+                1, flows["exceeding_uncontrolled"][kept].sum()
+            )
+            effort = flows["effort"][kept].mean()
+            ranks[margin] = (left > 0.01, effort if left <= 0.01 else left, margin)
+        chosen = min(ranks, key=ranks.__getitem__)
+        assert set(rows["margin"]) == {chosen}
+        scored = runs[chosen]["row"] % 2 == 1
+        found = rows.set_index("metric")["value"]
+        assert found["effort"] == pytest.approx(runs[chosen]["effort"][scored].mean())
+        assert set(rows["scored_flows"]) == {scored.sum()}
+
+
+def test_equations_that_are_told_of_the_switching_actuator_are_never_wrong(results):
+    truth = read_netcdf(results / "Re400switched" / "evaluation_set.nc")
+    assert np.unique(truth["parameter"]).tolist() == [400, 2000]
+    points, washout, _ = truth["washout"].shape
+    of_equations = read_netcdf(results / "Re400switched" / "equations" / "forecast.nc")
+    np.testing.assert_array_equal(of_equations["largest"], truth["largest"])
+    # forecasts that are told of another actuation are other ones
+    told = truth["parameter"][:, washout - 1 :]
+    assert told.shape[0] == points
+    acting = (told == 2000).any(axis=(1, 2))
+    assert acting.any()
+    untold = read_netcdf(results / "Re400switched" / "quadratic_filtered" / "forecast.nc")
+    filtered = read_netcdf(results / "Re400switched" / "equations_filtered" / "forecast.nc")
+    errors = [
+        np.abs(one["largest"][acting, 0] - truth["largest"][acting, 0]).mean()
+        for one in (filtered, untold)
+    ]
+    assert errors[0] < errors[1]

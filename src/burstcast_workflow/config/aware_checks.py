@@ -81,6 +81,7 @@ def extrapolations(config: Configuration) -> Iterator[str]:
                 for plan in block_plans(block)
                 if make_strategy(block.strategy, dict(plan.settings)).told
             }
+            | ({tests.strength} if (tests := case.training.actuation) and tests.tested else set())
         )
         told = [_values(config, case, strength) for strength in (0.0, *strengths)]
         for values in told:
