@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 # programs of the reader's system, which no test can run
-OF_OTHERS = ("squeue", "scancel", "sacct", "tail", "ls", "export")
+OF_OTHERS = ("squeue", "scancel", "sacct", "tail", "ls", "export", "git", "cd")
 # what takes long by itself, and is run elsewhere or by hand
 ELSEWHERE = ("tutorial.md",)  # it has a test of its own
 TAKES_LONG = ("test", "test-long", "test-slurm", "bench", "check")
@@ -51,6 +51,7 @@ def project(tmp_path_factory):
     shutil.copy2(ROOT / "Makefile", made.directory)
     for _, text in blocks("yaml"):
         if name := re.match(r"# (\S+\.yaml)$", text.partition("\n")[0]):
+            (made.directory / name[1]).parent.mkdir(exist_ok=True)
             (made.directory / name[1]).write_text(f"{text}\n")
     return made
 
@@ -133,7 +134,7 @@ def test_every_command_runs(project, command):
 def test_there_are_commands_and_files_of_the_reader():
     assert len(list(commands())) > 15
     named = [text.partition("\n")[0] for _, text in blocks("yaml")]
-    assert "# more.yaml" in named
+    assert "# studies/more.yaml" in named
     for _, text in blocks("yaml"):
         yaml.safe_load(text)
 
