@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 # What `make` and `make help` say: the words after ##.
-.PHONY: help demo test test-long test-slurm paper why prune report archive pages results bench slurm check clean
+.PHONY: help demo test test-long test-slurm paper why prune report archive pages results bench slurm docs check clean
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -25,7 +25,7 @@ paper: $(VENV)/installed ## the paper's whole campaign: hours
 	$(SNAKEMAKE) $(ARGS)
 
 # Two processes, each of which takes a file of tests at a time: what they share is made once.
-test: $(VENV)/installed check ## linters, types, tests
+test: $(VENV)/installed check docs ## linters, types, the site, tests
 	$(BIN)/pytest -n 2 --dist loadfile $(ARGS)
 
 test-long: $(VENV)/installed ## tests that take long
@@ -58,6 +58,9 @@ pages: $(VENV)/installed ## pages and the schema of settings, from the model and
 results: $(VENV)/installed ## docs/results.md, from the tables in docs/results
 	$(BIN)/python -m burstcast_report.results_page $(ARGS)
 
+docs: $(VENV)/documented ## the site, build/site/index.html
+	$(BIN)/python docs/site/build.py $(ARGS)
+
 bench: $(VENV)/installed ## time what the work is made of
 	$(BIN)/python benchmarks/bench.py $(ARGS)
 
@@ -66,7 +69,7 @@ slurm: $(VENV)/installed ## the paper's campaign on a Slurm cluster
 
 check: $(VENV)/installed ## linters and types alone
 	$(BIN)/ruff check .
-	$(BIN)/ruff format --check src tests workflow/scripts benchmarks
+	$(BIN)/ruff format --check src tests workflow/scripts benchmarks docs/site
 	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow/rules
 
@@ -77,6 +80,11 @@ $(VENV)/installed: requirements.lock pyproject.toml setup.py
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check -r requirements.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -e .
+	touch $@
+
+# What the site needs beyond the lock file
+$(VENV)/documented: $(VENV)/installed requirements-docs.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -r requirements-docs.lock
 	touch $@
 
 # Beside this file alone, and never what VENV= on the command line names

@@ -1,0 +1,1 @@
+"""Machine code from NumPy expressions, and vectors of trajectories, by LLVM."""

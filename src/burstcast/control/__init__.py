@@ -1,0 +1,1 @@
+"""Control of events: actuation, strategies, controllers, simulation, costs and scores."""

@@ -1,0 +1,1 @@
+"""Ensembles, training series, noise, event thresholds, measured series, delays."""

@@ -1,0 +1,1 @@
+"""Encoders: channels that forecasters see in place of the state."""

@@ -1,0 +1,1 @@
+"""Echo state networks: reservoir, open and closed loops, readout, training and tangent."""

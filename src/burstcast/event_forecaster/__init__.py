@@ -1,0 +1,1 @@
+"""The library in a notebook: `burstcast.event_forecaster.forecaster.EventForecaster`."""

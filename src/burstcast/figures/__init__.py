@@ -1,0 +1,1 @@
+"""Figures: each module draws one figure, and its docstring is the caption."""

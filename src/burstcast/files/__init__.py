@@ -1,0 +1,1 @@
+"""Arrays with meanings and units, and NetCDF files of them."""

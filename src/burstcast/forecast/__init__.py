@@ -1,0 +1,1 @@
+"""Forecasts of events: windows, classification, the prediction horizon, examples."""

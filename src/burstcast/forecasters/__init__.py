@@ -1,0 +1,1 @@
+"""Forecasters: each module is one kind, found by its name."""

@@ -1,0 +1,1 @@
+"""Sensors: partial and noisy observations of the state of a flow."""

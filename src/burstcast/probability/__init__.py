@@ -1,0 +1,1 @@
+"""Probabilities of events: calibration, Brier scores, alarms, lead times, committees."""

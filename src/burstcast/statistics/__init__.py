@@ -1,0 +1,1 @@
+"""Densities, profiles, long runs, survival, bootstrap intervals, exponents from data."""

@@ -1,0 +1,1 @@
+"""Dynamical systems, integration, compiled equations, Lyapunov exponents, parameters."""

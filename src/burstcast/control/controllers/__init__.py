@@ -1,0 +1,1 @@
+"""Controllers: forecasters, committees, random alarms, or none."""

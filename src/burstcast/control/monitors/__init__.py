@@ -1,0 +1,1 @@
+"""Monitors: the forecast or observation that raises an alarm."""

@@ -1,0 +1,1 @@
+"""Control with decisions at fixed sampling intervals."""

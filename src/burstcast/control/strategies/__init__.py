@@ -1,0 +1,1 @@
+"""Control strategies: when the actuation is switched on."""

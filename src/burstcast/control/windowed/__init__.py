@@ -1,0 +1,1 @@
+"""The paper's control: forecasts in windows, alarms, and their outcomes."""

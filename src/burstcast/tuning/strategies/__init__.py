@@ -1,0 +1,1 @@
+"""Validation strategies: Single Shot, Recycle and Walk Forward Validation."""

@@ -1,0 +1,271 @@
+"""The site: ``make docs`` writes it to ``build/site``.
+
+Pages are the Markdown files in ``docs``. Added to them are
+
+* the README of the repository, on the home page, and files of the repository that pages link to;
+* a gallery on the page of figures: each figure with its caption, the command that makes it, and a
+  picture, from ``docs/images`` or drawn from the tables in ``docs/results``;
+* the API reference, one page for each package of the library.
+
+A broken link, a docstring that cannot be parsed, or a public name without a docstring fails the
+build.
+"""
+
+import argparse
+import ast
+import posixpath
+import re
+import shutil
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+from sphinx.cmd.build import main as sphinx
+
+from burstcast.figures.parts.style import render
+from burstcast.figures.registry import caption, declaration, figure_module
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.figures.registry import FIGURES, cases_of, files_of, settings_of
+from burstcast_workflow.harness.tables import read_table
+from burstcast_workflow.tables.declarations import SECTIONS
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+LIBRARY = ROOT / "src" / "burstcast"
+CAMPAIGN = "paper"
+NAVIGATION = {
+    "Run and change": ["installing", "settings", "figures", "tables", "cluster"],
+    "Your data, system, model": [
+        *("notebook", "tutorial_data", "tutorial", "fitzhugh_nagumo", "aware"),
+    ],
+    "Results and method": ["results", "studies", "method", "solver", "performance"],
+    "How it is built": [
+        *("architecture", "extending", "selective_rebuilds", "selective_rebuild_trials"),
+        *("trust", "decisions", "repository/CONTRIBUTING"),
+    ],
+}
+# Figures that the paper's campaign does not have, by the preset that makes them.
+_OF_PRESETS = {
+    "control_frontier": "beyond_the_paper",
+    "forecast_skill": "beyond_the_paper",
+    "observed_components": "partial_observation",
+}
+_LINK = re.compile(r"(?P<before>\]\(|^\[[^\]]+\]: )(?P<path>[^)#\s:]+)(?P<after>[)#\s])", re.M)
+_FENCE = re.compile(r"^ *```.*?^ *```$", re.M | re.S)
+
+
+# -- links -----------------------------------------------------------------------------------------
+
+
+def _in_site(path: Path) -> str:
+    """Address in the site of a file of the repository."""
+    if path == DOCS / "README.md":
+        return "index.md"
+    if path.is_relative_to(DOCS):
+        return path.relative_to(DOCS).as_posix()
+    return f"repository/{path.relative_to(ROOT).as_posix()}"
+
+
+def _relinked(text: str, source: Path, page: str) -> str:
+    """Text of a file of the repository with links that hold on its page of the site."""
+
+    def link(found: re.Match[str]) -> str:
+        target = (source.parent / found["path"]).resolve()
+        if not target.is_file():
+            return found[0]  # Sphinx reports it
+        relative = posixpath.relpath(_in_site(target), posixpath.dirname(page) or ".")
+        return f"{found['before']}{relative}{found['after']}"
+
+    return _LINK.sub(link, text)
+
+
+def _linked_files() -> set[Path]:
+    """Files outside of docs that pages link to, directly or through one another."""
+    found = {ROOT / "CONTRIBUTING.md"}
+    waiting = [*DOCS.glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+    seen = set(waiting)
+    while waiting:
+        page = waiting.pop()
+        for link in _LINK.finditer(_FENCE.sub("", page.read_text(encoding="utf-8"))):
+            target = (page.parent / link["path"]).resolve()
+            if target.is_file() and not target.is_relative_to(DOCS):
+                found.add(target)
+                if target.suffix == ".md" and target not in seen:
+                    seen.add(target)
+                    waiting.append(target)
+    return found - {ROOT / "README.md"}
+
+
+# -- the API reference -----------------------------------------------------------------------------
+
+
+def _modules() -> dict[str, dict[str, ast.Module]]:
+    """Public modules of the library, parsed, by the package that has a page."""
+    pages: dict[str, dict[str, ast.Module]] = {}
+    for path in sorted(LIBRARY.rglob("*.py"), key=lambda path: path.with_suffix("").parts):
+        parts = path.relative_to(LIBRARY.parent).with_suffix("").parts
+        parts = parts[:-1] if parts[-1] == "__init__" else parts
+        if any(part.startswith("_") for part in parts):
+            continue
+        package = parts[1] if len(parts) > 1 and (LIBRARY / parts[1]).is_dir() else ""
+        page = pages.setdefault(".".join(filter(None, ("burstcast", package))), {})
+        page[".".join(parts)] = ast.parse(path.read_text(encoding="utf-8"))
+    return {name: dict(sorted(page.items())) for name, page in sorted(pages.items())}
+
+
+def _undocumented(name: str, node: ast.Module | ast.ClassDef | ast.FunctionDef) -> Iterator[str]:
+    """Public modules, classes, functions and methods without a docstring."""
+    if ast.get_docstring(node) is None:
+        yield name
+    if not isinstance(node, ast.FunctionDef):
+        for child in node.body:
+            if isinstance(child, ast.ClassDef | ast.FunctionDef) and child.name[0] != "_":
+                yield from _undocumented(f"{name}.{child.name}", child)
+
+
+def api_pages() -> dict[str, str]:
+    """Text of each page of the API reference.
+
+    Raises
+    ------
+    SystemExit
+        If a public name has no docstring.
+    """
+    pages, rows, missing = {}, [], []
+    for package, modules in _modules().items():
+        lines = [f"# {package}", ""]
+        for module, tree in modules.items():
+            missing += _undocumented(module, tree)
+            heading = [f"## {module}", ""] if module != package else []
+            lines += [*heading, "```{eval-rst}", f".. automodule:: {module}", "```", ""]
+        pages[f"api/{package}.md"] = "\n".join(lines)
+        first = (ast.get_docstring(modules[package]) or "").partition("\n")[0]
+        rows.append(f"| [{package}]({package}.md) | {first} |")
+    if missing:
+        raise SystemExit(f"public names without a docstring: {', '.join(missing)}")
+    start = (DOCS / "site" / "api.md").read_text(encoding="utf-8")
+    listed = _toctree("", [name.removeprefix("api/").removesuffix(".md") for name in pages])
+    table = ["| package | contents |", "| --- | --- |", *rows]
+    return {"api/index.md": "\n".join([start, *table, "", listed]), **pages}
+
+
+def _toctree(title: str, names: list[str]) -> str:
+    heading = [f":caption: {title}"] if title else []
+    return "\n".join(["```{toctree}", ":hidden:", *heading, "", *names, "```", ""])
+
+
+# -- the gallery -----------------------------------------------------------------------------------
+
+
+def _kept(place: str | list[str]) -> Any:
+    """Rows of a case, or of each of several, of a kept table; None if it is not kept."""
+    if not isinstance(place, str):
+        found = [_kept(one) for one in place]
+        return found if found and all(one is not None for one in found) else None
+    case, _, name = place.partition("/tables/")
+    path = DOCS / "results" / CAMPAIGN / name
+    if not name or not path.exists():
+        return None
+    table = read_table(path)
+    return table[table["case"] == case].reset_index(drop=True)
+
+
+def pictures() -> dict[str, bytes]:
+    """Figures of the paper's campaign that can be drawn from its kept tables, as PNG."""
+    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    campaign = Campaign(load(config))
+    found = {}
+    for name, figure in FIGURES.items():
+        cases = cases_of(campaign, figure)
+        if not cases or _is_kept(name):
+            continue
+        places = files_of(campaign, figure, cases[0])
+        inputs = {key: _kept(place) for key, place in places.items()}
+        if not inputs or any(content is None for content in inputs.values()):
+            continue
+        values = settings_of(campaign, figure, cases[0])
+        arguments = {key: values[path] for key, path in figure.settings.items()}
+        if figure.published:
+            inputs["published"] = read_table(ROOT / "resources" / "published_percentiles.csv")
+        found[name] = render(figure_module(name).draw(**inputs, **arguments), "png")
+    return found
+
+
+def _is_kept(name: str) -> bool:
+    return (DOCS / "images" / f"{name}.png").exists()
+
+
+def gallery(drawn: set[str]) -> str:
+    """Each figure with its caption, picture and command, by the sections of the report."""
+    lines, section = ["\n## Gallery\n"], ""
+    for name in FIGURES:
+        if section != (section := declaration(name).section):
+            lines.append(f"### {SECTIONS[section].partition(' ')[2]}\n")
+        lines += [f"#### {name}\n", f"{caption(name).replace('``', '`')}\n"]
+        if name in drawn or _is_kept(name):
+            lines.append(f"![{name}](images/{name}.png)\n")
+        preset = _OF_PRESETS.get(name)
+        option = f" --configfile workflow/presets/{preset}.yaml" if preset else ""
+        target = f"results/{preset or CAMPAIGN}/figures/{name}.png"
+        lines.append(f"```sh\n.venv/bin/snakemake{option} {target}\n```\n")
+    return "\n".join(lines)
+
+
+# -- the site --------------------------------------------------------------------------------------
+
+
+def pages(drawn: set[str]) -> dict[str, str]:
+    """Text of all pages by their address in the site."""
+    found = api_pages()
+    for path in [*DOCS.glob("*.md"), *(one for one in _linked_files() if one.suffix == ".md")]:
+        name = _in_site(path)
+        found[name] = _relinked(path.read_text(encoding="utf-8"), path, name)
+    readme = ROOT / "README.md"
+    front = _relinked(readme.read_text(encoding="utf-8"), readme, "index.md")
+    trees = [_toctree(title, names) for title, names in NAVIGATION.items()]
+    trees.append(_toctree("Reference", ["api/index"]))
+    listed = found["index.md"].partition("\n")[2]
+    found["index.md"] = "\n".join([front, "## Documentation", listed, *trees])
+    found["figures.md"] += gallery(drawn)
+    return found
+
+
+def assemble(source: Path) -> None:
+    """Write the sources of the site into a directory, which is made anew."""
+    shutil.rmtree(source, ignore_errors=True)
+    drawn = pictures()
+    listed = {name for names in NAVIGATION.values() for name in names}
+    for name, text in pages(set(drawn)).items():
+        path = source / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        orphan = name.startswith("repository/") and name.removesuffix(".md") not in listed
+        front = "---\norphan: true\n---\n\n" if orphan else ""
+        path.write_text(front + text, encoding="utf-8")
+    shutil.copytree(DOCS / "images", source / "images")
+    for name, picture in drawn.items():
+        (source / "images" / f"{name}.png").write_bytes(picture)
+    for path in [*_linked_files(), DOCS / "event_forecast.ipynb"]:
+        if path.suffix != ".md":
+            target = source / _in_site(path)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, target)
+    shutil.copy(DOCS / "site" / "conf.py", source)
+    (source / "_static").mkdir()
+    shutil.copy(DOCS / "site" / "extra.css", source / "_static")
+
+
+def main() -> int:
+    """Assemble the sources and build the site; 0 if nothing is wrong."""
+    parser = argparse.ArgumentParser(description="Build the site of the documentation.")
+    parser.add_argument("--output", type=Path, default=ROOT / "build" / "site")
+    output = parser.parse_args().output
+    source = output.with_name(f"{output.name}-sources")
+    assemble(source)
+    return sphinx(["-b", "html", "-W", "--keep-going", "-q", "-E", str(source), str(output)])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,78 @@
+"""The site: what ``docs/site/build.py`` adds to the pages. ``make docs`` builds all of it."""
+
+import ast
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from helpers_rebuilds import Project
+
+ROOT = Path(__file__).parents[2]
+pytest.importorskip("sphinx", reason="the site needs requirements-docs.lock (make docs)")
+
+
+@pytest.fixture(scope="module")
+def build():
+    sys.path.insert(0, str(ROOT / "docs" / "site"))
+    import build
+
+    yield build
+    sys.path.remove(str(ROOT / "docs" / "site"))
+
+
+def test_every_public_module_has_its_place(build):
+    named = set(re.findall(r"automodule:: (\S+)", "\n".join(build.api_pages().values())))
+    public = {
+        ".".join(path.relative_to(ROOT / "src").with_suffix("").parts).removesuffix(".__init__")
+        for path in (ROOT / "src" / "burstcast").rglob("*.py")
+    }
+    assert named == {name for name in public if "._" not in name}
+
+
+def test_a_public_name_without_a_docstring_is_found(build):
+    text = '"""Documented."""\nclass A:\n    """Documented."""\n    def b(self): ...\ndef _c(): ...'
+    assert list(build._undocumented("m", ast.parse(text))) == ["m.A.b"]
+    assert list(build._undocumented("m", ast.parse("def b(): ...\n"))) == ["m", "m.b"]
+
+
+def test_links_hold_where_their_page_lies(build):
+    def relinked(text, page):
+        return build._relinked(text, ROOT / "docs" / "method.md", page)
+
+    assert relinked("[a](solver.md#x)", "method.md") == "[a](solver.md#x)"
+    assert relinked("[a](../config.yaml)", "method.md") == "[a](repository/config.yaml)"
+    assert relinked("[a](figures.md)", "repository/b.md") == "[a](../figures.md)"
+    assert relinked("[a](README.md)", "method.md") == "[a](index.md)"
+    assert relinked("[a](nowhere.md)", "method.md") == "[a](nowhere.md)"
+
+
+def test_every_figure_is_in_the_gallery_once(build):
+    from burstcast.figures.registry import available_figures
+
+    named = re.findall(r"^#### (\w+)$", build.gallery(set()), re.MULTILINE)
+    assert sorted(named) == available_figures()
+
+
+@pytest.mark.long
+def test_the_commands_of_the_gallery_make_their_figures(build, tmp_path):
+    project = Project.create(tmp_path / "project")
+    targets: dict[tuple[str, ...], list[str]] = {}
+    for block in re.findall(r"```sh\n(.*?)\n```", build.gallery(set())):
+        program, *options, target = shlex.split(block)
+        assert program == ".venv/bin/snakemake"
+        targets.setdefault(tuple(options), []).append(target)
+    assert len(targets) == 3
+    for options, wanted in targets.items():
+        plan = subprocess.run(
+            [sys.executable, "-m", "snakemake", "-n", *wanted, *options],
+            cwd=project.directory,
+            env=project.environment(),
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert plan.returncode == 0, plan.stderr[-3000:]
+        assert re.search(rf"^figure +{len(wanted)}$", plan.stdout, re.MULTILINE)
