@@ -78,3 +78,55 @@ def test_schedules_of_two_parameters():
     assert found[2, 3].tolist() == [400, 12]
     with pytest.raises(ValueError, match="must be finite"):
         as_schedules([400.0, np.inf], 3, 4, names)
+
+
+@pytest.fixture(scope="module")
+def network():
+    series = np.concatenate([flows(reynolds, 4) for reynolds in REYNOLDS])
+    forecaster = EventForecaster(
+        MoehlisFaisstEckhardt(400.0, 4 * np.pi, 2 * np.pi),
+        event_threshold={"quantile": 0.9},
+        lyapunov_time=61.0,
+        prediction_times=(0.3,),
+        window=0.7,
+        washout=0.33,
+        kind="esn_aware",
+        members=2,
+        neurons=60,
+        validation_interval=1.0,
+        grid=2,
+        bayesian_points=0,
+        sampling_stride=4,
+    )
+    return forecaster.fit(series, parameters=np.repeat(REYNOLDS, 4))
+
+
+def test_networks_know_the_parameter(network):
+    assert len(network.members_) == len(network.hyperparameters_) == 2
+    observed = flows(500.0, 30)
+    asked = network.what_if(observed, {"actuated": 900.0}, parameters=500.0)
+    assert not np.array_equal(asked["none"], asked["actuated"])
+    # a schedule that says nothing new changes nothing
+    np.testing.assert_array_equal(
+        asked["none"], network.predict_proba(observed, parameters=500.0, planned=500.0)[:, 1]
+    )
+
+
+def test_a_network_forecasts_as_one_of_the_library_with_the_same_search(network):
+    member, case = network.members_[0], network._case(9, [500.0])
+    observed = flows(500.0, 3)
+    washouts = np.ascontiguousarray(observed[:, -20:].transpose(1, 2, 0))
+    steps = network._timing.boundaries[-1]
+    schedule = np.full((steps, 1, 3), 500.0)
+    outputs, _ = member.advance(member.start(washouts), steps, schedule)
+    restored = type(member).restore(member.record(), case)
+    again, _ = restored.advance(restored.start(washouts), steps)  # the case's own value
+    np.testing.assert_array_equal(outputs, again)
+    assert np.isfinite(outputs).all()
+
+
+def test_series_under_different_parameters_take_turns():
+    from burstcast.event_forecaster.networks import in_turns
+
+    schedules = np.repeat(np.repeat(REYNOLDS, 2), 4).reshape(6, 4, 1)
+    assert in_turns(schedules).tolist() == [0, 2, 4, 1, 3, 5]

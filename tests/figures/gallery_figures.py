@@ -34,8 +34,8 @@ from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.profile_errors import profile_errors
 from burstcast.figures.reliability import draw as reliability
 from burstcast.figures.search_landscape import search_landscape
-from burstcast.figures.suppressed_event import suppressed_event
 from burstcast.figures.skill_by_parameter import skill_by_parameter
+from burstcast.figures.suppressed_event import suppressed_event
 from burstcast.figures.survival import draw as survival
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces

@@ -43,9 +43,6 @@ from burstcast.probability.votes import share_of_votes
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 
-NETWORKS = "esn"
-"""The kind whose hyperparameters are searched, and of which there is a committee."""
-
 _TOP_TWENTIETH: Mapping[str, float] = {"quantile": 0.95}
 _REFERENCE_STATES = 8
 
@@ -148,7 +145,7 @@ class EventForecaster(Estimator):
         lyapunov_time: float | None = None,
         sampling_interval: float = 1.0,
         washout: float = 0.5,
-        kind: str = NETWORKS,
+        kind: str = "esn",
         members: int = 10,
         neurons: int = 500,
         validation: str = "RV",
@@ -211,8 +208,8 @@ class EventForecaster(Estimator):
         y
             Nothing: events are found in the series themselves.
         parameters
-            For kinds that know the parameters (``quadratic_aware``): values of those that the
-            option ``parameters`` names, in the training series, in a form of
+            For kinds that know the parameters (``quadratic_aware``, ``esn_aware``): values of those
+            that the option ``parameters`` names, in the training series, in a form of
             `burstcast.event_forecaster.schedules.as_schedules`.
 
         Raises
@@ -246,13 +243,15 @@ class EventForecaster(Estimator):
                 "calibrating leaves one series out and takes two at least: give more series, or "
                 "calibrate=False"
             )
-        if self.kind == NETWORKS:
+        if kind.has_search:
             # networks take a moment to load, which other kinds need not wait for
-            from burstcast.esn.training import TrainingSeries
             from burstcast.event_forecaster.networks import networks
 
             members, found = networks(
-                TrainingSeries(observed, component_scales(states).range),
+                kind,
+                states,
+                observed,
+                learnt,
                 case,
                 checked,
                 self._samples("washout"),

@@ -6,10 +6,15 @@ Loaded when networks are made: other kinds of forecasters need not wait for it.
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.data.dataset import component_scales
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters.base import Forecaster, ForecastingCase
 from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.esn_aware import factored_training
 from burstcast.tuning.hyperparameters import SearchSpace
 from burstcast.tuning.network_search import best, optimiser_seed, search
 from burstcast.tuning.scan import scan
@@ -24,20 +29,28 @@ _MOST_VALIDATION_SERIES = 4
 
 
 def networks(
-    training: TrainingSeries,
+    kind: type[Forecaster],
+    states: FloatArray,
+    observed: FloatArray,
+    schedules: FloatArray | None,
     case: ForecastingCase,
     parameters: Mapping[str, Any],
     washout: int,
     interval: int,
 ) -> tuple[list[Forecaster], list[dict[str, Any]]]:
-    """Make all networks of a committee.
+    """Search and train all networks of a committee.
 
     Parameters
     ----------
-    training
-        The training series.
+    kind
+        Class of the networks.
+    states, observed
+        Training series, and what is observed of them, ``(series, time, component)``.
+    schedules
+        Parameters in force in the training series, ``(series, time - 1, parameters)``; None for
+        networks that do not know them.
     case
-        What is known beside them.
+        What is known beside the series.
     parameters
         Of `burstcast.EventForecaster`, by name.
     washout, interval
@@ -57,6 +70,8 @@ def networks(
         raise ValueError(f"members must be 1 at least, not {members}")
     strategy = make_strategy(parameters["validation"])
     together = [make_strategy(name) for name in scanned_with(strategy.name)]
+    training, knowledge = _training(states, observed, schedules, case)
+    assert issubclass(kind, NetworkForecaster)
     series, _, dimension = training.observed.shape
     plan = ValidationPlan(
         washout=washout,
@@ -87,17 +102,48 @@ def networks(
         points = parameters["bayesian_points"]
         chosen = best(search(validator, space, strategy, scanned, points, optimiser))
         made.append(
-            NetworkForecaster.trained(
+            kind.trained(
                 validator.dynamics(chosen.point),
                 seed,
                 training,
                 washout=washout,
                 tikhonov=chosen.validation.tikhonov,
                 divergence_bound=options["divergence_bound"],
+                **knowledge,
             )
         )
         found.append({name: chosen.record()[name] for name in _FOUND})
     return made, found
+
+
+def _training(
+    states: FloatArray,
+    observed: FloatArray,
+    schedules: FloatArray | None,
+    case: ForecastingCase,
+) -> tuple[TrainingSeries, dict[str, Any]]:
+    """Training series, and what networks that know the parameters are given beside them."""
+    scale = component_scales(states).range
+    if schedules is None:
+        return TrainingSeries(observed, scale), {}
+    turns = in_turns(schedules)
+    training, factors = factored_training(observed[turns], scale, schedules[turns], case)
+    return training, {"factors": factors, "parameters": case.parameters}
+
+
+def in_turns(schedules: FloatArray) -> IntArray:
+    """Order of series in which those under different parameters take turns.
+
+    Validation intervals lie in the first series, which are then of all parameters.
+
+    Examples
+    --------
+    >>> in_turns(np.repeat([400.0, 400.0, 600.0], 5).reshape(3, 5, 1))
+    array([0, 2, 1])
+    """
+    _, group = np.unique(schedules.mean(axis=1), axis=0, return_inverse=True)
+    turn = [int((group[:number] == one).sum()) for number, one in enumerate(group.ravel())]
+    return np.argsort(turn, kind="stable")
 
 
 def _bounds(given: Sequence[float]) -> tuple[float, float]:

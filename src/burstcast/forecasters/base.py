@@ -82,6 +82,8 @@ class Forecaster(abc.ABC):
     aware: ClassVar[bool] = False
     """Whether it uses schedules of parameters. Without a schedule, an aware forecaster assumes the
     case's own values."""
+    has_search: ClassVar[bool] = False
+    """Whether a search finds its hyperparameters before it is trained."""
 
     @classmethod
     @abc.abstractmethod

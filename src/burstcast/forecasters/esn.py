@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -31,6 +31,8 @@ class NetworkForecaster(Forecaster):
         A forecast beyond this many training ranges of any component has diverged; None where nobody
         asks.
     """
+
+    has_search: ClassVar[bool] = True
 
     network: EchoStateNetwork
     seed: ReservoirSeed
