@@ -25,7 +25,8 @@ OF_SINGLE_NETWORKS = (
 
 PUBLISHED_TABLES = (
     *OF_SINGLE_NETWORKS,
-    *("warnings", "control_density", "control_differences", "training_realisations"),
+    *("warnings", "control_choices", "control_density", "control_differences"),
+    "training_realisations",
     *(
         f"{name}_percentiles"
         for name in (
@@ -218,14 +219,18 @@ def name_of(forecaster: str, neurons: float | None = None, validation: str | Non
         "equations_filtered": "equations, filtered",
         "quadratic": "learnt equations, from the noisy state",
         "quadratic_filtered": "learnt equations, filtered",
+        "quadratic_aware": "parameter-aware learnt equations, from the noisy state",
+        "quadratic_aware_filtered": "parameter-aware learnt equations, filtered",
         "linear_inverse": "linear inverse model",
         "analogues": "nearest analogues, mean",
         "climatology": "climatology: the base rate",
         "observable_now": "threshold on k now",
     }
     kind = forecaster.removesuffix("_committee")
-    network = kind == "esn"
+    network = neurons is not None
     name = f"{neurons:g} neurons, {validation}" if network else names.get(kind, kind)
+    if network and kind != "esn":
+        name = f"{kind.removeprefix('esn_')} network, {name}"
     if kind == forecaster:
         return name.replace("_", " ")
     return f"committee of the networks: {name}" if network else f"members of {name}"
@@ -467,12 +472,12 @@ def strategies(
         row = [
             _setting(setting, conditions),
             _who(setting),
-            _percent(values["relative_exceedance"]),
-            _percent(values["control_fraction"]),
+            percent_with_ends(values["relative_exceedance"]),
+            percent_with_ends(values["control_fraction"]),
             fixed(values["switchings_per_lyapunov_time"]["value"]),
         ]
         if laminarisations:
-            row += [_with_ends(values[name], _in_ten_thousand) for name in _HAZARDS]
+            row += [with_ends(values[name], _in_ten_thousand) for name in _HAZARDS]
         rows.append(row)
     head = ["strategy", "forecaster", "left [%]", "time under actuation [%]", "switched on per LT"]
     if laminarisations:
@@ -517,8 +522,9 @@ def _who(setting: dict[str, Any]) -> str:
     return name_of(**{key: setting[key] for key in keys if pd.notna(setting[key])})
 
 
-def _percent(row: dict[Any, Any]) -> str:
-    return _with_ends(row, lambda share: _two_digits(100 * share))
+def percent_with_ends(row: dict[Any, Any]) -> str:
+    """A share in per cent, with the ends of its interval."""
+    return with_ends(row, lambda share: _two_digits(100 * share))
 
 
 def _in_ten_thousand(value: float) -> str:
@@ -552,7 +558,15 @@ def forecasters_apart(tables: Tables, case: str) -> str:
         if left["low"] <= 0 <= left["high"]:
             continue
         spent = values["control_fraction"]
-        rows.append([f"`{strategy}`", str(who), str(other), _percent(left), _percent(spent)])
+        rows.append(
+            [
+                f"`{strategy}`",
+                str(who),
+                str(other),
+                percent_with_ends(left),
+                percent_with_ends(spent),
+            ]
+        )
     head = ["strategy", "forecaster", "minus", "difference of what is left [%]"]
     table = markdown([*head, "of the time under actuation [%]"], rows)
     return f"{len(rows)} of {pairs} pairs:\n\n{table}"
@@ -569,11 +583,12 @@ def probabilities(tables: Tables, case: str, metric: str) -> str:
         for column, value in group.items():
             cells = cells[cells[column] == value]
         values = {row["prediction_time_lt"]: row for row in cells.to_dict("records")}
-        rows.append([name_of(**group), *(_with_ends(values.get(time)) for time in TIMES_LT)])
+        rows.append([name_of(**group), *(with_ends(values.get(time)) for time in TIMES_LT)])
     return markdown(["", *(f"{time:g} LT" for time in TIMES_LT)], rows)
 
 
-def _with_ends(row: dict[Any, Any] | None, text: Callable[[float], str] = fixed) -> str:
+def with_ends(row: dict[Any, Any] | None, text: Callable[[float], str] = fixed) -> str:
+    """A value as text, with the ends of its interval in parentheses; "" for None."""
     if row is None:
         return ""
     ends = "" if np.isnan(row["low"]) else f" ({text(row['low'])} to {text(row['high'])})"

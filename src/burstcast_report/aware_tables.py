@@ -1,0 +1,250 @@
+"""Markdown tables of the campaign whose forecasters know the parameters, for docs/results.md."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from burstcast_report.results_tables import (
+    Tables,
+    markdown,
+    name_of,
+    percent_with_ends,
+    significant,
+    with_ends,
+)
+
+SCORED = ("forecaster", "neurons", "validation")
+TRAINED = (400.0, 600.0, 1000.0)
+"""Reynolds numbers that aware forecasters of the preset were trained on."""
+
+
+def scores_by_reynolds(tables: Tables, time: float) -> str:
+    """F-score of each forecaster at each Reynolds number; those not trained on are in bold."""
+    found = _scores(tables).query("prediction_time_lt == @time")
+    cases = _free_cases(found)
+    rows = []
+    for who, part in found.groupby([*SCORED], dropna=False, sort=False):
+        cells = {row["case"]: with_ends(row) for row in part.to_dict("records")}
+        rows.append([_name(who), *(cells.get(case, "") for case in cases.values())])
+    heads = [f"{value:g}" if value in TRAINED else f"**{value:g}**" for value in cases]
+    return markdown(["Re", *heads], rows)
+
+
+def escape_rates(tables: Tables) -> str:
+    """Escapes per 1,000 time units from the turbulent state: of the true flow and of forecasts."""
+    found = tables.rows("survival")
+    cases = _free_cases(found)
+    rows = []
+    for who, part in found.groupby([*SCORED], dropna=False, sort=False):
+        cells = {}
+        for row in part.to_dict("records"):
+            ends = {end: row[f"escape_rate_{end}"] for end in ("low", "high")}
+            cells[row["case"]] = with_ends(
+                {"value": row["escape_rate"], **ends}, lambda rate: significant(1000 * rate, 2)
+            )
+        name = "true flow" if who[0] == "data" else _name(who)
+        rows.append([name, *(cells.get(case, "") for case in cases.values())])
+    return markdown(["Re", *(f"{value:g}" for value in cases)], rows)
+
+
+def under_switching(tables: Tables) -> str:
+    """F-scores where the actuator of the test series switches on and off."""
+    found = _scores(tables)
+    found = found[found["case"] == SWITCHED]
+    times = sorted(time for time in found["prediction_time_lt"].unique() if time % 1 == 0)
+    rows = []
+    for who, part in found.groupby([*SCORED], dropna=False, sort=False):
+        cells = {row["prediction_time_lt"]: with_ends(row) for row in part.to_dict("records")}
+        rows.append([_name(who), *(cells.get(time, "") for time in times)])
+    return markdown(["", *(f"{time:g} LT" for time in times)], rows)
+
+
+SWITCHED = "Re400switched"
+
+
+def choices(tables: Tables, case: str) -> str:
+    """Strategies at their best under each condition: what is left, how long they act, how hard."""
+    found = tables.rows("control_choices", case=case).sort_values(
+        ["noise", "strength", "delay_lt"], ascending=[True, False, True], kind="stable"
+    )
+    rows = []
+    for runs in _runs(found):
+        rows.append(
+            [
+                _condition(runs.keys),
+                _strategy(runs.keys),
+                percent_with_ends(runs.scores["relative_exceedance"]),
+                percent_with_ends(runs.scores["control_fraction"]),
+                significant(1000 * runs.scores["effort"]["value"], 2),
+            ]
+        )
+    head = ["condition", "strategy, settings as chosen", "left [%]", "time under actuation [%]"]
+    return markdown([*head, "effort [1e-3]"], rows)
+
+
+# -- targets ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Target:
+    """What was to be reached by control: a share that is left, at a share of the time.
+
+    Attributes
+    ----------
+    case, forecaster
+        Whose control.
+    left, acting
+        Largest share of the exceedance that may be left, and of the time under actuation.
+    delay_lt, strength
+        Of the actuator.
+    """
+
+    case: str
+    forecaster: str
+    left: float
+    acting: float
+    delay_lt: float = 0.0
+    strength: float = 1.0
+
+
+TARGETS = (
+    Target("Re400", "esn_aware", 0.006, 0.022, strength=0.25),
+    Target("Re400", "esn_aware", 0.0, 0.02),
+    Target("Re400large", "quadratic_aware_filtered", 0.0, 0.02),
+    Target("Re400", "esn_aware", 0.006, 0.025, delay_lt=1),
+    Target("Re800", "quadratic_aware_filtered", 0.01, 0.012, delay_lt=1),
+    Target("Re800", "esn_aware", 0.02, 0.035, delay_lt=1),
+    Target("Re1000", "quadratic_aware_filtered", 0.015, 0.01, delay_lt=1),
+)
+
+
+def targets(tables: Tables) -> str:
+    """Each target of control, what was reached on the scored flows, and whether that suffices."""
+    rows = []
+    for target in TARGETS:
+        found = tables.rows(
+            "control_choices",
+            case=target.case,
+            forecaster=target.forecaster,
+            delay_lt=target.delay_lt,
+            strength=target.strength,
+            noise=0.01,
+        )
+        for runs in _runs(found):
+            left, acting = (
+                runs.scores[name] for name in ("relative_exceedance", "control_fraction")
+            )
+            met = left["value"] <= target.left and acting["value"] <= target.acting
+            rows.append(
+                [
+                    f"{target.case}, {_condition(runs.keys)}",
+                    _strategy(runs.keys),
+                    f"{100 * target.left:g} at {100 * target.acting:g}",
+                    f"{percent_with_ends(left)} at {percent_with_ends(acting)}",
+                    "yes" if met else "no",
+                ]
+            )
+    head = ["case, condition", "strategy, settings as chosen", "to reach [%]", "reached [%]"]
+    return markdown([*head, "met"], rows)
+
+
+def forecast_targets(tables: Tables) -> str:
+    """Differences of F-scores three Lyapunov times ahead that were to be .02 at most."""
+    found = _scores(tables)
+    found = found[found["prediction_time_lt"] == 3]
+    value = {(row["case"], row["forecaster"]): row for row in found.to_dict("records")}
+    pairs = [
+        (f"Re{reynolds}", f"{kind}_aware", kind)
+        for kind in ("esn", "quadratic")
+        for reynolds in (500, 700, 800)
+    ]
+    pairs.append((SWITCHED, "quadratic_aware_filtered", "equations_filtered"))
+    rows = []
+    for case, who, other in pairs:
+        if (case, who) not in value or (case, other) not in value:
+            continue
+        mine, theirs = value[case, who], value[case, other]
+        difference = mine["value"] - theirs["value"]
+        rows.append(
+            [
+                case,
+                name_of(**{key: mine[key] for key in SCORED if pd.notna(mine[key])}),
+                with_ends(mine),
+                with_ends(theirs),
+                f"{difference:+.3f}",
+                "yes" if difference >= -0.02 else "no",
+            ]
+        )
+    head = ["case", "forecaster", "F 3 LT ahead", "to compare with", "difference"]
+    return markdown([*head, "within .02"], rows)
+
+
+# -- parts -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A run of `control_choices`: its keys, and its scores by metric."""
+
+    keys: dict[str, Any]
+    scores: dict[str, dict[Any, Any]]
+
+
+_RESULTS = ("metric", "value", "low", "high")
+
+
+def _runs(found: pd.DataFrame) -> Iterator[_Run]:
+    keys = [str(name) for name in found if name not in _RESULTS]
+    for _, part in found.groupby(keys, dropna=False, sort=False):
+        records = part.to_dict("records")
+        whose = {str(name): value for name, value in records[0].items() if name not in _RESULTS}
+        yield _Run(whose, {row["metric"]: row for row in records})
+
+
+def _condition(keys: dict[str, Any]) -> str:
+    parts = []
+    if keys["strength"] != 1:
+        parts.append(f"strength {keys['strength']:g}")
+    if keys["delay_lt"]:
+        parts.append(f"{keys['delay_lt']:g} LT late")
+    if keys["noise"] != 0.01:
+        parts.append(f"{100 * keys['noise']:g} % noise")
+    return ", ".join(parts) or "in time"
+
+
+def _strategy(keys: dict[str, Any]) -> str:
+    name = str(keys["strategy"]).replace("_", " ")
+    if keys["forecaster"] != "none":
+        name += f" by {_name(tuple(keys[key] for key in SCORED))}"
+    settings = [
+        f"{label} {keys[key]:g}"
+        for key, label in (("level", "level"), ("horizon_lt", "horizon"), ("margin", "margin"))
+        if key in keys and pd.notna(keys[key])
+    ]
+    if isinstance(keys.get("options"), str):
+        settings.append(keys["options"].replace("=", " "))
+    return f"{name} ({', '.join(settings)})" if settings else name
+
+
+def _name(who: tuple[Any, ...]) -> str:
+    return name_of(
+        **{key: value for key, value in zip(SCORED, who, strict=True) if pd.notna(value)}
+    )
+
+
+def _scores(tables: Tables) -> pd.DataFrame:
+    """F-scores with their intervals, without the permanent alarm."""
+    values = tables.rows("classification").rename(columns={"f_score": "value"})
+    ends = tables.rows("classification_intervals", metric="f_score").drop(columns="metric")
+    keys = [name for name in ends if name in values]
+    found = values[[*keys, "value"]].merge(ends, on=keys, how="left")
+    return found[found["forecaster"] != "permanent_alarm"]
+
+
+def _free_cases(found: pd.DataFrame) -> dict[float, str]:
+    """Cases that are called after their Reynolds number, by it."""
+    cases = found[["case", "reynolds"]].drop_duplicates().dropna()
+    named = cases[cases["case"] == cases["reynolds"].map("Re{:g}".format)]
+    return dict(sorted(zip(named["reynolds"], named["case"], strict=True)))
