@@ -53,6 +53,7 @@ pages: $(VENV)/installed ## pages and the schema of settings, from the model and
 	$(BIN)/burstcast settings > docs/settings.md
 	$(BIN)/python -m burstcast_workflow.config.schema > workflow/schemas/config.schema.json
 	$(BIN)/python -m burstcast_report.tables_page > docs/tables.md
+	$(BIN)/burstcast benchmark leaderboard > docs/leaderboard.md
 
 # make results ARGS="collect results/paper" takes a campaign's tables first
 results: $(VENV)/installed ## docs/results.md, from the tables in docs/results
@@ -69,7 +70,7 @@ slurm: $(VENV)/installed ## the paper's campaign on a Slurm cluster
 
 check: $(VENV)/installed ## linters and types alone
 	$(BIN)/ruff check .
-	$(BIN)/ruff format --check src tests workflow/scripts benchmarks docs/site
+	$(BIN)/ruff format --check src tests workflow/scripts benchmarks examples docs/site
 	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow/rules
 

@@ -68,6 +68,25 @@ def _parser() -> argparse.ArgumentParser:
         of_snakemake=True,
     )
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")
+    benchmark = command("benchmark", "commands.benchmark", "cases for forecasters of others")
+    tasks = benchmark.add_subparsers(dest="task", required=True, metavar="TASK")
+    export = tasks.add_parser("export", help="write the cases, and a page that explains them")
+    export.add_argument("directory", type=Path, help="where; it is made")
+    export.add_argument("--case", action="append", help="only this case; may be repeated")
+    export.add_argument("--seed", type=int, default=2026, help="of other data (%(default)s)")
+    score = tasks.add_parser("score", help="score the forecasts of one forecaster for one case")
+    score.add_argument("files", type=Path, nargs="+", metavar="FILE", help="NetCDF or CSV")
+    score.add_argument("--name", help="of the forecaster; that of the first file if left out")
+    score.add_argument("--about", default="", help="the forecaster in one line")
+    score.add_argument(
+        "--alarm-threshold",
+        type=float,
+        default=0.5,
+        help="probability at or above which an alarm is raised (%(default)s)",
+    )
+    score.add_argument("--output", type=Path, help="CSV file of all scores; <FILE>.scores.csv")
+    score.add_argument("--leaderboard", type=Path, help="leaderboard that the row is added to")
+    tasks.add_parser("leaderboard", help="print the leaderboard as a page")
     return parser
 
 

@@ -1,0 +1,180 @@
+"""Rows of the leaderboard by burstcast's own forecasters.
+
+::
+
+    python benchmarks/leaderboard.py [--case NAME] [--only FORECASTER] [--leaderboard FILE]
+
+The forecasters learn from the exported training series alone. The equations are bounds: they know
+what nobody else knows. Half an hour of one core for all cases, most of it for networks.
+"""
+
+import argparse
+import time
+from collections.abc import Callable, Mapping
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.benchmark.cases import CASES, BenchmarkCase
+from burstcast.benchmark.data import CaseData, make_case
+from burstcast.benchmark.forecast_files import Forecasts
+from burstcast.benchmark.leaderboard import (
+    PATH,
+    read_leaderboard,
+    row_of,
+    with_row,
+    write_leaderboard,
+)
+from burstcast.benchmark.scores import score_forecasts
+from burstcast.event_forecaster.forecaster import EventForecaster
+from burstcast.forecast.observed_points import observed_points
+from burstcast.forecast.window_forecasts import window_forecasts
+from burstcast.forecast.windows import crosses
+from burstcast.forecasters.base import Forecaster
+from burstcast_workflow.project import source_revision
+
+Made = Callable[[CaseData], Forecasts]
+POINTS_AT_ONCE = 512
+
+
+def estimator(case: BenchmarkCase, kind: str, **more: object) -> EventForecaster:
+    """A forecaster of a case, not fitted."""
+    whole = case.space is case.system
+    return EventForecaster(
+        case.system if whole else len(case.component_names) - 1,
+        case.event_threshold,
+        prediction_times=case.prediction_times_lt,
+        window=case.window_lt,
+        lyapunov_time=1 / case.lyapunov_exponent,
+        sampling_interval=case.sampling_interval,
+        sampling_stride=case.sampling_stride,
+        washout=case.washout_lt,
+        kind=kind,
+        calibrate=False,
+        case=case.name,
+        **more,
+    )
+
+
+def horizon_of(forecaster: Forecaster, data: CaseData) -> FloatArray:
+    """Observable that a forecaster forecasts from the points of the prediction horizon."""
+    truth = forecaster.sees_truth
+    washouts = data.before_horizon(data.before_events_true if truth else data.before_events)
+    found = []
+    for start in range(0, len(washouts), POINTS_AT_ONCE):
+        batch = washouts[start : start + POINTS_AT_ONCE].transpose(1, 2, 0)
+        memory = forecaster.start(np.ascontiguousarray(batch))
+        outputs, _ = forecaster.advance(memory, data.search.longest_lead_time)
+        found.append(data.case.space.observable(outputs.transpose(1, 0, 2)).T)
+    return np.concatenate(found)
+
+
+def of_kind(kind: str, **more: object) -> Made:
+    """Forecasts by one kind of forecasters; all members vote, the first one has a horizon."""
+
+    def made(data: CaseData) -> Forecasts:
+        case = data.case
+        forecasters = estimator(case, kind, **more).fit(data.training).members_
+        washouts = data.true_states if forecasters[0].sees_truth else data.test.washouts
+        votes = [
+            member
+            for one in forecasters
+            for member in window_forecasts(
+                one, case.space.observable, washouts, case.boundaries
+            ).members
+        ]
+        horizon = horizon_of(forecasters[0], data) if len(forecasters) == 1 else None
+        return Forecasts(tuple(votes), None, horizon)
+
+    return made
+
+
+def always(data: CaseData) -> Forecasts:
+    """An alarm for each window."""
+    shape = len(data.test.points), len(data.case.prediction_times_lt)
+    return Forecasts((), np.ones(shape), None)
+
+
+def climatology(data: CaseData) -> Forecasts:
+    """How often events followed the starting points of the training series."""
+    case = data.case
+    points = observed_points(
+        data.training,
+        case.space.observable(data.training.transpose(2, 0, 1)),
+        case.space.observable,
+        spacing=1,
+        washout=case.steps(case.washout_lt),
+        boundaries=case.boundaries,
+    )
+    quiet = points.seen.max(axis=1) < case.event_threshold
+    rates = [
+        crosses(points.truth, *case.windows(ahead), case.event_threshold)[quiet].mean()
+        for ahead in case.prediction_times_lt
+    ]
+    return Forecasts((), np.tile(rates, (len(data.test.points), 1)), None)
+
+
+FORECASTERS: Mapping[str, tuple[str, Made]] = {
+    "climatology": ("the share of training points that an event follows", climatology),
+    "permanent_alarm": ("an alarm for each window", always),
+    "persistence": ("the last observation stays", of_kind("persistence")),
+    "analogues": (
+        "the nearest states of the training series; ten of them vote",
+        of_kind("analogues"),
+    ),
+    "quadratic": ("quadratic equations learnt from the training series", of_kind("quadratic")),
+    "quadratic_filtered": (
+        "learnt quadratic equations with an ensemble filter over the washout; forty members vote",
+        of_kind("quadratic_filtered"),
+    ),
+    "equations": ("bound: the equations, from the true state", of_kind("equations")),
+    "equations_filtered": (
+        "bound: the equations, with an ensemble filter over the washout; forty members vote",
+        of_kind("equations_filtered"),
+    ),
+    "esn_1000": (
+        "an echo state network of 1000 neurons, chosen by recycle validation",
+        of_kind("esn", neurons=1000, members=1),
+    ),
+    "esn_500_committee": (
+        "five echo state networks of 500 neurons, which vote",
+        of_kind("esn", neurons=500, members=5),
+    ),
+}
+"""Forecasters by name: what they are, and how their forecasts are made."""
+
+
+def main() -> None:
+    """Add a row for each forecaster and case."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--case", action="append", choices=list(CASES))
+    parser.add_argument("--only", action="append", choices=list(FORECASTERS))
+    parser.add_argument("--leaderboard", type=Path, default=PATH)
+    chosen = parser.parse_args()
+    for name in chosen.case or CASES:
+        data = make_case(CASES[name])
+        for forecaster in chosen.only or FORECASTERS:
+            if forecaster.startswith("equations") and data.case.space is not data.case.system:
+                continue  # they need all modes
+            about, made = FORECASTERS[forecaster]
+            began = time.perf_counter()
+            scores = score_forecasts(data, made(data))
+            row = row_of(
+                data,
+                scores,
+                forecaster=forecaster,
+                about=about,
+                alarm_threshold=0.5,
+                version=version("burstcast"),
+                commit=source_revision(),
+            )
+            known = read_leaderboard(chosen.leaderboard) if chosen.leaderboard.exists() else []
+            write_leaderboard(chosen.leaderboard, with_row(known, row))
+            taken = time.perf_counter() - began
+            print(f"{name}, {forecaster}: {taken:.0f} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,256 @@
+"""Cases of the benchmark: which system, what is observed, what is asked. They are frozen.
+
+A case that changes in anything but its words gets another version. Forecasts name the version that
+they were made for, and are scored by no other.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from burstcast import durations
+from burstcast.discovery import suggestion
+from burstcast.forecast.horizon import HorizonSearch
+from burstcast.forecast.windows import window_boundaries
+from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.measured import MeasuredSeries
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.state_space import StateSpace, component_names
+
+SEED = 2026
+"""Seed of the benchmark: results in the leaderboard are of this one."""
+
+
+@dataclass(frozen=True)
+class BenchmarkCase:
+    """One case of the benchmark; durations in Lyapunov times end in ``_lt``.
+
+    Attributes
+    ----------
+    name, version
+        What forecasts call it.
+    about
+        One sentence for the page of an export.
+    ensemble_name
+        Name of the ensemble in streams of random numbers: cases that share it share their true
+        series.
+    system
+        The equations.
+    observed
+        Names of the components of the state that are observed. The observable is observed too,
+        as a component of its own, where it cannot be computed from them.
+    noise
+        Standard deviation of the observation noise, in standard deviations of each component.
+    event_threshold, laminarisation_threshold
+        In units of the observable.
+    initial_state, perturbed_component, perturbation
+        Initial conditions (`burstcast.data.dataset.initial_states`).
+    series, training_series, test_series
+        Series that are generated; how many of those that do not laminarise are for training and
+        for the test.
+    time_step, sampling_stride, transient, duration
+        Of the integration, in time units; the stride counts integration steps in a sample.
+    lyapunov_exponent
+        Sets the Lyapunov time, in inverse time units.
+    washout_lt, start_spacing_lt
+        Length of the washouts, and distance of two starting points.
+    window_lt, resolution_lt, prediction_times_lt
+        Length of the prediction windows and of the windows that make them up; times from the
+        starting point to the first step of the prediction windows.
+    horizon_events, longest_lead_time_lt, lead_time_step_lt, tolerance
+        Events whose prediction horizon is measured, the lead times that are tried, and the error
+        that is allowed, in units of the distance of the threshold from the mean observable.
+    digest
+        Digest of the data under `SEED`: a machine that makes other numbers is found out. Empty:
+        not checked.
+    """
+
+    name: str
+    version: int
+    about: str
+    ensemble_name: str
+    system: DynamicalSystem
+    observed: tuple[str, ...]
+    noise: float
+    event_threshold: float
+    laminarisation_threshold: float | None
+    initial_state: tuple[float, ...]
+    perturbed_component: int
+    perturbation: float
+    series: int
+    training_series: int
+    test_series: int
+    time_step: float
+    sampling_stride: int
+    transient: float
+    duration: float
+    lyapunov_exponent: float
+    washout_lt: float
+    start_spacing_lt: float
+    window_lt: float
+    resolution_lt: float
+    prediction_times_lt: tuple[float, ...]
+    horizon_events: int
+    longest_lead_time_lt: float
+    lead_time_step_lt: float
+    tolerance: float
+    digest: str
+
+    @cached_property
+    def space(self) -> StateSpace:
+        """What an observed state is: the system's own state where all of it is observed."""
+        if self.observed == component_names(self.system):
+            return self.system
+        return MeasuredSeries(
+            self.observed, "observable", self.system.observable_name, self.system.observable_symbol
+        )
+
+    @property
+    def component_names(self) -> tuple[str, ...]:
+        """Names of the components of an observed state."""
+        return component_names(self.space)
+
+    @property
+    def sampling_interval(self) -> float:
+        """Time between two samples, in time units."""
+        return self.time_step * self.sampling_stride
+
+    @property
+    def steps_per_lyapunov_time(self) -> int:
+        """Steps of a forecast in a Lyapunov time."""
+        return durations.steps_per_lyapunov_time(self.lyapunov_exponent, self.sampling_interval)
+
+    def steps(self, duration_lt: float) -> int:
+        """Steps of a forecast in a duration of Lyapunov times, rounded down."""
+        return durations.steps(duration_lt, self.steps_per_lyapunov_time)
+
+    @property
+    def boundaries(self) -> tuple[int, ...]:
+        """Steps at which windows begin and end (`burstcast.forecast.windows.window_boundaries`)."""
+        reach = max(self.prediction_times_lt) + self.window_lt
+        count = round(reach / self.resolution_lt) - 1
+        return window_boundaries(self.resolution_lt, count, self.steps_per_lyapunov_time)
+
+    def windows(self, prediction_time_lt: float) -> tuple[int, int]:
+        """First of the windows between boundaries that make up a prediction window; how many."""
+        first = round(prediction_time_lt / self.resolution_lt) - 1
+        return first, round(self.window_lt / self.resolution_lt)
+
+    @property
+    def window_steps(self) -> list[tuple[int, int]]:
+        """First and last step of each prediction window, counted from the starting point."""
+        return [
+            (self.steps(time), self.steps(time + self.window_lt))
+            for time in self.prediction_times_lt
+        ]
+
+    def horizon_search(self, mean_observable: float) -> HorizonSearch:
+        """How the prediction horizon of an event is looked for."""
+        return HorizonSearch(
+            longest_lead_time_lt=self.longest_lead_time_lt,
+            lead_time_step_lt=self.lead_time_step_lt,
+            tolerance=self.tolerance * (self.event_threshold - mean_observable),
+            washout=self.steps(self.washout_lt),
+            steps_per_lyapunov_time=self.steps_per_lyapunov_time,
+        )
+
+
+_MODES = component_names(MoehlisFaisstEckhardt(400.0))
+
+
+def _shear_flow(
+    name: str,
+    about: str,
+    reynolds: float,
+    lyapunov_exponent: float,
+    series: int,
+    test_series: int,
+    digest: str,
+    observed: tuple[str, ...] = _MODES,
+) -> BenchmarkCase:
+    """A case of the nine-mode shear flow, with the settings of Racca & Magri."""
+    return BenchmarkCase(
+        name=name,
+        version=1,
+        about=about,
+        ensemble_name=f"Re{reynolds:g}",
+        system=MoehlisFaisstEckhardt(reynolds),
+        observed=observed,
+        noise=0.01,
+        event_threshold=0.1,
+        laminarisation_threshold=0.48,
+        initial_state=(1.0, 0.0, 0.07066, -0.07076, 0.0, 0.0, 0.0, 0.0, 0.0),
+        perturbed_component=3,
+        perturbation=0.01,
+        series=series,
+        training_series=10,
+        test_series=test_series,
+        time_step=0.25,
+        sampling_stride=4,
+        transient=200.0,
+        duration=4000.0,
+        lyapunov_exponent=lyapunov_exponent,
+        washout_lt=0.5,
+        start_spacing_lt=1.0,
+        window_lt=1.0,
+        resolution_lt=0.5,
+        prediction_times_lt=(1.0, 2.0, 3.0, 4.0, 5.0),
+        horizon_events=100,
+        longest_lead_time_lt=10.0,
+        lead_time_step_lt=0.5,
+        tolerance=0.2,
+        digest=digest,
+    )
+
+
+CASES: Mapping[str, BenchmarkCase] = {
+    case.name: case
+    for case in (
+        _shear_flow(
+            "Re400",
+            "The nine-mode shear flow at Re = 400, all modes observed: events are frequent.",
+            reynolds=400.0,
+            lyapunov_exponent=0.0163,
+            series=120,
+            test_series=60,
+            digest="76bbe1e7c00d2f2e",
+        ),
+        _shear_flow(
+            "Re1000",
+            "The nine-mode shear flow at Re = 1000, all modes observed: events are rare.",
+            reynolds=1000.0,
+            lyapunov_exponent=0.0121,
+            series=140,
+            test_series=120,
+            digest="48acc8106c52ce12",
+        ),
+        _shear_flow(
+            "Re400_seven_modes",
+            "The nine-mode shear flow at Re = 400; the modes a8 and a9 are hidden, and the kinetic "
+            "energy, which has a part in them, is observed as a component of its own.",
+            reynolds=400.0,
+            lyapunov_exponent=0.0163,
+            series=120,
+            test_series=60,
+            digest="998b92cfbb504b3e",
+            observed=_MODES[:7],
+        ),
+    )
+}
+"""The cases by name."""
+
+
+def case_named(name: str) -> BenchmarkCase:
+    """The case of this name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if name not in CASES:
+        raise ValueError(
+            f"the benchmark has no case {name!r}{suggestion(name, list(CASES))}; its cases are "
+            f"{', '.join(CASES)}"
+        )
+    return CASES[name]

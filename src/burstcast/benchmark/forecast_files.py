@@ -1,0 +1,481 @@
+"""Forecasts of others as files, NetCDF or CSV: read strictly, or not at all.
+
+The page of an export (``page.md``) says what such a file is. Whatever is wrong with one is one
+message that names the file, the row, and what was expected.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import netCDF4
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.benchmark.cases import BenchmarkCase, case_named
+from burstcast.benchmark.data import CaseData
+from burstcast.discovery import suggestion
+from burstcast.forecast.windows import WindowSummaries, summarise
+
+MEMBER = "member"
+CSV, NETCDF = (".csv",), (".nc", ".nc4")
+_FACTS = ("case", "case_version", "seed")
+_FIRST_LINE = re.compile(r"#\s*case=(\S+)\s+case_version=(\S+)\s+seed=(\S+)\s*")
+_TIME_COLUMN = "prediction_time_lt"
+
+
+class ForecastFileError(ValueError):
+    """A file of forecasts that is not what a case asks for."""
+
+
+class Facts(NamedTuple):
+    """Which case forecasts are of."""
+
+    case: str
+    case_version: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class Forecasts:
+    """Forecasts of one forecaster for one case.
+
+    Attributes
+    ----------
+    members
+        Window summaries of the forecasts of each member; none where probabilities were given.
+    probability
+        Of an event in each window, ``(points, prediction times)``; None where trajectories were
+        given.
+    horizon
+        Forecast observable from each point of the prediction horizon, ``(points, steps)``; None:
+        it is not scored.
+    """
+
+    members: tuple[WindowSummaries, ...]
+    probability: FloatArray | None
+    horizon: FloatArray | None
+
+
+@dataclass(frozen=True)
+class _Form:
+    """A form that forecasts may have.
+
+    Attributes
+    ----------
+    name
+        Of the variable in NetCDF.
+    axes
+        Dimensions after that of the members, with the values that count their entries.
+    columns
+        Names of the values in CSV.
+    components
+        Whether the last dimension in NetCDF is that of the components.
+    members
+        Whether there may be several members.
+    """
+
+    name: str
+    axes: tuple[tuple[str, FloatArray], ...]
+    columns: tuple[str, ...]
+    components: bool
+    members: bool
+
+    @property
+    def of_horizon(self) -> bool:
+        """Whether it is about the prediction horizon."""
+        return self.axes[0][0] == "horizon_point"
+
+    @property
+    def header(self) -> list[str]:
+        """Header of a CSV file, without members."""
+        return [*(name for name, _ in self.axes), *self.columns]
+
+
+def _forms(data: CaseData) -> list[_Form]:
+    case = data.case
+    points = ("point", np.arange(float(len(data.test.points))))
+    horizon_points = ("horizon_point", np.arange(float(len(data.horizon_starts[0]))))
+    steps = ("step", np.arange(1.0, data.steps + 1.0))
+    horizon_steps = ("step", np.arange(1.0, data.search.longest_lead_time + 1.0))
+    times = (_TIME_COLUMN, np.array(case.prediction_times_lt, dtype=np.float64))
+    names = tuple(case.component_names)
+    return [
+        _Form("observable", (points, steps), ("observable",), False, True),
+        _Form("state", (points, steps), names, True, True),
+        _Form("probability", (points, times), ("probability",), False, False),
+        _Form("horizon_observable", (horizon_points, horizon_steps), ("observable",), False, False),
+        _Form("horizon_state", (horizon_points, horizon_steps), names, True, False),
+    ]
+
+
+def facts_of(path: Path) -> Facts:
+    """Which case a file of forecasts is of; nothing else is read.
+
+    Raises
+    ------
+    ForecastFileError
+        If it does not say so, or is of a kind that is not read.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in (*CSV, *NETCDF):
+        raise ForecastFileError(f"{path}: files of forecasts end in .csv or .nc")
+    try:
+        if suffix in CSV:
+            with open(path, encoding="utf-8-sig") as file:
+                found = _FIRST_LINE.fullmatch(file.readline())
+            if found is None:
+                raise ForecastFileError(
+                    f"{path}, line 1: expected is the line # case=NAME case_version=1 seed=2026, "
+                    f"as the page of the export has it"
+                )
+            given: Sequence[Any] = found.groups()
+        else:
+            with netCDF4.Dataset(path, "r") as opened:
+                missing = [name for name in _FACTS if name not in opened.ncattrs()]
+                if missing:
+                    raise ForecastFileError(
+                        f"{path} has no global attribute {missing[0]!r}; expected are "
+                        f"{', '.join(_FACTS)}, as in the file of the case"
+                    )
+                given = [opened.getncattr(name) for name in _FACTS]
+    except UnicodeError as error:
+        raise ForecastFileError(f"{path} is not written in UTF-8 ({error})") from error
+    except OSError as error:
+        raise ForecastFileError(f"{path} cannot be read: {error.strerror or error}") from error
+    try:
+        return Facts(str(given[0]), int(given[1]), int(given[2]))
+    except (TypeError, ValueError):
+        raise ForecastFileError(
+            f"{path}: case_version and seed must be whole numbers, not {given[1]} and {given[2]}"
+        ) from None
+
+
+def case_of(paths: Sequence[Path]) -> tuple[BenchmarkCase, int]:
+    """Case and seed that files of one forecaster are of.
+
+    Raises
+    ------
+    ForecastFileError
+        If they are of several cases, or of another version.
+    """
+    found = [facts_of(path) for path in paths]
+    for path, facts in zip(paths, found, strict=True):
+        if facts != found[0]:
+            raise ForecastFileError(
+                f"{path} is of {_told(facts)}, {paths[0]} of {_told(found[0])}: score them apart"
+            )
+        try:
+            case = case_named(facts.case)
+        except ValueError as error:
+            raise ForecastFileError(f"{path}: {error}") from None
+        if facts.case_version != case.version:
+            raise ForecastFileError(
+                f"{path} is of version {facts.case_version} of the case {facts.case}, and this "
+                f"burstcast scores version {case.version}: export the case again"
+            )
+        if facts.seed < 0:
+            raise ForecastFileError(f"{path}: the seed must not be negative, not {facts.seed}")
+    return case, found[0].seed
+
+
+def _told(facts: Facts) -> str:
+    return f"the case {facts.case}, version {facts.case_version}, seed {facts.seed}"
+
+
+def read_forecasts(paths: Sequence[Path], data: CaseData) -> Forecasts:
+    """Read and check all files of one forecaster.
+
+    Parameters
+    ----------
+    paths
+        Files of forecasts for the windows, and for the prediction horizon.
+    data
+        Data of their case (`case_of`).
+
+    Raises
+    ------
+    ForecastFileError
+        If anything is wrong with them.
+    """
+    members: tuple[WindowSummaries, ...] = ()
+    probability: FloatArray | None = None
+    horizon: FloatArray | None = None
+    source: dict[bool, str] = {}
+    for path in paths:
+        read = _csv if path.suffix.lower() in CSV else _netcdf
+        for form, blocks in read(path, _forms(data)):
+            if form.of_horizon in source:
+                raise ForecastFileError(
+                    f"{path} has forecasts of the {_subject(form)} ({form.name}), and so has "
+                    f"{source[form.of_horizon]}: give one of them"
+                )
+            source[form.of_horizon] = f"{path} ({form.name})"
+            if form.name == "probability":
+                (probability,) = (block[..., 0] for block in blocks)
+                continue
+            observables = (_observable(data, form, block) for block in blocks)
+            if form.of_horizon:
+                (horizon,) = observables
+            else:
+                boundaries = data.case.boundaries
+                members = tuple(summarise(one.T, boundaries) for one in observables)
+    if False not in source:
+        raise ForecastFileError(
+            f"{' and '.join(map(str, paths))} must have forecasts of the windows: one of "
+            f"observable, state and probability"
+        )
+    return Forecasts(members, probability, horizon)
+
+
+def _subject(form: _Form) -> str:
+    return "prediction horizon" if form.of_horizon else "windows"
+
+
+def _observable(data: CaseData, form: _Form, block: FloatArray) -> FloatArray:
+    """Observable ``(points, steps)`` of a member's forecasts ``(points, steps, values)``."""
+    if not form.components:
+        return block[..., 0]
+    return data.case.space.observable(np.moveaxis(block, -1, 0))
+
+
+def _check_values(form: _Form, block: FloatArray, where: Callable[[tuple[int, ...]], str]) -> None:
+    """Check values of one member: finite, and probabilities between 0 and 1."""
+    bad = ~np.isfinite(block)
+    expected = "expected is a finite number"
+    if not form.name.startswith("probability"):
+        expected += " (also after a forecast has diverged)"
+    elif not bad.any():
+        bad, expected = (block < 0) | (block > 1), "expected is a probability between 0 and 1"
+    if bad.any():
+        index = tuple(int(place) for place in np.argwhere(bad)[0])
+        column = form.columns[index[-1]]
+        raise ForecastFileError(f"{where(index)}: {column} is {block[index]:g}; {expected}")
+
+
+def _place(form: _Form, index: Sequence[int], member: int | None = None) -> str:
+    """Entry of a form in words: "point 3, step 4"."""
+    parts = [] if member is None else [f"{MEMBER} {member}"]
+    parts += [
+        f"{name} {values[at]:g}" for (name, values), at in zip(form.axes, index, strict=False)
+    ]
+    return ", ".join(parts)
+
+
+# -- NetCDF ----------------------------------------------------------------------------------------
+
+
+def _netcdf(path: Path, forms: Sequence[_Form]) -> Iterator[tuple[_Form, Iterator[FloatArray]]]:
+    """Forms in a file, with the values ``(points, steps, values)`` of each member."""
+    known = {form.name: form for form in forms}
+    counting = {name: values for form in forms[::-1] for name, values in form.axes}
+    with netCDF4.Dataset(path, "r") as file:
+        for name, variable in file.variables.items():
+            variable.set_auto_mask(False)
+            if name in known:
+                _check_shape(path, known[name], variable)
+            elif name in counting:
+                expected = counting[name]
+                if not np.array_equal(np.asarray(variable[...], dtype=np.float64), expected):
+                    raise ForecastFileError(
+                        f"{path}: {name} must count {expected[0]:g}, {expected[1]:g}, ..., "
+                        f"{expected[-1]:g}"
+                    )
+            elif name not in (MEMBER, "component", "horizon_step"):
+                raise ForecastFileError(
+                    f"{path}: unknown variable {name!r}{suggestion(name, list(known))}; forecasts "
+                    f"are {', '.join(known)}"
+                )
+        for name in known.keys() & file.variables.keys():
+            yield known[name], _members(path, known[name], file.variables[name])
+
+
+def _check_shape(path: Path, form: _Form, variable: Any) -> None:
+    expected = [(name, len(values)) for name, values in form.axes]
+    expected[1] = ("prediction_time", expected[1][1]) if form.name == "probability" else expected[1]
+    if form.components:
+        expected.append(("component", len(form.columns)))
+    found = list(zip(variable.dimensions, variable.shape, strict=True))
+    if form.members and found and found[0][0] == MEMBER:
+        if not found[0][1]:
+            raise ForecastFileError(f"{path}: {form.name} has no member")
+        found = found[1:]
+    described = ", ".join(f"{name} {length}" for name, length in expected)
+    lengths = ", ".join(f"{name} {length}" for name, length in found)
+    names = [name.removeprefix("horizon_") for name, _ in found]
+    if names != [name.removeprefix("horizon_") for name, _ in expected]:
+        raise ForecastFileError(
+            f"{path}: {form.name} has the dimensions ({lengths}); expected is ({described})"
+        )
+    for (name, length), (_, right) in zip(found, expected, strict=True):
+        if length != right:
+            what = f"{abs(length - right)} {'missing' if length < right else 'too many'}"
+            raise ForecastFileError(
+                f"{path}: {form.name} has {length} entries of {name}, {what}; expected is "
+                f"({described})"
+            )
+    if np.dtype(variable.dtype).kind not in "fiu":
+        raise ForecastFileError(f"{path}: {form.name} has no numbers, but {variable.dtype}")
+
+
+def _members(path: Path, form: _Form, variable: Any) -> Iterator[FloatArray]:
+    several = variable.dimensions[0] == MEMBER
+    for member in range(variable.shape[0] if several else 1):
+        block = np.asarray(variable[member] if several else variable[...], dtype=np.float64)
+        block = block if form.components else block[..., np.newaxis]
+        number = member if several else None
+
+        def where(index: Sequence[int], number: int | None = number) -> str:
+            return f"{path}, {form.name} of {_place(form, index, number)}"
+
+        _check_values(form, block, where)
+        yield block
+
+
+# -- CSV -------------------------------------------------------------------------------------------
+
+_LINES_BEFORE = 2
+
+
+def _csv(path: Path, forms: Sequence[_Form]) -> Iterator[tuple[_Form, Iterator[FloatArray]]]:
+    """The form of a file, with the values ``(points, steps, values)`` of each member."""
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeError as error:
+        raise ForecastFileError(f"{path} is not written in UTF-8 ({error})") from error
+    header = [name.strip() for name in lines[1].split(",")] if len(lines) > 1 else []
+    form, several = _form_of(path, header, forms)
+    values = _numbers(path, header, lines[_LINES_BEFORE:])
+    axes = list(form.axes)
+    if several:
+        axes.insert(0, (MEMBER, np.arange(float(_number_of_members(path, values[:, 0])))))
+    keys = np.stack(
+        [
+            _entries(path, name, counted, values[:, column])
+            for column, (name, counted) in enumerate(axes)
+        ]
+    )
+    shape = tuple(len(counted) for _, counted in axes)
+    order = _ordered(path, axes, np.ravel_multi_index(tuple(keys), shape), shape)
+    found = values[order, len(axes) :].reshape(-1, *shape[-2:], len(form.columns))
+    order = order.reshape(found.shape[:-1])
+    for member, block in enumerate(found):
+
+        def where(index: Sequence[int], member: int = member) -> str:
+            line = int(order[(member, *index[:2])]) + _LINES_BEFORE + 1
+            return f"{path}, line {line} ({_place(form, index, member if several else None)})"
+
+        _check_values(form, block, where)
+    yield form, iter(found)
+
+
+def _form_of(path: Path, header: Sequence[str], forms: Sequence[_Form]) -> tuple[_Form, bool]:
+    """Form that a header is of, and whether it has members."""
+    expected = [",".join(form.header) for form in forms]
+    expected += [",".join((MEMBER, *form.header)) for form in forms if form.members]
+    for form in forms:
+        for before in ((), (MEMBER,)) if form.members else ((),):
+            if list(header) == [*before, *form.header]:
+                return form, bool(before)
+    found = ",".join(header)
+    hint = " (fields are separated by commas)" if re.search(r"[;\t]", found) else ""
+    raise ForecastFileError(
+        f"{path}, line 2: the header is {found!r}{hint}; expected is one of {'; '.join(expected)}"
+    )
+
+
+def _numbers(path: Path, header: Sequence[str], rows: Sequence[str]) -> FloatArray:
+    """Numbers of all rows, ``(rows, columns)``."""
+    if not rows:
+        raise ForecastFileError(f"{path} has a header, but no rows")
+    try:
+        found = np.loadtxt(rows, delimiter=",", comments=None, ndmin=2)
+    except ValueError:
+        found = np.empty((0, 0))
+    if found.shape == (len(rows), len(header)):
+        return found
+    for line, row in enumerate(rows, _LINES_BEFORE + 1):
+        fields = row.split(",")
+        if len(fields) != len(header):
+            hint = " (fields are separated by commas)" if re.search(r"[;\t]", row) else ""
+            raise ForecastFileError(
+                f"{path}, line {line} has {len(fields) if row.strip() else 'no'} fields{hint}; "
+                f"expected are {len(header)}: {','.join(header)}"
+            )
+        for name, text in zip(header, fields, strict=True):
+            try:
+                float(text)
+            except ValueError:
+                raise ForecastFileError(
+                    f"{path}, line {line}: {name} is {text!r}; expected is a number"
+                ) from None
+    raise ForecastFileError(f"{path} cannot be read as a table of numbers")
+
+
+def _number_of_members(path: Path, column: FloatArray) -> int:
+    members = np.unique(column)
+    expected = np.arange(float(len(members)))
+    if not np.array_equal(members, expected):
+        wrong = members[members != expected][0]
+        line = int((column == wrong).argmax()) + _LINES_BEFORE + 1
+        raise ForecastFileError(
+            f"{path}, line {line}: {MEMBER} is {wrong:g}; expected are members 0, 1, ... without "
+            f"a gap"
+        )
+    return len(members)
+
+
+def _entries(
+    path: Path, name: str, counted: FloatArray, column: FloatArray
+) -> npt.NDArray[np.int64]:
+    """Position of each row's value among those of an axis."""
+    with np.errstate(invalid="ignore"):
+        place = np.searchsorted(counted, column).clip(0, len(counted) - 1)
+    wrong = counted[place] != column
+    if wrong.any():
+        row = int(wrong.argmax())
+        listed = ", ".join(f"{value:g}" for value in counted)
+        if len(counted) > 6:
+            listed = f"whole numbers from {counted[0]:g} to {counted[-1]:g}"
+        raise ForecastFileError(
+            f"{path}, line {row + _LINES_BEFORE + 1}: {name} is {column[row]:g}; expected are "
+            f"{listed}"
+        )
+    return place
+
+
+def _ordered(
+    path: Path,
+    axes: Sequence[tuple[str, FloatArray]],
+    keys: npt.NDArray[np.int64],
+    shape: tuple[int, ...],
+) -> IntArray:
+    """Rows in the order of their entries, each of which must be there once."""
+
+    def told(key: int) -> str:
+        index = np.unravel_index(key, shape)
+        return ", ".join(
+            f"{name} {counted[at]:g}" for (name, counted), at in zip(axes, index, strict=True)
+        )
+
+    order = np.argsort(keys, kind="stable")
+    again = np.flatnonzero(np.diff(keys[order]) == 0)
+    if again.size:
+        place = int(again[np.argmin(order[again + 1])])
+        first, second = (int(order[at]) + _LINES_BEFORE + 1 for at in (place, place + 1))
+        raise ForecastFileError(
+            f"{path}, line {second} gives {told(int(keys[order[place]]))} again, after line "
+            f"{first}; expected is one row for each"
+        )
+    count = int(np.prod(shape))
+    if len(keys) < count:
+        gap = np.flatnonzero(keys[order] != np.arange(len(keys)))
+        missing = int(gap[0]) if gap.size else len(keys)
+        raise ForecastFileError(
+            f"{path} has no row for {told(missing)}: {count - len(keys)} of {count} rows are "
+            f"missing"
+        )
+    return order

@@ -1,0 +1,120 @@
+"""The frozen cases, their data, and the files that they are exported to."""
+
+import re
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from burstcast.benchmark import data as benchmark_data
+from burstcast.benchmark.cases import CASES, case_named
+from burstcast.benchmark.data import make_case
+from burstcast.benchmark.export import export
+from burstcast.files.netcdf import read_attributes, read_netcdf
+
+
+@pytest.mark.parametrize("name", list(CASES))
+def test_the_data_of_each_case_are_frozen(name):
+    """A change of anything that data depend on must raise the version of the case."""
+    case = CASES[name]
+    found = make_case(case)  # compares the digest
+    assert re.fullmatch("[0-9a-f]{16}", case.digest)
+    assert found.digest == case.digest
+    assert len(found.training) == case.training_series
+    assert len(found.observable) == case.test_series
+
+
+def test_another_digest_is_an_error():
+    other = replace(CASES["Re1000"], digest="0123456789abcdef")
+    with pytest.raises(ValueError, match="digest 48acc8106c52ce12"):
+        make_case(other)
+    assert make_case(other, seed=1).digest != make_case(other, seed=2).digest
+
+
+def test_an_unknown_case_is_one_message():
+    with pytest.raises(ValueError, match=r"no case 'Re40'.*Re400"):
+        case_named("Re40")
+
+
+def test_too_many_laminar_series_are_one_message(data):
+    few = replace(data.case, series=10)
+    with pytest.raises(ValueError, match="series of the case small do not laminarise, and it"):
+        make_case(few)
+
+
+def test_rounding_errors_do_not_change_the_digest(data):
+    nearly = replace(data, training=data.training * (1 + 1e-15))
+    assert nearly.digest == data.digest
+    assert replace(data, training=data.training + 1e-5).digest != data.digest
+
+
+def test_points_of_the_horizon_are_those_that_the_search_asks_for(data):
+    """Each lead time of each event, once, and in an order that is not that of the lead times."""
+    event, step = data.horizon_starts
+    wanted = set()
+    for row, (series, begin) in enumerate(
+        zip(data.event_points.series, data.event_points.step, strict=True)
+    ):
+        for lead in data.search.lead_times_lt:
+            start = begin - data.case.steps(lead)
+            wanted.add((series, start))
+            assert start - data.search.washout + 1 >= 0, row
+    before = data.before_events.shape[1] - 1
+    found = [
+        (data.event_points.series[e], data.event_points.step[e] - before + s)
+        for e, s in zip(event, step, strict=True)
+    ]
+    assert sorted(found) == sorted(wanted)
+    assert len(data.event_points) == data.case.horizon_events
+    assert (np.diff(step) > 0).any()
+    assert (np.diff(step) < 0).any()
+
+
+def test_an_export_has_what_forecasts_need_and_no_truth(data, tmp_path):
+    export(tmp_path, [data])
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["README.md", "small.nc"]
+    found, facts = read_netcdf(tmp_path / "small.nc"), read_attributes(tmp_path / "small.nc")
+    assert np.array_equal(found["training"], data.training)
+    assert np.array_equal(found["washout"], data.test.washouts)
+    energy = 0.5 * (found["washout"] ** 2).sum(axis=2)
+    np.testing.assert_allclose(found["washout_observable"], energy, rtol=1e-14)
+    assert facts["forecast_steps"] == data.steps == found["window_last_step"][-1]
+    assert facts["components"].split() == [f"a{number}" for number in range(1, 10)]
+    assert facts["digest"] == data.digest
+    # nothing reaches beyond a starting point, and nothing true is there
+    assert found["washout"].shape[1] == found["horizon_washout"].shape[1] == data.search.washout
+    truth = data.true_states[:, -1].ravel()
+    for array in found.values():
+        assert not np.isin(truth, array).any()
+
+
+def test_the_page_names_everything_in_the_file(data, tmp_path):
+    export(tmp_path, [data])
+    page = (tmp_path / "README.md").read_text(encoding="utf-8")
+    for name in read_netcdf(tmp_path / "small.nc"):
+        assert f"`{name}`" in page, name
+    for name in read_attributes(tmp_path / "small.nc"):
+        # the last ones are for whoever compares two exports
+        assert f"`{name}`" in page or name in ("digest", "about", "observable"), name
+    assert "$" not in page
+    assert page.count("# case=small case_version=3 seed=2026") == 1
+
+
+def test_the_script_of_the_page_runs_without_burstcast(data, tmp_path):
+    export(tmp_path, [data])
+    page = (tmp_path / "README.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert "burstcast" not in script
+    assert len([line for line in script.splitlines() if line]) <= 24
+    (tmp_path / "persistence.py").write_text(script, encoding="utf-8")
+    subprocess.run([sys.executable, "persistence.py"], cwd=tmp_path, check=True)
+    found = read_netcdf(tmp_path / "persistence.nc")
+    assert (found["observable"] == data.test.seen[:, -1:]).all()
+
+
+def test_another_seed_has_other_data(data):
+    other = benchmark_data.make_case(data.case, 1)
+    assert not np.array_equal(other.training, data.training)
+    assert len(other.test.points) == len(data.test.points)

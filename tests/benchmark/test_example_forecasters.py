@@ -1,0 +1,89 @@
+"""Forecasters of other libraries run as docs/benchmark.md says, and are scored."""
+
+import csv
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from burstcast.benchmark.cases import CASES
+from burstcast.benchmark.data import make_case
+from burstcast.benchmark.export import export
+from burstcast_workflow.commands.command_line import main
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "benchmark"
+CASE = "Re400"
+
+
+@pytest.fixture(scope="module")
+def cases(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("cases")
+    export(directory, [make_case(CASES[CASE])])
+    return directory
+
+
+def run(cases, script, name, *more):
+    command = [sys.executable, str(EXAMPLES / script), f"{CASE}.nc", name, *more]
+    return subprocess.run(command, cwd=cases, check=True, capture_output=True, text=True).stdout
+
+
+def scores_of(cases, name, *options):
+    assert main(["benchmark", "score", str(cases / name), *options]) == 0
+    with open((cases / name).with_suffix(".scores.csv"), encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    return {(row["metric"], row["prediction_time_lt"]): float(row["value"]) for row in rows}
+
+
+@pytest.mark.long  # minutes
+def test_a_network_of_reservoirpy_forecasts_events(cases):
+    run(cases, "reservoirpy_esn.py", "esn.nc", "100")
+    found = scores_of(cases, "esn.nc")
+    assert found["f_score", "1.0"] > 0.6
+    assert found["brier_skill", "1.0"] > 0.2
+    assert found["mean_horizon_lt", ""] > 1
+
+
+@pytest.mark.long  # a minute
+def test_trees_of_scikit_learn_know_more_than_climatology(cases):
+    said = run(cases, "gradient_boosting.py", "trees.csv")
+    (threshold,) = re.findall(r"alarm threshold ([\d.]+)", said)
+    found = scores_of(cases, "trees.csv", "--alarm-threshold", threshold)
+    assert found["brier_skill", "1.0"] > 0
+    assert found["roc_area", "1.0"] > 0.7
+
+
+def test_closed_loops_side_by_side_are_those_of_reservoirpy(monkeypatch):
+    """The loop in NumPy against ReservoirPy's own nodes, one trajectory after another."""
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    import reservoirpy_esn
+    from reservoirpy.nodes import Reservoir, Ridge
+
+    nodes = []
+    for kind in (Reservoir, Ridge):
+
+        def noted(*arguments, kind=kind, **options):
+            nodes.append(kind(*arguments, **options))
+            return nodes[-1]
+
+        monkeypatch.setattr(reservoirpy_esn, kind.__name__, noted)
+    time = np.arange(400) * 0.1
+    phases = np.array([0.0, 1.0, 2.5])[:, np.newaxis]
+    training = np.stack([np.sin(time + phases), np.cos(time + phases)], axis=2)
+    network = reservoirpy_esn.Network(training, 30, 40, 0.5, 0.3, 1e-6)
+    washouts = training[:, 100:120]
+    found = network.forecast(washouts, 15)
+    reservoir, readout = nodes
+    for row, washout in enumerate(washouts):
+        reservoir.reset()
+        state = reservoir.run((washout - network.mean) / network.scale)[-1]
+        for step in range(15):
+            output = readout.run(reservoirpy_esn.with_squares(state[np.newaxis]))[0]
+            expected = output * network.scale + network.mean
+            np.testing.assert_allclose(found[row, step], expected, atol=1e-9)
+            state = reservoir.step(output)
+    # it has learnt the circle
+    truth = training[:, 120:135]
+    assert np.abs(found - truth).max() < 0.05

@@ -1,0 +1,286 @@
+"""Files of forecasts: what is right is read, whatever is wrong is one message."""
+
+import re
+
+import numpy as np
+import pytest
+from helpers_benchmark import table, write_csv, write_netcdf
+
+from burstcast.benchmark.forecast_files import ForecastFileError, case_of, read_forecasts
+from burstcast.forecast.windows import summarise
+
+pytestmark = pytest.mark.usefixtures("small_is_known")
+
+
+@pytest.fixture
+def generator():
+    return np.random.default_rng(0)
+
+
+def trajectories(data, generator, members=()):
+    return generator.uniform(0, 0.1, (*members, len(data.test.points), data.steps))
+
+
+def test_trajectories_of_members_are_read_from_netcdf(data, facts, generator, tmp_path):
+    values = trajectories(data, generator, (3,))
+    path = write_netcdf(tmp_path / "a.nc", facts, observable=(("member", "point", "step"), values))
+    assert case_of([path]) == (data.case, 2026)
+    found = read_forecasts([path], data)
+    assert len(found.members) == 3
+    assert found.probability is None
+    assert found.horizon is None
+    for member, one in zip(found.members, values, strict=True):
+        expected = summarise(one.T, data.case.boundaries)
+        assert np.array_equal(member.first, expected.first)
+        assert np.array_equal(member.largest, expected.largest)
+
+
+def test_a_csv_file_in_any_order_of_rows_is_the_same(data, generator, tmp_path):
+    values = trajectories(data, generator, (2,))
+    rows = generator.permutation(table(values, (0, 1)))
+    path = write_csv(tmp_path / "a.csv", "member,point,step,observable", rows)
+    found = read_forecasts([path], data)
+    assert len(found.members) == 2
+    expected = summarise(values[1].T, data.case.boundaries)
+    assert np.array_equal(found.members[1].largest, expected.largest)
+
+
+def test_the_observable_is_computed_from_components(data, facts, generator, tmp_path):
+    states = generator.uniform(-0.2, 0.2, (len(data.test.points), data.steps, 9))
+    path = write_netcdf(tmp_path / "a.nc", facts, state=(("point", "step", "component"), states))
+    energy = 0.5 * np.square(states).sum(axis=2)
+    (found,) = read_forecasts([path], data).members
+    expected = summarise(energy.T, data.case.boundaries)
+    np.testing.assert_allclose(found.largest, expected.largest, rtol=1e-14)
+    names = ",".join(data.case.component_names)
+    indices = table(energy, (0, 1))[:, :2]
+    rows = np.column_stack([indices, states.reshape(-1, 9)])
+    path = write_csv(tmp_path / "b.csv", f"point,step,{names}", rows)
+    (same,) = read_forecasts([path], data).members
+    assert np.array_equal(same.largest, found.largest)
+
+
+def test_probabilities_and_a_horizon_are_scored_together(data, facts, generator, tmp_path):
+    values = generator.uniform(0, 1, (len(data.test.points), 2))
+    rows = [
+        (point, time, values[point, column])
+        for point in range(len(values))
+        for column, time in enumerate((1, 2))
+    ]
+    path = write_csv(tmp_path / "p.csv", "point,prediction_time_lt,probability", rows)
+    shape = len(data.horizon_starts[0]), data.search.longest_lead_time
+    horizon = generator.uniform(0, 0.1, shape).astype(np.float32)
+    name = "horizon_observable"
+    other = write_netcdf(
+        tmp_path / "h.nc", facts, **{name: (("horizon_point", "horizon_step"), horizon)}
+    )
+    found = read_forecasts([path, other], data)
+    assert np.array_equal(found.probability, values)
+    assert np.array_equal(found.horizon, horizon.astype(np.float64))
+
+
+def test_forecasts_are_given_once(data, facts, generator, tmp_path):
+    values = (("point", "step"), trajectories(data, generator))
+    one, two = (
+        write_netcdf(tmp_path / name, facts, observable=values) for name in ("a.nc", "b.nc")
+    )
+    for paths in ([one, two], [one, one]):
+        with pytest.raises(ForecastFileError, match=r"windows \(observable\), and so has .*a"):
+            read_forecasts(paths, data)
+    probability = (("point", "prediction_time"), np.zeros((len(data.test.points), 2)))
+    path = write_netcdf(tmp_path / "c.nc", facts, observable=values, probability=probability)
+    with pytest.raises(ForecastFileError, match="give one of them"):
+        read_forecasts([path], data)
+
+
+def said(paths, data):
+    with pytest.raises(ForecastFileError) as caught:
+        read_forecasts([paths], data)
+    text = str(caught.value)
+    assert text.startswith(str(paths))
+    assert "\n" not in text
+    return text
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (lambda rows: np.delete(rows, 700, axis=0), "no row for point 3, step 152: 1 of"),
+        (lambda rows: rows[:-1], "no row for point {last}, step 183: 1 of"),
+        (lambda rows: np.vstack([rows, rows[4]]), "gives point 0, step 5 again, after line 7"),
+        (lambda rows: np.vstack([rows, [0, 184, 0.1]]), "step is 184; expected are whole numbers"),
+        (lambda rows: np.vstack([rows, [999, 1, 0.1]]), "point is 999; expected are whole"),
+        (
+            lambda rows: rows + np.array([0, 0.5, 0]),
+            "line 3: step is 1.5; expected are whole numbers",
+        ),
+        (
+            lambda rows: rows - np.array([0, 1, 0]),
+            "line 3: step is 0; expected are whole numbers from 1",
+        ),
+        (lambda rows: np.where(rows == rows[9, 2], np.nan, rows), "line 12 .* nan; expected is a"),
+        (lambda rows: np.where(rows == rows[9, 2], np.inf, rows), "line 12 .* inf; expected is a"),
+        (lambda rows: rows[:0], "has a header, but no rows"),
+    ],
+    ids=lambda value: "" if callable(value) else value,
+)
+def test_wrong_rows_are_named(data, generator, tmp_path, change, expected):
+    rows = change(table(trajectories(data, generator), (0, 1)))
+    path = write_csv(tmp_path / "a.csv", "point,step,observable", rows)
+    text = said(path, data)
+    assert re.search(expected.format(last=len(data.test.points) - 1), text), text
+
+
+def test_members_must_not_differ(data, generator, tmp_path):
+    rows = table(trajectories(data, generator, (2,)), (0, 1))
+    header = "member,point,step,observable"
+    text = said(write_csv(tmp_path / "a.csv", header, rows[:-5]), data)
+    last = len(data.test.points) - 1
+    assert f"no row for member 1, point {last}, step 179: 5 of" in text
+    rows[rows[:, 0] == 1, 0] = 2
+    text = said(write_csv(tmp_path / "b.csv", header, rows), data)
+    assert "member is 2; expected are members 0, 1, ... without a gap" in text
+
+
+@pytest.mark.parametrize("wrong", [-0.1, 1.5, float("nan")])
+@pytest.mark.parametrize("suffix", ["csv", "nc"])
+def test_probabilities_lie_between_0_and_1(data, facts, generator, tmp_path, wrong, suffix):
+    values = generator.uniform(0, 1, (len(data.test.points), 2))
+    values[1, 0] = wrong
+    path = tmp_path / f"a.{suffix}"
+    if suffix == "nc":
+        write_netcdf(path, facts, probability=(("point", "prediction_time"), values))
+    else:
+        rows = table(values, (0, 1))
+        write_csv(path, "point,prediction_time_lt,probability", rows)
+    text = said(path, data)
+    assert "point 1, prediction_time_lt 1" in text
+    assert f"probability is {wrong:g}; expected is a" in text
+    assert suffix == "nc" or "line 5" in text
+
+
+def test_other_prediction_times_are_named(data, generator, tmp_path):
+    rows = table(generator.uniform(0, 1, (len(data.test.points), 2)), (0, 2))
+    path = write_csv(tmp_path / "a.csv", "point,prediction_time_lt,probability", rows)
+    assert "line 4: prediction_time_lt is 3; expected are 1, 2" in said(path, data)
+
+
+@pytest.mark.parametrize(
+    ("header", "separator", "expected"),
+    [
+        ("point;step;observable", ";", r"'point;step;observable' \(fields are separated by comma"),
+        ("point,step,observable", ";", r"line 3 has 1 fields \(fields are separated by commas\)"),
+        ("point,step,energy", ",", "expected is one of point,step,observable"),
+        ("step,point,observable", ",", "the header is 'step,point,observable'"),
+        ("point,step,observable,x", ",", "the header is"),
+    ],
+)
+def test_another_layout_of_a_table_is_named(data, generator, tmp_path, header, separator, expected):
+    rows = table(trajectories(data, generator), (0, 1))
+    path = write_csv(tmp_path / "a.csv", header, rows, separator=separator)
+    assert re.search(expected, said(path, data))
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("0,1,0.05,7", "line 5 has 4 fields; expected are 3"),
+        ("", "line 5 has no fields; expected are 3"),
+        ("0,1,much", "line 5: observable is 'much'; expected is a number"),
+        ("0,1,", "line 5: observable is ''; expected is a number"),
+    ],
+)
+def test_a_damaged_line_is_named(data, generator, tmp_path, line, expected):
+    rows = table(trajectories(data, generator), (0, 1))
+    path = write_csv(tmp_path / "a.csv", "point,step,observable", rows)
+    lines = path.read_text().splitlines()
+    lines[4] = line
+    path.write_text("\n".join(lines), encoding="utf-8")
+    assert expected in said(path, data)
+
+
+@pytest.mark.parametrize(
+    ("dimensions", "cut", "expected"),
+    [
+        (("point", "step"), (slice(1, None), slice(None)), "entries of point, 1 missing"),
+        (("point", "step"), (slice(None), slice(0, 9)), "9 entries of step, 174 missing"),
+        (("step", "point"), (slice(None), slice(None)), r"dimensions \(step .*expected is \(point"),
+        (("row", "step"), (slice(None), slice(None)), r"dimensions \(row"),
+    ],
+)
+def test_another_shape_is_named(data, facts, generator, tmp_path, dimensions, cut, expected):
+    values = trajectories(data, generator)[cut]
+    path = write_netcdf(tmp_path / "a.nc", facts, observable=(dimensions, values))
+    assert re.search(expected, said(path, data))
+
+
+def test_a_value_that_is_not_finite_is_named(data, facts, generator, tmp_path):
+    values = trajectories(data, generator, (2,))
+    values[1, 3, 4] = np.nan
+    path = write_netcdf(tmp_path / "a.nc", facts, observable=(("member", "point", "step"), values))
+    text = said(path, data)
+    assert "observable of member 1, point 3, step 5: observable is nan; expected is a" in text
+
+
+def test_variables_that_are_unknown_or_count_otherwise_are_named(data, facts, generator, tmp_path):
+    right = (("point", "step"), trajectories(data, generator))
+    path = write_netcdf(tmp_path / "a.nc", facts, observables=right)
+    assert "unknown variable 'observables' (did you mean 'observable'?)" in said(path, data)
+    path = write_netcdf(
+        tmp_path / "b.nc", facts, observable=right, step=(("step",), np.arange(data.steps))
+    )
+    assert "step must count 1, 2, ..., 183" in said(path, data)
+    steps = (("step",), 1 + np.arange(data.steps))
+    path = write_netcdf(tmp_path / "c.nc", facts, observable=right, step=steps)
+    assert len(read_forecasts([path], data).members) == 1
+
+
+def test_a_file_without_forecasts_of_the_windows_is_not_scored(data, facts, tmp_path):
+    shape = len(data.horizon_starts[0]), data.search.longest_lead_time
+    path = write_netcdf(
+        tmp_path / "h.nc", facts, horizon_observable=(("horizon_point", "step"), np.zeros(shape))
+    )
+    assert "must have forecasts of the windows" in said(path, data)
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"case": "large"}, "no case 'large'"),
+        ({"case_version": 2}, "of version 2 .* scores version 3: export the case again"),
+        ({"case_version": "new"}, "must be whole numbers, not new and 2026"),
+        ({"seed": -1}, "the seed must not be negative"),
+    ],
+)
+def test_another_case_is_named(facts, tmp_path, change, expected):
+    paths = [
+        write_netcdf(tmp_path / "a.nc", {**facts, **change}),
+        tmp_path / "a.csv",
+    ]
+    told = {**facts, **change}
+    paths[1].write_text(f"# {' '.join(f'{name}={value}' for name, value in told.items())}\n")
+    for path in paths:
+        with pytest.raises(ForecastFileError, match=expected):
+            case_of([path])
+
+
+def test_files_that_do_not_say_their_case_are_named(facts, tmp_path):
+    path = write_netcdf(tmp_path / "a.nc", {"case": "small"})
+    with pytest.raises(ForecastFileError, match="no global attribute 'case_version'"):
+        case_of([path])
+    (tmp_path / "a.csv").write_text("point,step,observable\n")
+    with pytest.raises(ForecastFileError, match="line 1: expected is the line # case=NAME"):
+        case_of([tmp_path / "a.csv"])
+    (tmp_path / "b.nc").write_text("no file of NetCDF")
+    for name, expected in (("b.nc", "cannot be read"), ("c.nc", "No such file"), ("d.txt", "end")):
+        with pytest.raises(ForecastFileError, match=expected):
+            case_of([tmp_path / name])
+
+
+def test_files_of_several_cases_are_not_scored_together(facts, tmp_path):
+    paths = [
+        write_netcdf(tmp_path / "a.nc", facts),
+        write_netcdf(tmp_path / "b.nc", {**facts, "seed": 7}),
+    ]
+    with pytest.raises(ForecastFileError, match=r"b\.nc is of .* seed 7, .*a\.nc of .* seed 2026"):
+        case_of(paths)
