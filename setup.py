@@ -1,8 +1,8 @@
 """What pyproject.toml cannot say: a wheel has the workflow's files inside burstcast_workflow."""
 
 import os
-import runpy
 import shutil
+import sys
 from pathlib import Path
 
 from setuptools import setup
@@ -42,8 +42,11 @@ class BuildWithWorkflow(build_py):
         """Git revision of these sources; None where they are not in a repository."""
         if not (ROOT / ".git").exists():
             return None
-        # nothing is installed yet: the module is run as a file
-        return runpy.run_path(str(ROOT / "src/burstcast_workflow/project.py"))["git_revision"](ROOT)
+        # nothing is installed yet: modules are those of the sources
+        sys.path.insert(0, str(ROOT / "src"))
+        from burstcast_workflow.project import git_revision
+
+        return git_revision(ROOT)
 
 
 setup(cmdclass={"build_py": BuildWithWorkflow})
