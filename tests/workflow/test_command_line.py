@@ -324,6 +324,9 @@ def installed(tmp_path_factory):
         if (ROOT / name).exists():
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, copy / name)
+    git = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
+    for arguments in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "sources"]):
+        said_by([*git, *arguments], copy)
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
     said_by([*pip, "wheel", "-q", "--no-deps", "-w", directory, copy], directory)
     (wheel,) = directory.glob("*.whl")
@@ -334,6 +337,13 @@ def installed(tmp_path_factory):
     install = [programs / "pip", "install", "-q", "--no-deps", "--no-index", wheel]
     said_by(install, directory)
     return programs
+
+
+@pytest.mark.long
+def test_a_wheel_of_a_repository_knows_its_revision(installed, tmp_path):
+    code = "from burstcast_workflow.project import source_revision as f; print(f())"
+    said = said_by([installed / "python", "-c", code], tmp_path)
+    assert re.fullmatch("[0-9a-f]{40}\n", said)
 
 
 @pytest.mark.long
