@@ -40,6 +40,7 @@ NAVIGATION = {
     "Run and change": ["installing", "settings", "figures", "tables", "cluster"],
     "Your data, system, model": [
         *("notebook", "tutorial_data", "tutorial", "fitzhugh_nagumo", "aware"),
+        *("benchmark", "leaderboard"),
     ],
     "Results and method": ["results", "studies", "method", "solver", "performance"],
     "How it is built": [
