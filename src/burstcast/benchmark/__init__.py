@@ -1,0 +1,1 @@
+"""A benchmark of forecasts of extreme events: frozen cases, files, scores, a leaderboard."""
