@@ -19,6 +19,12 @@ def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
     ------
     ValueError
         If either is not positive and finite, or if a Lyapunov time is shorter than one step.
+
+    Examples
+    --------
+    >>> from burstcast.durations import steps_per_lyapunov_time
+    >>> steps_per_lyapunov_time(0.0163, 1.0)
+    61
     """
     if not (exponent > 0 and math.isfinite(exponent)):
         raise ValueError(f"the leading Lyapunov exponent must be positive, not {exponent}")
@@ -51,6 +57,12 @@ def steps(duration_lt: float, steps_per_lyapunov_time: int) -> int:
 
     A duration such as 0.1 * 3 Lyapunov times that misses a whole number by rounding error only
     counts as that whole number.
+
+    Examples
+    --------
+    >>> from burstcast.durations import steps
+    >>> steps(0.5, 61)
+    30
     """
     return math.floor(duration_lt * steps_per_lyapunov_time + 1e-9)
 

@@ -25,6 +25,13 @@ def upward_crossings(observable: FloatArray, threshold: float, axis: int = -1) -
     -------
     Mask of the observable's shape. The first step never starts an event: whether one was under way
     before is not known.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.events import upward_crossings
+    >>> upward_crossings(np.array([0.3, 0.05, 0.2, 0.2, 0.0, 0.1]), 0.1).tolist()
+    [False, False, True, False, False, True]
     """
     above = np.moveaxis(observable, axis, -1) >= threshold
     starts = np.zeros_like(above)

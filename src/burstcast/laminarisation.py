@@ -21,6 +21,13 @@ def is_laminar(observable: FloatArray, threshold: float | None) -> BoolArray:
         Of any shape; a value that is NaN is not laminar.
     threshold
         The laminarisation threshold, k_l; None: no value is laminar.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.laminarisation import is_laminar
+    >>> is_laminar(np.array([0.1, 0.49]), 0.48).tolist()
+    [False, True]
     """
     if threshold is None:
         return np.zeros(np.shape(observable), dtype=bool)

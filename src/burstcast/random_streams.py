@@ -40,5 +40,13 @@ def seed_sequence(root_seed: int, *names: str | int) -> np.random.SeedSequence:
 
 
 def stream(root_seed: int, *names: str | int) -> np.random.Generator:
-    """Generator of the stream called ``names`` under ``root_seed`` (see `seed_sequence`)."""
+    """Generator of the stream called ``names`` under ``root_seed`` (see `seed_sequence`).
+
+    Examples
+    --------
+    >>> from burstcast.random_streams import stream
+    >>> first, again = stream(2022, "noise", 3), stream(2022, "noise", 3)
+    >>> bool(first.normal() == again.normal())
+    True
+    """
     return np.random.Generator(np.random.PCG64(seed_sequence(root_seed, *names)))

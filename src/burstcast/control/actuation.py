@@ -78,6 +78,14 @@ def actuated_system(
     ------
     ValueError
         If the system has no such parameter, nothing is changed, or the strength is not positive.
+
+    Examples
+    --------
+    >>> from burstcast.control.actuation import actuated_system
+    >>> from burstcast.systems.mfe import MoehlisFaisstEckhardt
+    >>> flow = MoehlisFaisstEckhardt(reynolds=400.0)
+    >>> actuated_system(flow, {"reynolds": 2000.0}, strength=0.25).reynolds
+    800.0
     """
     if not parameters and force is None:
         raise ValueError("an actuation changes a parameter of the equations or adds a force")

@@ -32,6 +32,14 @@ def delay_coordinates(series: FloatArray, delays: Sequence[int]) -> FloatArray:
     ------
     ValueError
         If a delay is less than a step, or no state has such a past.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.data.delay_coordinates import delay_coordinates
+    >>> series = np.arange(5.0).reshape(1, 5, 1)
+    >>> delay_coordinates(series, [1, 2])[0].tolist()
+    [[2.0, 1.0, 0.0], [3.0, 2.0, 1.0], [4.0, 3.0, 2.0]]
     """
     series = float_array(series, "the series")
     longest, samples = max(delays, default=0), series.shape[1]

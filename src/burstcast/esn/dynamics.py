@@ -78,6 +78,17 @@ class Dynamics:
     ------
     ValueError
         If a hyperparameter is negative or not finite, or the backend is unknown.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.esn.dynamics import Dynamics
+    >>> from burstcast.esn.reservoir import make_reservoir
+    >>> reservoir = make_reservoir(100, 3, 20, 0.1, np.random.default_rng(0))
+    >>> dynamics = Dynamics(reservoir, spectral_radius=0.4, input_scaling=1.0)
+    >>> inputs = np.zeros((5, 3, 2))
+    >>> dynamics.open_loop(inputs).shape
+    (100, 2)
     """
 
     reservoir: Reservoir

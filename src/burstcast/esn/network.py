@@ -24,6 +24,30 @@ class EchoStateNetwork:
     input_range
         Range of each component over the training data, which the inputs are divided by, shape
         ``(dimension,)``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.data.dataset import component_scales
+    >>> from burstcast.esn.dynamics import Dynamics
+    >>> from burstcast.esn.network import EchoStateNetwork
+    >>> from burstcast.esn.reservoir import make_reservoir
+    >>> from burstcast.esn.training import TrainingSeries, train
+    >>> from burstcast.systems.integration import integrate
+    >>> from burstcast.systems.lorenz63 import Lorenz63
+    >>> start = np.array([[1.0], [1.0], [20.0]]) + np.random.default_rng(0).normal(size=(3, 5))
+    >>> series = integrate(Lorenz63(), start, 0.01, 4000, stride=2)[500:].transpose(2, 0, 1)
+    >>> scales = component_scales(series[:4])
+    >>> reservoir = make_reservoir(200, 3, 20, 0.1, np.random.default_rng(1))
+    >>> dynamics = Dynamics(reservoir, spectral_radius=0.4, input_scaling=1.0)
+    >>> training = TrainingSeries(series[:4], scales.range)
+    >>> readout = train(dynamics, training, washout=50, tikhonov=1e-9)
+    >>> network = EchoStateNetwork(dynamics, readout, scales.range)
+    >>> washout = series[4:, :100].transpose(1, 2, 0)
+    >>> forecast, _ = network.forecast(network.washout(washout), steps=50)
+    >>> error = np.abs(forecast[:, :, 0] - series[4, 100:150]).max(axis=1)
+    >>> forecast.shape, bool(error[:20].max() < 1.0)
+    ((50, 3, 1), True)
     """
 
     dynamics: Dynamics

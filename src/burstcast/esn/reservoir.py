@@ -114,6 +114,14 @@ def make_reservoir(
     ValueError
         If an argument is out of bounds, or if W has no eigenvalue other than zero, so that it
         cannot be scaled (a very small or very sparse reservoir).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.esn.reservoir import make_reservoir
+    >>> reservoir = make_reservoir(300, 3, 20, 0.1, np.random.default_rng(0))
+    >>> reservoir.neurons, reservoir.recurrent.shape
+    (300, (300, 300))
     """
     if neurons < 2 or dimension < 1:
         raise ValueError(f"a reservoir of {neurons} neurons and {dimension} inputs is too small")

@@ -167,7 +167,21 @@ def collect(
 def train(
     dynamics: Dynamics, training: TrainingSeries, *, washout: int, tikhonov: float
 ) -> Readout:
-    """Readout of a network trained on the whole of the series (paper, ridge regression)."""
+    """Readout of a network trained on the whole of the series (paper, ridge regression).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.esn.dynamics import Dynamics
+    >>> from burstcast.esn.reservoir import make_reservoir
+    >>> from burstcast.esn.training import TrainingSeries, train
+    >>> series = np.sin(np.linspace(0, 50, 1000)).reshape(1, 1000, 1)
+    >>> reservoir = make_reservoir(50, 1, 10, 0.1, np.random.default_rng(0))
+    >>> dynamics = Dynamics(reservoir, spectral_radius=0.5, input_scaling=1.0)
+    >>> training = TrainingSeries(series, np.array([2.0]))
+    >>> train(dynamics, training, washout=100, tikhonov=1e-9).weights.shape
+    (51, 1)
+    """
     return solve_ridge(collect(dynamics, training, washout=washout).moments, tikhonov)
 
 

@@ -131,6 +131,26 @@ class EventForecaster(Estimator):
         Calibrations and thresholds (`burstcast.probability.alarm_rule`) by prediction time.
     classes_
         False and True, the columns of `predict_proba`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.event_forecaster.forecaster import EventForecaster
+    >>> from burstcast.systems.integration import integrate
+    >>> from burstcast.systems.lorenz63 import Lorenz63
+    >>> start = np.array([[1.0], [1.0], [20.0]]) + np.random.default_rng(0).normal(size=(3, 20))
+    >>> series = integrate(Lorenz63(), start, 0.01, 3000, stride=2)[500:].transpose(2, 0, 1)
+    >>> forecaster = EventForecaster(
+    ...     observable=2,
+    ...     event_threshold=40.0,
+    ...     kind="analogues",
+    ...     lyapunov_time=1.1,
+    ...     sampling_interval=0.02,
+    ... )
+    >>> forecaster.fit(series[:10]).predict_proba(series[10:12, :200]).shape
+    (2, 2)
+    >>> forecaster.score(series[10:]) > 0.5
+    True
     """
 
     _stream: ObservationStream | None = None

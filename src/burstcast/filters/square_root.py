@@ -40,6 +40,14 @@ def symmetric_members(centre: FloatArray, deviation: FloatArray, members: int) -
     ------
     ValueError
         If the members are too few, or odd in number.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.filters.square_root import symmetric_members
+    >>> ensemble = symmetric_members(np.zeros((3, 1)), np.array([0.1, 0.1, 0.2]), 8)
+    >>> np.cov(ensemble[..., 0]).diagonal().round(3).tolist()
+    [0.01, 0.01, 0.04]
     """
     dimension, pairs = centre.shape[0], members // 2
     if members % 2 or pairs < dimension:

@@ -25,6 +25,13 @@ class Counts:
     ----------
     true_positive, false_positive, false_negative, true_negative
         How many forecasts of each kind there are.
+
+    Examples
+    --------
+    >>> from burstcast.forecast.classification import Counts
+    >>> counts = Counts(true_positive=8, false_positive=2, false_negative=4, true_negative=86)
+    >>> float(counts.precision), round(float(counts.recall), 3), round(float(counts.f_score), 3)
+    (0.8, 0.667, 0.727)
     """
 
     true_positive: IntArray

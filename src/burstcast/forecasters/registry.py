@@ -39,6 +39,12 @@ def forecaster_class(kind: str) -> type[Forecaster]:
         If there is no such kind.
     TypeError
         If its module does not define just one.
+
+    Examples
+    --------
+    >>> from burstcast.forecasters.registry import available_kinds, forecaster_class
+    >>> forecaster_class("analogues").__name__, "esn" in available_kinds()
+    ('Analogues', True)
     """
     available = [*available_kinds(), *AWARE_KINDS]
     if kind not in available:

@@ -33,6 +33,15 @@ def brier_skill(outcomes: Outcomes) -> FloatArray:
 
     1 is perfect, 0 as good as climatology; NaN where all outcomes are alike. The climatology is
     that of the sample itself, which knows more than any forecaster could: the strictest reference.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.probability.brier import brier_skill
+    >>> from burstcast.probability.outcomes import Outcomes
+    >>> outcomes = Outcomes(np.array([0.1, 0.9]), np.array([90, 10]), events=np.array([9, 9]))
+    >>> round(float(brier_skill(outcomes)), 3)
+    0.39
     """
     rate = base_rate(outcomes)
     return np.asarray(1 - ratio(brier_score(outcomes), rate * (1 - rate)))

@@ -86,6 +86,15 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     ------
     ValueError
         If the prior is negative.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.probability.calibration import isotonic
+    >>> from burstcast.probability.outcomes import Outcomes
+    >>> votes = Outcomes(np.array([0.0, 0.5, 1.0]), np.array([80, 10, 10]), np.array([4, 3, 9]))
+    >>> isotonic(votes)(np.array([0.0, 0.5, 1.0])).round(2).tolist()
+    [0.05, 0.3, 0.9]
     """
     if not prior >= 0:
         raise ValueError(f"a prior counts as 0 forecasts or more, not as {prior}")

@@ -126,6 +126,13 @@ def histogram(values: FloatArray, edges: FloatArray) -> Histogram:
     ------
     ValueError
         If a value is not finite or the edges do not increase.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.statistics.densities import bin_edges, histogram
+    >>> histogram(np.array([0.1, 0.2, 0.7]), bin_edges(0.0, 1.0, 2)).counts.tolist()
+    [2, 1]
     """
     check_edges(edges)
     found = slots(values, edges)
@@ -184,6 +191,15 @@ def kantorovich_metric(first: Histogram, second: Histogram) -> float:
     ------
     ValueError
         If the bins differ.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.statistics.densities import bin_edges, histogram, kantorovich_metric
+    >>> edges = bin_edges(0.0, 1.0, 10)
+    >>> first, second = histogram(np.full(5, 0.25), edges), histogram(np.full(5, 0.55), edges)
+    >>> round(kantorovich_metric(first, second), 3)
+    0.3
     """
     _check_common_bins(first, second)
     difference = first.cumulative - second.cumulative

@@ -104,6 +104,19 @@ def neighbour_divergence(
     ------
     ValueError
         If distances do not grow, or the series are too short to see it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.statistics.neighbour_divergence import neighbour_divergence
+    >>> from burstcast.systems.integration import integrate
+    >>> from burstcast.systems.lorenz63 import Lorenz63
+    >>> generator = np.random.default_rng(0)
+    >>> start = np.array([[1.0], [1.0], [20.0]]) + generator.normal(size=(3, 10))
+    >>> series = integrate(Lorenz63(), start, 0.01, 6000, stride=2)[1000:].transpose(2, 0, 1)
+    >>> found = neighbour_divergence(series, 0.02, generator, resamples=50, confidence=0.95)
+    >>> bool(abs(found.exponent - 0.906) < 0.2)
+    True
     """
     series = float_array(series, "the series")
     states = series / series.std(axis=(0, 1))

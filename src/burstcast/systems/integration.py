@@ -81,6 +81,16 @@ def integrate(
         trajectories may diverge).
     FloatingPointError
         If a trajectory leaves the range of floating-point numbers (likewise).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.systems.integration import integrate
+    >>> from burstcast.systems.lorenz63 import Lorenz63
+    >>> start = np.array([[1.0, 2.0], [1.0, 2.0], [20.0, 20.0]])
+    >>> states = integrate(Lorenz63(), start, 0.01, 100, stride=10)
+    >>> states.shape
+    (11, 3, 2)
     """
     check_batch(system, state, time_step, may_diverge=may_diverge)
     _check_steps(steps, stride)

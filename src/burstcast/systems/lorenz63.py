@@ -28,6 +28,13 @@ class Lorenz63(DynamicalSystem):
     ------
     ValueError
         If a parameter is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.systems.lorenz63 import Lorenz63
+    >>> Lorenz63(rho=20.0).right_hand_side(np.array([1.0, 2.0, 3.0])).tolist()
+    [10.0, 15.0, -6.0]
     """
 
     sigma: float = 10.0

@@ -176,6 +176,18 @@ def lyapunov_spectrum(
         interval is so long that the weakest direction is lost to rounding.
     FloatingPointError
         If a trajectory leaves the range of floating-point numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.systems.integration import integrate
+    >>> from burstcast.systems.lorenz63 import Lorenz63
+    >>> from burstcast.systems.lyapunov import lyapunov_spectrum
+    >>> start = np.array([[1.0], [1.0], [20.0]]) + np.random.default_rng(0).normal(size=(3, 8))
+    >>> on_attractor = integrate(Lorenz63(), start, 0.01, 2000, stride=2000)[-1]
+    >>> spectrum = lyapunov_spectrum(Lorenz63(), on_attractor, 0.01, 5000, 10)
+    >>> bool(abs(spectrum.exponents[:, 0].mean() - 0.906) < 0.05)
+    True
     """
     check_batch(system, state, time_step)
     if orthonormalisation_steps < 1:
@@ -322,6 +334,13 @@ def kaplan_yorke_dimension(exponents: FloatArray) -> float:
     -------
     Zero where the first exponent is negative; NaN where the sum of all that are known is not: the
     dimension is larger than their number.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.systems.lyapunov import kaplan_yorke_dimension
+    >>> round(kaplan_yorke_dimension(np.array([0.906, 0.0, -14.57])), 3)
+    2.062
     """
     ordered = np.sort(exponents[~np.isnan(exponents)])[::-1]
     sums = np.cumsum(ordered)

@@ -121,6 +121,15 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
     ------
     ValueError
         If a parameter is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.systems.mfe import MoehlisFaisstEckhardt
+    >>> flow = MoehlisFaisstEckhardt(reynolds=400.0)
+    >>> laminar = np.array([1.0, 0, 0, 0, 0, 0, 0, 0, 0])
+    >>> float(np.abs(flow.right_hand_side(laminar)).max()), float(flow.observable(laminar))
+    (0.0, 0.5)
     """
 
     reynolds: float | FloatArray

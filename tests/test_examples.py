@@ -1,0 +1,59 @@
+"""The examples in docstrings run, and the names that a user meets first have one."""
+
+import doctest
+import importlib
+import inspect
+from pathlib import Path
+
+import pytest
+
+SOURCES = Path(__file__).parents[1] / "src"
+MODULES = [
+    ".".join(path.relative_to(SOURCES).with_suffix("").parts)
+    for path in sorted((SOURCES / "burstcast").rglob("*.py"))
+    if ">>> " in path.read_text(encoding="utf-8")
+]
+FIRST = [
+    "burstcast.control.actuation.actuated_system",
+    "burstcast.data.dataset.component_scales",
+    "burstcast.data.dataset.observe",
+    "burstcast.data.delay_coordinates.delay_coordinates",
+    "burstcast.durations.steps",
+    "burstcast.durations.steps_per_lyapunov_time",
+    "burstcast.esn.dynamics.Dynamics",
+    "burstcast.esn.network.EchoStateNetwork",
+    "burstcast.esn.reservoir.make_reservoir",
+    "burstcast.esn.training.train",
+    "burstcast.event_forecaster.forecaster.EventForecaster",
+    "burstcast.events.upward_crossings",
+    "burstcast.filters.square_root.symmetric_members",
+    "burstcast.forecast.classification.Counts",
+    "burstcast.forecasters.registry.forecaster_class",
+    "burstcast.laminarisation.is_laminar",
+    "burstcast.observation.velocity_sensors.VelocitySensors",
+    "burstcast.probability.brier.brier_skill",
+    "burstcast.probability.calibration.isotonic",
+    "burstcast.random_streams.stream",
+    "burstcast.statistics.densities.histogram",
+    "burstcast.statistics.densities.kantorovich_metric",
+    "burstcast.statistics.neighbour_divergence.neighbour_divergence",
+    "burstcast.systems.integration.integrate",
+    "burstcast.systems.lorenz63.Lorenz63",
+    "burstcast.systems.lyapunov.kaplan_yorke_dimension",
+    "burstcast.systems.lyapunov.lyapunov_spectrum",
+    "burstcast.systems.mfe.MoehlisFaisstEckhardt",
+]
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_the_examples_of_a_module_run(module):
+    outcome = doctest.testmod(importlib.import_module(module))
+    assert outcome.attempted > 0
+    assert outcome.failed == 0
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_a_user_finds_an_example(name):
+    module, _, thing = name.rpartition(".")
+    text = inspect.getdoc(getattr(importlib.import_module(module), thing)) or ""
+    assert "\nExamples\n--------\n>>> " in text
