@@ -1,6 +1,7 @@
 """Campaigns with forecasters that know the parameters: from the config to control that plans."""
 
 import copy
+import json
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ TARGETS = (
     "Re400switched/tables/classification.csv",
     *(f"figures/{one}.png" for one in ("control_choices_Re600", "control_frontier_Re600")),
     "figures/skill_by_parameter.png",
+    "Re400/tables/control_choices.csv",
 )
 
 
@@ -172,8 +174,9 @@ def test_a_network_of_an_unseen_case_has_the_hyperparameters_of_the_first_it_is_
 def test_control_says_what_it_was_told_and_what_it_cost(results):
     table = read_table(results / "Re600" / "tables" / "control_strategies.csv")
     planned = table[table["strategy"] == "planned"]
-    assert set(planned["options"]) == {"durations_lt=0.25+0.5 starts_lt=0+0.5"}
-    assert set(planned["forecaster"]) == {"esn_aware", "quadratic_aware"}
+    learnt = planned[planned["forecaster"] != "equations"]
+    assert set(learnt["options"]) == {"durations_lt=0.25+0.5 starts_lt=0+0.5"}
+    assert set(planned["forecaster"]) == {"esn_aware", "quadratic_aware", "equations"}
     assert set(table[table["strategy"] == "reactive"]["options"]) == {"watch=a1"}
     keys = ["forecaster", "strategy", "margin", "delay_lt"]
     wide = table.pivot_table(index=keys, columns="metric", values="value", dropna=False).dropna(
@@ -229,3 +232,28 @@ def test_equations_that_are_told_of_the_switching_actuator_are_never_wrong(resul
         for one in (filtered, untold)
     ]
     assert errors[0] < errors[1]
+
+
+def test_decisions_of_the_equations_that_are_told_are_never_wrong(results):
+    (plan,) = (results / "Re600" / "control" / "equations").iterdir()
+    counts = json.loads((plan / "counts.json").read_text(encoding="utf-8"))
+    assert counts["events_uncontrolled"] > 0 == counts["events_controlled"]
+    assert counts["free_true_alarms"] > 0
+    wrong = ("free_false_alarms", "free_missed", "actuated_false_alarms", "actuated_missed")
+    assert [counts[name] for name in wrong] == [0, 0, 0, 0]
+
+
+def test_control_that_observes_four_quantities_sees_no_more(results):
+    run = "receding_horizon-decision_interval0.5-horizon2"
+    place = results / "Re400" / "control" / "esn-N40-RV-seed0"
+    part, full = (
+        read_netcdf(place / name / "flows.nc") for name in (f"{run}-observedmodes_4", run)
+    )
+    # the same flows; another forecaster, that of the part
+    np.testing.assert_array_equal(part["row"], full["row"])
+    np.testing.assert_array_equal(part["exceeding_uncontrolled"], full["exceeding_uncontrolled"])
+    assert not np.array_equal(
+        part["actuated_integration_steps"], full["actuated_integration_steps"]
+    )
+    table = read_table(results / "Re400" / "tables" / "control_choices.csv")
+    assert set(table["observed"].dropna()) == {"modes_4"}

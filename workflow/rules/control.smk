@@ -14,7 +14,8 @@ stage(
         "histograms": f"{CONTROL}/histograms.nc",
         "flows": f"{CONTROL}/flows.nc",
     },
-    settings="CONTROL case.controlled_density forecaster.options forecasters.aware control.cost",
+    settings="CONTROL case.controlled_density forecaster.options forecasters.aware "
+    "control.cost control.sensor",
     cost="control",
     cached=True,
 )

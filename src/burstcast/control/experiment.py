@@ -12,7 +12,9 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues
 from burstcast.data.dataset import Scales, observe
+from burstcast.observation.part import ObservedPart
 from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.state_space import StateSpace
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,8 @@ class ControlExperiment:
     reversed_system
         The equations under the reversed actuation, that is with the opposite force; None: there is
         none.
+    sensor
+        What monitors observe of the states; None: all of it.
     """
 
     system: DynamicalSystem
@@ -95,6 +99,12 @@ class ControlExperiment:
     case: str
     values: ActuationValues | None = None
     reversed_system: DynamicalSystem | None = None
+    sensor: ObservedPart | None = None
+
+    @property
+    def observed_space(self) -> StateSpace:
+        """What monitors and forecasters see: states of the system, or of the sensor."""
+        return self.system if self.sensor is None else self.sensor.space
 
 
 def controlled_series(kept: int, training: int, wanted: int) -> range:

@@ -6,7 +6,7 @@ looks are, how long that interval is and what is recorded of an alarm is the str
 """
 
 import abc
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
@@ -25,6 +25,9 @@ FLOWS_PER_BATCH = 1024
 
 REVERSED = 2
 """Number of the reversed actuation among `Stepper.systems`."""
+
+Sensor = Callable[[FloatArray], FloatArray]
+"""What is observed of states: from ``(dimension, ...)`` to ``(observed components, ...)``."""
 
 Timed = TypeVar("Timed", bound=Clock)
 Decided = TypeVar("Decided")
@@ -117,6 +120,8 @@ class Stepper(abc.ABC, Generic[Timed, Decided]):
         The event threshold, k_e.
     reversed_system
         The equations under the reversed actuation; None: there is none.
+    sensor
+        What the monitor observes of states ``(dimension, ...)``; None: the whole state.
     """
 
     system: DynamicalSystem
@@ -125,6 +130,7 @@ class Stepper(abc.ABC, Generic[Timed, Decided]):
     timing: Timed
     threshold: float
     reversed_system: DynamicalSystem | None = field(default=None, kw_only=True)
+    sensor: Sensor | None = field(default=None, kw_only=True)
 
     @property
     def systems(self) -> tuple[DynamicalSystem, ...]:
@@ -239,6 +245,8 @@ class RunningFlows:
         stepper, now, number = self.stepper, self.clock[due], self.looks[due]
         washout = stepper.timing.washout
         observed = ending_at(self.states, due, now, washout)
+        if stepper.sensor is not None:
+            observed = np.moveaxis(stepper.sensor(np.moveaxis(observed, -1, 0)), 0, -1)
         if noise is not None:
             observed = observed + ending_at(noise, rows, now, washout)
         decision = stepper.monitor.decide(
@@ -316,9 +324,9 @@ def simulate(
         True states of the first washout, ``(flows, timing.washout, dimension)``: the last one is
         the state from which both the controlled and the uncontrolled flow are integrated.
     noise
-        Observation noise, ``(flows, timing.length or more, dimension)``: what the monitor sees is
-        the true state plus this, a fixed function of the flow and the step, with and without
-        control. None: the monitor sees the truth.
+        Observation noise, ``(flows, timing.length or more, observed components)``: what the
+        monitor sees is the true state, or what the sensor observes of it, plus this, a fixed
+        function of the flow and the step, with and without control. None: there is none.
     quiet_starts
         Whether to leave out flows with an event (observable at or above the threshold) before their
         steps count, while nothing could be done about it.
@@ -430,13 +438,16 @@ def _check_given(
             f"the washouts must have the shape (flows, {stepper.timing.washout}, {dimension}), "
             f"not {washouts.shape}"
         )
+    observed = dimension
+    if stepper.sensor is not None:
+        observed = len(stepper.sensor(np.zeros((dimension, 1))))
     if noise is not None and (
         noise.ndim != 3
-        or (noise.shape[0], noise.shape[2]) != (flows, dimension)
+        or (noise.shape[0], noise.shape[2]) != (flows, observed)
         or noise.shape[1] < length
     ):
         raise ValueError(
-            f"the noise must have the shape ({flows}, {length} or more, {dimension}), "
+            f"the noise must have the shape ({flows}, {length} or more, {observed}), "
             f"not {noise.shape}"
         )
     if stepper.actuated_system.dimension != dimension:

@@ -1,6 +1,6 @@
 """The campaign: cases, forecasters, who controls what, and the settings that stages read."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import product
@@ -69,6 +69,7 @@ GROUPS = {
 NOISE = "case.training.noise"
 AWARE = "forecasters.aware"
 COST = "control.cost"
+SENSOR = "control.sensor"
 
 
 @dataclass(frozen=True)
@@ -264,24 +265,37 @@ class Campaign:
     def _runs_of(self, block: StrategyBlock) -> Iterator[ControlRun]:
         controlled = [case for case in self.case_names if self.cases[case].actuation is not None]
         wanted = block.cases or controlled
-        chosen = self._chosen(block.forecasters) if block.forecasters else ()
-        controllers = [
-            (one.case, one.name)
-            for one in chosen
-            if block.seeds is None or (one.name.seed or 0) < block.seeds
+        for part in block.observed or [""]:
+            plans = [plan for plan in block_plans(block) if plan.observed == part]
+            for case, controller in self._controllers(block, part, controlled):
+                if case in wanted and case in controlled:
+                    yield from (ControlRun(case, controller, plan) for plan in plans)
+
+    def _controllers(
+        self, block: StrategyBlock, part: str, controlled: Sequence[str]
+    ) -> list[tuple[str, ForecasterName]]:
+        """Controlled cases with their controllers, which observe all of the state or a part."""
+        if not strategy_class(block.strategy).forecasts:
+            cases = [self.source_case(part)] if part else controlled
+            return [(case, ForecasterName("none")) for case in cases]
+        chosen = [
+            (self.source_case(one.case), one.name)
+            for one in (self._chosen(block.forecasters) if block.forecasters else ())
+            if (one.case == part if part else one.case in controlled)
         ]
         if block.committee:
-            common = [(one.case, replace(one.name, seed=None, role="committee")) for one in chosen]
-            controllers = list(dict.fromkeys(common))
-        if not strategy_class(block.strategy).forecasts:
-            controllers = [(case, ForecasterName("none")) for case in controlled]
-        for case, controller in controllers:
-            if case in wanted and case in controlled:
-                for plan in block_plans(block):
-                    yield ControlRun(case, controller, plan)
+            common = [(case, replace(name, seed=None, role="committee")) for case, name in chosen]
+            return list(dict.fromkeys(common))
+        return [
+            (case, name)
+            for case, name in chosen
+            if block.seeds is None or (name.seed or 0) < block.seeds
+        ]
 
-    def controlling(self, case: str, identifier: str) -> tuple[CaseForecaster, ...]:
-        """Forecasters that a controller asks.
+    def controlling(
+        self, case: str, identifier: str, strategy: str = ""
+    ) -> tuple[CaseForecaster, ...]:
+        """Forecasters that a controller asks under a plan of control.
 
         Those of ``esn-N2000-RV-committee`` are all networks of that size and strategy. Where a
         committee is a single forecaster, the members of its ensemble vote.
@@ -289,6 +303,8 @@ class Campaign:
         name = parsed(identifier)
         if not name.asks_forecasters:
             return ()
+        if strategy:
+            case = self.plan(strategy).observed or case
         if name.role is None:
             return (CaseForecaster(case, name),)
         return self.select(
@@ -299,7 +315,9 @@ class Campaign:
     def unused_columns(self) -> set[str]:
         """Columns of tables of control that no plan of the campaign has a value of."""
         values = [value for run in self.strategy_runs for _, value in run.plan.settings]
-        return set() if any(map(is_option, values)) else {"options"}
+        used = {"options"} if any(map(is_option, values)) else set()
+        used |= {"observed"} if any(run.plan.observed for run in self.strategy_runs) else set()
+        return {"options", "observed"} - used
 
     @cached_property
     def aware_cases(self) -> tuple[str, ...]:
@@ -360,6 +378,8 @@ class Campaign:
             left_out.add(AWARE)
         if not self.config.control.cost:
             left_out.add(COST)
+        if "strategy" in wildcards and not self.plan(wildcards["strategy"]).observed:
+            left_out.add(SENSOR)
         if "controller" in wildcards and not name.asks_forecasters:
             left_out.add("forecaster.options")
         found = {
@@ -380,6 +400,8 @@ class Campaign:
             value = self._plain_cases[wildcards["case"]]
         elif path == "statistics.duration" and self.config.statistics.duration is None:
             value = self._plain_cases[wildcards["case"]]["ensemble"]
+        elif path == SENSOR:
+            return self._sensor(self.plan(wildcards["strategy"]).observed)
         elif path == "control.run":
             value = {"run": self._control_record(wildcards, name)}
         else:
@@ -436,6 +458,11 @@ class Campaign:
                 run["noise"] = self.cases[wildcards["case"]].training.noise
         return run
 
+    def _sensor(self, part: str) -> dict[str, Any]:
+        """What is observed of a controlled case by those who observe one of its parts."""
+        parameters = self._plain_cases[part]["parameters"]
+        return {"components": self.data(part).components, "of": parameters["observable_of"]}
+
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
         """Modules that a job reaches by a name, by the package whose registry finds them.
 
@@ -444,6 +471,8 @@ class Campaign:
         """
         names = dict(wildcards.items())
         cases = [names["case"]] if "case" in names else list(self.case_names)
+        if "strategy" in names and (part := self.plan(names["strategy"]).observed):
+            cases.append(part)
         if "forecaster" in names or "controller" in names:
             forecasters = [name for name in [_name_of(names)] if name.asks_forecasters]
         else:

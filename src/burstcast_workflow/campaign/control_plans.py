@@ -40,6 +40,8 @@ class ControlPlan:
         Of the actuator.
     noise
         Of the observations; None: that of the training series.
+    observed
+        Case that is the observed part of the controlled one; empty: all of it is observed.
     """
 
     strategy: str
@@ -50,6 +52,7 @@ class ControlPlan:
     delay_lt: float
     strength: float
     noise: float | None
+    observed: str = ""
 
     @property
     def identifier(self) -> str:
@@ -62,12 +65,16 @@ class ControlPlan:
             value = getattr(self, name)
             if value != getattr(_PAPER, name):
                 parts.append(f"{name.removesuffix('_lt')}{named(value)}")
+        if self.observed:
+            parts.append(f"observed{named(self.observed)}")
         return "-".join(parts)
 
     def record(self, span_lt: float) -> dict[str, Any]:
         """All of it, as a job is given it: with the campaign's span where it says none."""
         conditions = {name: getattr(self, name) for name in CONDITIONS}
         conditions["span_lt"] = span_lt if self.span_lt is None else self.span_lt
+        if self.observed:
+            conditions["observed"] = self.observed
         return {"strategy": self.strategy, "settings": dict(self.settings), **conditions}
 
 
@@ -81,9 +88,9 @@ def block_plans(block: StrategyBlock) -> Iterator[ControlPlan]:
     """Plans of a block of ``control.strategies``: all combinations of its lists."""
     names = sorted(block.settings)
     noises: list[float | None] = [*block.noise] or [None]
-    conditions = product(block.delay_lt, block.strength, noises)
+    conditions = product(block.delay_lt, block.strength, noises, block.observed or [""])
     several = product(*(block.settings[name] for name in names))
-    for (delay_lt, strength, noise), values in product(conditions, several):
+    for (delay_lt, strength, noise, observed), values in product(conditions, several):
         yield ControlPlan(
             strategy=block.strategy,
             settings=tuple(zip(names, map(_hashable, values), strict=True)),
@@ -93,6 +100,7 @@ def block_plans(block: StrategyBlock) -> Iterator[ControlPlan]:
             delay_lt=delay_lt,
             strength=strength,
             noise=noise,
+            observed=observed,
         )
 
 

@@ -25,6 +25,7 @@ from burstcast_workflow.config.cases import (
     campaign_cases,
     case_name,
     case_of,
+    data_of,
     said_by_class,
 )
 from burstcast_workflow.config.messages import model_problems, suggestion
@@ -155,6 +156,7 @@ def _strategies(config: Configuration) -> Iterator[str]:
             yield f"{place}.forecasters names no kind, but {name} asks forecasters"
         if chosen and not strategy_class(name).forecasts:
             yield f"{place}.forecasters: {name} asks no forecaster; leave it out"
+        yield from _observed(config, block, place)
         for plan in block_plans(block):
             try:
                 if make_strategy(name, dict(plan.settings)).told and (untold := _untold(block)):
@@ -165,6 +167,17 @@ def _strategies(config: Configuration) -> Iterator[str]:
             except ValueError as error:
                 yield f"{place}.settings: {error}"
         yield from _votes(block, place)
+
+
+def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterator[str]:
+    """What is wrong with the parts of the state that a block of strategies observes."""
+    used = campaign_cases(config)
+    parts = [case for case in used if (data := data_of(config, case)) and data.case]
+    for part in block.observed:
+        if part not in parts:
+            yield f"{place}.observed: {part} is no part of another case; {suggestion(part, parts)}"
+        elif (data := data_of(config, part)) and data.delays:
+            yield f"{place}.observed: {part} has past values (data.delays), which control has not"
 
 
 def _untold(block: StrategyBlock) -> list[str]:

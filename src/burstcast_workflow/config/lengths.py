@@ -17,6 +17,7 @@ from burstcast.forecasters.quadratic import window_steps
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast_workflow.campaign.control_plans import block_plans
+from burstcast_workflow.config.cases import case_of
 from burstcast_workflow.config.measured_cases import space_of
 from burstcast_workflow.config.model import Configuration, Simulated
 from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, VALIDATION
@@ -79,11 +80,13 @@ def misfits(
     if any("quadratic" in sections_of_kind(kind) for kind in kinds):
         with telling(""):
             window_steps(config.forecasters.quadratic.window_lt, steps, samples)
-    space = space_of(case)
     for index, block in enumerate(config.control.strategies):
         if case.actuation is None or (block.cases and name not in block.cases):
             continue
         for plan_of_control in block_plans(block):
+            seen = case_of(config, plan_of_control.observed) if plan_of_control.observed else case
+            if seen is not case and (seen.data is None or seen.data.case != name):
+                continue
             with telling(f"control.strategies[{index}]"):
                 schedule = Schedule(
                     washout=max(1, durations.steps(config.washout_lt, steps)),
@@ -99,7 +102,7 @@ def misfits(
                 settings = dict(plan_of_control.settings)
                 strategy = make_control_strategy(plan_of_control.strategy, settings)
                 strategy.check(schedule)
-                if space is not None:
+                if (space := space_of(seen)) is not None:
                     strategy.check_system(space, case.actuation.force is not None)
     return list(dict.fromkeys(problems))
 

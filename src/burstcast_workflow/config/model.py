@@ -643,6 +643,11 @@ class StrategyBlock(Section):
         "standard deviations of each component",
         default=[],
     )
+    observed: Distinct[CaseName] = setting(
+        "cases that are parts of the controlled case's state (`data.case`), which forecasters and "
+        "rules observe instead of all of it; forecasters are those of the part",
+        default=[],
+    )
 
 
 class Control(Section):

@@ -24,7 +24,9 @@ from burstcast.control.strategies.registry import make_strategy
 from burstcast.data.dataset import component_scales
 from burstcast.files.netcdf import read_rows
 from burstcast.forecasters.base import Forecaster
+from burstcast.observation.part import ObservedPart
 from burstcast.statistics.densities import bin_edges
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
@@ -53,17 +55,23 @@ def control_setup(
         names = settings["forecasters.aware"]["parameters"]
         experiment = replace(experiment, values=_values(settings, experiment, names))
     controller = settings["controller"]
-    asked = [read_forecaster(path, settings, time_unit, name=controller) for path in forecasters]
+    sensor = experiment.sensor
+    asked = [
+        read_forecaster(path, settings, time_unit, name=controller, space=experiment.observed_space)
+        for path in forecasters
+    ]
     noise = None
     if not any(forecaster.sees_truth for forecaster in asked):
-        training_states = read_rows(ensemble, "state", 0, settings["case.training.series"])
+        seen = read_rows(ensemble, "state", 0, settings["case.training.series"])
+        if sensor is not None:
+            seen = np.moveaxis(sensor(np.moveaxis(seen, -1, 0)), 0, -1)
         noise = noise_of_flows(
             experiment.series,
             strategy.timing(experiment.schedule).length,
             settings["control.run.noise"],
-            component_scales(training_states),
+            component_scales(seen),
             experiment.root_seed,
-            experiment.case,
+            settings["control.run"].get("observed", experiment.case),
         )
     return strategy, experiment, asked, noise
 
@@ -96,6 +104,7 @@ def control_experiment(
         reversed_system=(
             reversed_actuation(system, actuation["force"], strength) if reverses else None
         ),
+        sensor=_sensor(settings, system),
         threshold=settings["case.event_threshold"],
         series=series,
         washouts=np.ascontiguousarray(states[:, :washout] if quiet else states[:, -washout:]),
@@ -114,6 +123,12 @@ def control_experiment(
         root_seed=settings["random_seed"],
         case=settings["case"],
     )
+
+
+def _sensor(settings: Settings, system: DynamicalSystem) -> ObservedPart | None:
+    """What is observed of the flows; None: all of the state."""
+    said = settings.get("control.sensor")
+    return None if said is None else ObservedPart.of(system, said["components"], said["of"])
 
 
 def _values(

@@ -9,6 +9,7 @@ from burstcast.files.netcdf import Variable, read_attributes, read_netcdf
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import forecaster_class
+from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import observed_rows
@@ -65,6 +66,7 @@ def read_forecaster(
     time_unit: str | Sequence[str],
     divergence_bound: float | None = None,
     name: str | None = None,
+    space: StateSpace | None = None,
 ) -> Forecaster:
     """Read a forecaster of a job.
 
@@ -80,12 +82,15 @@ def read_forecaster(
         Setting of that name, where it is asked whether forecasts have diverged.
     name
         Identifier with the forecaster's kind: of a controller; None: of the job's own forecaster.
+    space
+        What it forecasts, where that is not the state of the job's case.
     """
     kind = kind_of(name or settings.get("forecaster", ""))
     record = ForecasterRecord(read_netcdf(path), read_attributes(path))
     case = forecasting_case(settings, time_unit)
     options = {**case.options, "divergence_bound": divergence_bound}
-    return kind.restore(record, dataclasses.replace(case, options=options))
+    case = dataclasses.replace(case, options=options, system=space or case.system)
+    return kind.restore(record, case)
 
 
 def seen_rows(

@@ -209,7 +209,7 @@ class Stages:
 
     def controlling(self, wildcards: Any) -> Paths:
         """Forecasters that the controller of a job asks."""
-        asked = self.campaign.controlling(wildcards.case, wildcards.controller)
+        asked = self.campaign.controlling(wildcards.case, wildcards.controller, wildcards.strategy)
         return self.of_forecasters("forecaster.nc", asked)
 
     def matched_counts(self, wildcards: Any) -> Paths:
@@ -266,7 +266,8 @@ class Stages:
                 name: value(wildcards) if callable(value) else value
                 for name, value in values.items()
             }
-            return self.campaign.settings(names, wildcards, found)
+            # wildcards of Snakemake are a list: whether a name is among them, only a mapping tells
+            return self.campaign.settings(names, dict(wildcards.items()), found)
 
         def code(wildcards: Any) -> list[str]:
             modules = {**self.campaign.modules(wildcards), **(found_by_name or {})}

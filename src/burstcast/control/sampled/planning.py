@@ -84,7 +84,7 @@ class PlanningStrategy(SampledStrategy):
         members = [
             PlannedMonitor(
                 forecaster,
-                experiment.system.observable,
+                experiment.observed_space.observable,
                 experiment.threshold - self.margin,
                 values_to_tell(experiment, forecasters),
                 self.sequences(self.timing(experiment.schedule)),

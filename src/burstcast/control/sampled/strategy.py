@@ -48,6 +48,7 @@ class SampledStrategy(ControlStrategy):
             self.horizon(timing),
             self.told,
             reversed_system=experiment.reversed_system,
+            sensor=experiment.sensor,
         )
 
     def outcome(

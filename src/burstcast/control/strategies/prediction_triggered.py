@@ -65,7 +65,7 @@ class PredictionTriggered(ControlStrategy):
 
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
         """Alarms where forecasts cross the threshold in the window."""
-        timing, observable = self.timing(experiment.schedule), experiment.system.observable
+        timing, observable = self.timing(experiment.schedule), experiment.observed_space.observable
         members = [
             ForecastMonitor(forecaster, observable, timing, experiment.threshold)
             for forecaster in forecasters
@@ -81,6 +81,7 @@ class PredictionTriggered(ControlStrategy):
             self.timing(experiment.schedule),
             experiment.threshold,
             self.actuation_interval(experiment.schedule),
+            sensor=experiment.sensor,
         )
 
     def outcome(

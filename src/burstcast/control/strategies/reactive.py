@@ -55,7 +55,7 @@ class Reactive(SampledStrategy):
 
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
         """Alarms where what is watched is high now (see `ControlStrategy.monitor`)."""
-        system = experiment.system
+        system = experiment.observed_space
         self.check_system(system, experiment.reversed_system is not None)
         watched = quantity(self.watch, system) if self.watch else system.observable
         return ObservedMonitor(

@@ -67,7 +67,7 @@ class RecedingHorizon(SampledStrategy):
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
         """Alarms where forecasts hold an event."""
         horizon = self.horizon(self.timing(experiment.schedule))
-        observable = experiment.system.observable
+        observable = experiment.observed_space.observable
         values = values_to_tell(experiment, forecasters) if self.aware else None
         level = experiment.threshold - self.margin
         members = [

@@ -1,0 +1,76 @@
+"""What is observed of a state whose rest is hidden: components, and quantities made of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.data.measured_data import Quantity
+from burstcast.systems.measured import MeasuredSeries
+from burstcast.systems.state_space import StateSpace, component_names
+
+OBSERVABLE = "observable"
+"""Name of the observable among the columns of another state."""
+
+
+@dataclass(frozen=True)
+class ObservedPart:
+    """What is observed of states: some components, expressions of them, and their observable.
+
+    Attributes
+    ----------
+    source
+        What the states are.
+    space
+        What is observed, as a state of its own.
+    quantities
+        The components of `space`, from the components of `source` and ``observable``.
+
+    Examples
+    --------
+    >>> from burstcast.systems.mfe import MoehlisFaisstEckhardt
+    >>> flow = MoehlisFaisstEckhardt(400.0, 4 * np.pi, 2 * np.pi)
+    >>> part = ObservedPart.of(flow, ["a1", "profile = a1 - a9"], "observable")
+    >>> part.space.component_names
+    ('a1', 'profile', 'observable')
+    >>> part(np.ones((9, 5))).shape
+    (3, 5)
+    """
+
+    source: StateSpace
+    space: MeasuredSeries
+    quantities: tuple[Quantity, ...]
+
+    @classmethod
+    def of(cls, source: StateSpace, declarations: Sequence[str], observable: str) -> "ObservedPart":
+        """Observe quantities of another state.
+
+        Parameters
+        ----------
+        source
+            What the states are.
+        declarations
+            Names of components, or ``name = expression`` of them.
+        observable
+            Of what is observed: one of its components, an expression of them, or ``observable``.
+
+        Raises
+        ------
+        ValueError
+            If a quantity has a name that the state does not have.
+        """
+        quantities = [Quantity(text) for text in declarations]
+        space = MeasuredSeries([one.name for one in quantities], observable)
+        if space.appended:
+            quantities.append(Quantity(observable))
+        for one in quantities:
+            one.columns([*component_names(source), OBSERVABLE])
+        return cls(source, space, tuple(quantities))
+
+    def __call__(self, states: FloatArray) -> FloatArray:
+        """Observe states ``(dimension, ...)``: ``(observed, ...)``, without noise."""
+        columns = dict(zip(component_names(self.source), states, strict=True))
+        columns[OBSERVABLE] = self.source.observable(states)
+        found = np.broadcast_arrays(*(one.values(columns) for one in self.quantities))
+        return np.stack(found)
