@@ -42,7 +42,9 @@ NAVIGATION = {
         *("notebook", "tutorial_data", "tutorial", "fitzhugh_nagumo", "aware"),
         *("benchmark", "leaderboard"),
     ],
-    "Results and method": ["results", "studies", "method", "solver", "performance"],
+    "Results and method": [
+        *("results", "studies", "benchmark", "method", "solver", "performance"),
+    ],
     "How it is built": [
         *("architecture", "extending", "selective_rebuilds", "selective_rebuild_trials"),
         *("trust", "decisions", "repository/CONTRIBUTING"),

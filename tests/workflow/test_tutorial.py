@@ -14,7 +14,7 @@ from burstcast_workflow.harness.tables import read_table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
-(MODULE, SCRIPT) = (text for language, text in BLOCKS if language == "python")
+(MODULE,) = (text for language, text in BLOCKS if language == "python")
 CONFIGS = {
     text.splitlines()[0].removeprefix("# "): text for language, text in BLOCKS if language == "yaml"
 }
@@ -100,10 +100,3 @@ def test_the_small_campaign(directory, tmp_path_factory, job_server):
     assert len(headers) > 20
     for word in ("reynolds", "kinetic", "nrmse", "_paper"):
         assert not [header for header in headers if word in header]
-
-
-def test_the_library_without_the_workflow():
-    names: dict = {}
-    exec(SCRIPT, names)
-    assert names["forecast"].shape == (200, 3, 1)
-    assert np.isfinite(names["forecast"]).all()
