@@ -39,15 +39,9 @@ def examples(series, observable, washout, windows, threshold):
         before = np.stack([values[at - washout + 1 : at + 1] for at in starts])
         quiet = starts[before.max(axis=1) < threshold]
         found.append(features(np.stack([states[at - washout + 1 : at + 1] for at in quiet])))
-        outcomes.append(
-            [
-                [
-                    values[at + a] < threshold <= values[at + a : at + b + 1].max()
-                    for a, b in windows
-                ]
-                for at in quiet
-            ]
-        )
+        for at in quiet:
+            ahead = (values[at + first : at + last + 1] for first, last in windows)
+            outcomes.append([crosses(one, threshold) for one in ahead])
     return np.concatenate(found), np.array(outcomes)
 
 
