@@ -11,12 +11,13 @@ what nobody else knows. Half an hour of one core for all cases, most of it for n
 import argparse
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import BoolArray, FloatArray
 from burstcast.benchmark.cases import CASES, BenchmarkCase
 from burstcast.benchmark.data import CaseData, make_case
 from burstcast.benchmark.forecast_files import Forecasts
@@ -28,14 +29,23 @@ from burstcast.benchmark.leaderboard import (
     write_leaderboard,
 )
 from burstcast.benchmark.scores import score_forecasts
+from burstcast.data.starting_points import SeriesPoints
 from burstcast.event_forecaster.forecaster import EventForecaster
-from burstcast.forecast.observed_points import observed_points
+from burstcast.forecast.observed_points import ObservedPoints, observed_points
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import crosses
 from burstcast.forecasters.base import Forecaster
+from burstcast.probability.alarms import best_threshold
+from burstcast.probability.precursor import (
+    Precursor,
+    PrecursorOptions,
+    out_of_sample_probabilities,
+    precursor_features,
+)
 from burstcast_workflow.project import source_revision
 
-Made = Callable[[CaseData], Forecasts]
+Made = Callable[[CaseData], tuple[Forecasts, float]]
+"""Makes forecasts of a case, and says at which probability an alarm is raised."""
 POINTS_AT_ONCE = 512
 
 
@@ -74,7 +84,7 @@ def horizon_of(forecaster: Forecaster, data: CaseData) -> FloatArray:
 def of_kind(kind: str, **more: object) -> Made:
     """Forecasts by one kind of forecasters; all members vote, the first one has a horizon."""
 
-    def made(data: CaseData) -> Forecasts:
+    def made(data: CaseData) -> tuple[Forecasts, float]:
         case = data.case
         forecasters = estimator(case, kind, **more).fit(data.training).members_
         washouts = data.true_states if forecasters[0].sees_truth else data.test.washouts
@@ -86,19 +96,19 @@ def of_kind(kind: str, **more: object) -> Made:
             ).members
         ]
         horizon = horizon_of(forecasters[0], data) if len(forecasters) == 1 else None
-        return Forecasts(tuple(votes), None, horizon)
+        return Forecasts(tuple(votes), None, horizon), 0.5
 
     return made
 
 
-def always(data: CaseData) -> Forecasts:
+def always(data: CaseData) -> tuple[Forecasts, float]:
     """An alarm for each window."""
     shape = len(data.test.points), len(data.case.prediction_times_lt)
-    return Forecasts((), np.ones(shape), None)
+    return Forecasts((), np.ones(shape), None), 0.5
 
 
-def climatology(data: CaseData) -> Forecasts:
-    """How often events followed the starting points of the training series."""
+def training_points(data: CaseData) -> tuple[ObservedPoints, BoolArray]:
+    """Starting points of the training series at which no event is under way; what followed."""
     case = data.case
     points = observed_points(
         data.training,
@@ -109,15 +119,38 @@ def climatology(data: CaseData) -> Forecasts:
         boundaries=case.boundaries,
     )
     quiet = points.seen.max(axis=1) < case.event_threshold
-    rates = [
-        crosses(points.truth, *case.windows(ahead), case.event_threshold)[quiet].mean()
+    happened = [
+        crosses(points.truth, *case.windows(ahead), case.event_threshold)[quiet]
         for ahead in case.prediction_times_lt
     ]
-    return Forecasts((), np.tile(rates, (len(data.test.points), 1)), None)
+    kept = SeriesPoints(points.points.series[quiet], points.points.step[quiet])
+    return replace(points, points=kept, washouts=points.washouts[quiet]), np.stack(happened, axis=1)
+
+
+def climatology(data: CaseData) -> tuple[Forecasts, float]:
+    """How often events followed the starting points of the training series."""
+    _, happened = training_points(data)
+    return Forecasts((), np.tile(happened.mean(axis=0), (len(data.test.points), 1)), None), 0.5
+
+
+def precursor(data: CaseData) -> tuple[Forecasts, float]:
+    """Logistic regression on the present components, their squares and products."""
+    options = PrecursorOptions("logistic")
+    points, happened = training_points(data)
+    features = precursor_features(points.washouts)
+    told = out_of_sample_probabilities(features, happened, points.points.series, options)
+    threshold = best_threshold(*np.unique(told, return_counts=True))
+    found = Precursor.fit(features, happened, options)
+    test = found.probabilities(precursor_features(data.test.washouts))
+    return Forecasts((), test, None), threshold
 
 
 FORECASTERS: Mapping[str, tuple[str, Made]] = {
     "climatology": ("the share of training points that an event follows", climatology),
+    "precursor": (
+        "logistic regression on the present components, their squares and products",
+        precursor,
+    ),
     "permanent_alarm": ("an alarm for each window", always),
     "persistence": ("the last observation stays", of_kind("persistence")),
     "analogues": (
@@ -160,13 +193,14 @@ def main() -> None:
                 continue  # they need all modes
             about, made = FORECASTERS[forecaster]
             began = time.perf_counter()
-            scores = score_forecasts(data, made(data))
+            forecasts, threshold = made(data)
+            scores = score_forecasts(data, forecasts, threshold)
             row = row_of(
                 data,
                 scores,
                 forecaster=forecaster,
                 about=about,
-                alarm_threshold=0.5,
+                alarm_threshold=threshold,
                 version=version("burstcast"),
                 commit=source_revision(),
             )

@@ -2,6 +2,7 @@
 
 import re
 
+import netCDF4
 import numpy as np
 import pytest
 from helpers_benchmark import table, write_csv, write_netcdf
@@ -220,6 +221,19 @@ def test_a_value_that_is_not_finite_is_named(data, facts, generator, tmp_path):
     path = write_netcdf(tmp_path / "a.nc", facts, observable=(("member", "point", "step"), values))
     text = said(path, data)
     assert "observable of member 1, point 3, step 5: observable is nan; expected is a" in text
+
+
+def test_a_point_that_was_never_written_is_named(data, facts, tmp_path):
+    path = tmp_path / "a.nc"
+    with netCDF4.Dataset(path, "w") as file:
+        file.setncatts(facts)
+        file.createDimension("point", len(data.test.points))
+        file.createDimension("step", data.steps)
+        variable = file.createVariable("observable", "f4", ("point", "step"))
+        variable[:7] = 0.05
+        variable[8:] = 0.05
+    text = said(path, data)
+    assert "observable of point 7, step 1: observable is nan; expected is a" in text
 
 
 def test_variables_that_are_unknown_or_count_otherwise_are_named(data, facts, generator, tmp_path):

@@ -274,7 +274,6 @@ def _netcdf(path: Path, forms: Sequence[_Form]) -> Iterator[tuple[_Form, Iterato
     counting = {name: values for form in forms[::-1] for name, values in form.axes}
     with netCDF4.Dataset(path, "r") as file:
         for name, variable in file.variables.items():
-            variable.set_auto_mask(False)
             if name in known:
                 _check_shape(path, known[name], variable)
             elif name in counting:
@@ -324,7 +323,8 @@ def _check_shape(path: Path, form: _Form, variable: Any) -> None:
 def _members(path: Path, form: _Form, variable: Any) -> Iterator[FloatArray]:
     several = variable.dimensions[0] == MEMBER
     for member in range(variable.shape[0] if several else 1):
-        block = np.asarray(variable[member] if several else variable[...], dtype=np.float64)
+        read = np.ma.asarray(variable[member] if several else variable[...], dtype=np.float64)
+        block = read.filled(np.nan)  # what was never written is missing
         block = block if form.components else block[..., np.newaxis]
         number = member if several else None
 
