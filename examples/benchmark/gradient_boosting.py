@@ -14,11 +14,12 @@ import netCDF4
 import numpy as np
 from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.metrics import precision_recall_curve
+from sklearn.model_selection import GroupKFold, cross_val_predict
 
 LAGS = (0, 5, 10, 20)
 """Samples before the starting point whose components are features."""
-HELD_OUT = 3
-"""Training series that the alarm threshold is chosen on."""
+FOLDS = 5
+"""Groups of training series, each of which is left out once to choose the alarm threshold."""
 
 
 def features(washouts):
@@ -32,44 +33,36 @@ def crosses(window, threshold):
 
 
 def examples(series, observable, washout, windows, threshold):
-    """Features of starting points in training series, and whether an event is in each window."""
+    """Starting points in training series: features, events in each window, and their series."""
     starts = np.arange(washout - 1, series.shape[1] - windows[-1][1], 2)
-    found, outcomes = [], []
-    for states, values in zip(series, observable, strict=True):
+    found, outcomes, rows = [], [], []
+    for row, (states, values) in enumerate(zip(series, observable, strict=True)):
         before = np.stack([values[at - washout + 1 : at + 1] for at in starts])
         quiet = starts[before.max(axis=1) < threshold]
         found.append(features(np.stack([states[at - washout + 1 : at + 1] for at in quiet])))
         for at in quiet:
             ahead = (values[at + first : at + last + 1] for first, last in windows)
             outcomes.append([crosses(one, threshold) for one in ahead])
-    return np.concatenate(found), np.array(outcomes)
+            rows.append(row)
+    return np.concatenate(found), np.array(outcomes), np.array(rows)
 
 
-def classifiers(inputs, outcomes):
-    """A classifier for each window."""
-    return [
-        HistGradientBoostingClassifier(
-            max_iter=150,
-            learning_rate=0.08,
-            max_leaf_nodes=12,
-            early_stopping=False,
-            random_state=0,
-        ).fit(inputs, outcomes[:, column])
-        for column in range(outcomes.shape[1])
-    ]
+def classifier():
+    """A classifier that has learnt nothing yet."""
+    return HistGradientBoostingClassifier(
+        max_iter=150,
+        learning_rate=0.08,
+        max_leaf_nodes=12,
+        early_stopping=False,
+        random_state=0,
+    )
 
 
-def probabilities(found, inputs):
-    """Probabilities of an event, ``(points, windows)``."""
-    return np.stack([one.predict_proba(inputs)[:, 1] for one in found], axis=1)
-
-
-def best_threshold(series, observable, *asked):
-    """Alarm threshold with the best F-score, over all windows, on series that are held out."""
-    learnt = classifiers(*examples(series[:-HELD_OUT], observable[:-HELD_OUT], *asked))
-    inputs, outcomes = examples(series[-HELD_OUT:], observable[-HELD_OUT:], *asked)
-    told = probabilities(learnt, inputs)
-    precision, recall, thresholds = precision_recall_curve(outcomes.ravel(), told.ravel())
+def best_threshold(inputs, outcomes, rows):
+    """Alarm threshold with the best F-score, over all windows of training series left out."""
+    options = {"groups": rows, "cv": GroupKFold(FOLDS), "method": "predict_proba"}
+    told = [cross_val_predict(classifier(), inputs, one, **options)[:, 1] for one in outcomes.T]
+    precision, recall, thresholds = precision_recall_curve(outcomes.T.ravel(), np.ravel(told))
     scores = 2 * precision * recall / np.maximum(precision + recall, 1e-9)
     return thresholds[scores[:-1].argmax()]
 
@@ -83,14 +76,16 @@ def main(case_path, path):
         ends = (np.asarray(case[f"window_{end}_step"][:]) for end in ("first", "last"))
         windows = list(zip(*ends, strict=True))
         threshold = float(case.event_threshold)
-    asked = washouts.shape[1], windows, threshold
-    found = probabilities(classifiers(*examples(series, observable, *asked)), features(washouts))
+    inputs, outcomes, rows = examples(series, observable, washouts.shape[1], windows, threshold)
+    fitted = [classifier().fit(inputs, one) for one in outcomes.T]
+    test = features(washouts)
+    found = np.stack([one.predict_proba(test)[:, 1] for one in fitted], axis=1)
     with open(path, "w", encoding="utf-8") as file:
         print(first_line, "point,prediction_time_lt,probability", sep="\n", file=file)
         for point, row in enumerate(found):
             for time, probability in zip(times, row, strict=True):
                 print(f"{point},{time:g},{probability:.6f}", file=file)
-    print(f"alarm threshold {best_threshold(series, observable, *asked):.3f}")
+    print(f"alarm threshold {best_threshold(inputs, outcomes, rows):.3f}")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from burstcast.benchmark.cases import CASES
 from burstcast.benchmark.data import CaseData
 from burstcast.benchmark.scores import Score
 from burstcast.files.atomic_files import atomic
@@ -101,7 +102,7 @@ def read_leaderboard(path: Path = PATH) -> list[Row]:
 
 
 def with_row(rows: Iterable[Row], row: Row) -> list[Row]:
-    """Rows with one more, by case, the largest F-score at 3 Lyapunov times first.
+    """Rows with one more, in the order of the cases, then of the F-score at 3 Lyapunov times.
 
     A row of the same forecaster, case, version and seed is replaced.
     """
@@ -109,9 +110,10 @@ def with_row(rows: Iterable[Row], row: Row) -> list[Row]:
     return sorted([*others, row], key=_rank)
 
 
-def _rank(row: Row) -> tuple[str, int, int, float, str]:
-    best = -float(row[_SORTED_BY] or "-inf")
-    return row["case"], int(row["case_version"]), int(row["seed"]), best, row["forecaster"]
+def _rank(row: Row) -> tuple[int, str, int, int, float, str]:
+    name, best = row["case"], -float(row[_SORTED_BY] or "-inf")
+    place = list(CASES).index(name) if name in CASES else len(CASES)
+    return place, name, int(row["case_version"]), int(row["seed"]), best, row["forecaster"]
 
 
 def write_leaderboard(path: Path, rows: Iterable[Row]) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 from burstcast.benchmark.cases import CASES, case_named
@@ -86,8 +87,13 @@ def show_leaderboard() -> None:
     for case, group in groupby(read_leaderboard(), key=lambda row: row["case"]):
         rows = list(group)
         title = f"## {case}, version {rows[0]['case_version']}, seed {rows[0]['seed']}"
-        listed = "\n".join(f"* `{row['forecaster']}`: {row['about']}" for row in rows)
-        print(f"\n{title}\n\n{CASES[case].about}\n\n{as_markdown(rows)}\n\n{listed}")
+        listed = "\n".join(_wrapped(f"* `{row['forecaster']}`: {row['about']}") for row in rows)
+        about = _wrapped(CASES[case].about)
+        print(f"\n{title}\n\n{about}\n\n{as_markdown(rows)}\n\n{listed}")
+
+
+def _wrapped(text: str) -> str:
+    return fill(text, 100, subsequent_indent="  " * text.startswith("* "))
 
 
 def _write(path: Path, scores: Sequence[Score]) -> None:
