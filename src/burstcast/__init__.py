@@ -2,7 +2,7 @@
 
 
 def __getattr__(name: str) -> object:
-    """Load the estimator when it is asked for: ``import burstcast`` loads nothing."""
+    """Load the estimator on first access: ``import burstcast`` loads nothing."""
     if name == "EventForecaster":
         from burstcast.event_forecaster.forecaster import EventForecaster
 

@@ -1,4 +1,4 @@
-"""Types of arrays by their entries (shapes are told where an array is used), and input as one."""
+"""Types of arrays by their entries, and conversion of input to arrays."""
 
 from typing import Any
 
@@ -70,6 +70,6 @@ def _mask(data: Any) -> Any:
 
 
 def is_known(values: FloatArray) -> BoolArray:
-    """Whether values are finite, and not what netCDF stores where nothing was written."""
+    """Whether values are finite and no fill values of netCDF."""
     low, high = _NEVER_WRITTEN
     return np.asarray(np.isfinite(values) & ~((values > low) & (values < high)))

@@ -99,13 +99,13 @@ def _place(error: Exception) -> str:
 
 
 def suggestion(name: str, candidates: Iterable[str]) -> str:
-    """End of an error message: what an unknown name may have meant; empty if nothing is near."""
+    """End of an error message with the nearest known name; empty if none is near."""
     closest = difflib.get_close_matches(str(name), list(candidates), n=1)
     return f" (did you mean {closest[0]!r}?)" if closest else ""
 
 
 def checked_values(what: str, part: str, owner: type, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Check what the fields of a dataclass are given.
+    """Check the values of the fields of a dataclass.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
 
 
 def known_exponent(time_unit: str, published: float | None) -> float | None:
-    """Lyapunov exponent that the unit of time follows from; None where it is a computed one.
+    """Published Lyapunov exponent that sets the unit of time; None where it is computed.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ Backend = Literal["compiled", "scipy"]
 
 @cache
 def compiler_problem() -> str:
-    """Tell why nothing can be compiled here; empty where it can."""
+    """Return why nothing can be compiled on this machine; empty if compilation works."""
     try:
         import llvmlite.binding  # noqa: F401 - loading it is the test
     except Exception as error:  # a library that does not fit the machine raises whatever it likes

@@ -1,4 +1,4 @@
-"""What is done about an alarm: other equations, for a while.
+"""Actuation: other equations over an interval.
 
 Source: section "Control of extreme events" of the paper. Its control raises the Reynolds number to
 2000 for 1.5 Lyapunov times, from one Lyapunov time before the window in which an event is expected.
@@ -115,7 +115,7 @@ def _with_parameters(
 
 @dataclass(frozen=True)
 class ActuationValues:
-    """Values of the parameters that forecasters are told with the actuator off, and on.
+    """Values of the parameters for aware forecasters, with the actuator off and on.
 
     Attributes
     ----------

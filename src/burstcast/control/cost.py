@@ -1,4 +1,4 @@
-"""What an actuation costs: effort and power of the force that would do the same.
+"""Costs of an actuation: effort and power of the equivalent force.
 
 An actuation changes the right-hand side of the equations from f to f'. Whether it adds a force or
 changes a parameter, it acts as the force g(x) = f'(x) - f(x) does, by which different actuators are

@@ -1,4 +1,4 @@
-"""What is counted of flows with and without control, whatever the strategy."""
+"""Counts over flows with and without control, for every strategy."""
 
 import math
 from dataclasses import dataclass
@@ -80,17 +80,17 @@ class FlowCounts:
 
     @property
     def exceedance_controlled(self) -> float:
-        """The same with control, time under actuation included."""
+        """Exceedance with control, including time under actuation."""
         return share(self.exceeding_controlled, self.steps)
 
     @property
     def exceedance_free(self) -> float:
-        """The same with control, time under actuation left out."""
+        """Exceedance with control, excluding time under actuation."""
         return share(self.exceeding_free, self.steps_free)
 
     @property
     def reduction(self) -> float:
-        """Share of the exceedance that control removes; NaN if there is none."""
+        """Share of the exceedance that control removes; NaN without any exceedance."""
         return 1.0 - share(self.exceeding_controlled, self.exceeding_uncontrolled)
 
     @property
@@ -128,7 +128,7 @@ class Laminarisation:
 
 
 def laminarisation(flows: ControlSimulation[Any, Any], threshold: float | None) -> Laminarisation:
-    """Tell which flows exceed the laminarisation threshold; None: no flow does."""
+    """Mark flows that exceed the laminarisation threshold; None: no flow does."""
     return Laminarisation(
         controlled=is_laminar(flows.controlled.max(axis=1), threshold),
         uncontrolled=is_laminar(flows.uncontrolled.max(axis=1), threshold),

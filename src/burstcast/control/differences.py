@@ -1,4 +1,4 @@
-"""Runs of control beside each other: what another forecaster or strategy changes.
+"""Comparisons of runs of control that differ by forecaster or strategy.
 
 Runs are compared on the same flows, resampled alike: what the choice of the flows does to both of
 them cancels, and the interval of a difference is narrower than those of the runs suggest.
@@ -20,7 +20,7 @@ COMPARED = ("relative_exceedance", "control_fraction")
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """What a run is compared by.
+    """Flows and identity of a run that is compared.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class ComparedRun:
     scores: Mapping[str, ResampledScore]
 
     def is_comparable(self, other: "ComparedRun") -> bool:
-        """Whether both had the same flows, and differ by forecaster or strategy, not by both.
+        """Whether two runs share their flows, and differ by forecaster or strategy, not by both.
 
         Who needs no forecaster is compared with everybody.
         """

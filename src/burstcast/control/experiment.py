@@ -1,4 +1,4 @@
-"""What an experiment with control is given: its flows, and the noise that its monitors see.
+"""Experiment with control: its flows, and the noise of the observations.
 
 Source: section "Control of extreme events" of the paper.
 """
@@ -59,7 +59,7 @@ class Schedule:
 
 @dataclass(frozen=True)
 class ControlExperiment:
-    """What strategies are compared on: flows, what may act on them, and what counts.
+    """Flows, actuation and counted steps on which strategies are compared.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class ControlExperiment:
 
 
 def controlled_series(kept: int, training: int, wanted: int) -> range:
-    """Choose the series whose first steps the flows begin with: those that follow the training's.
+    """Choose the series whose first steps the flows begin with: the ones after the training series.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Control as files: what happened in each flow, and densities of the observable."""
+"""Files of control: records of each flow, and densities of the observable."""
 
 import dataclasses
 

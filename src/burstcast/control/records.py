@@ -1,4 +1,4 @@
-"""What control did to each flow, and what that says of all flows: costs and gains with intervals.
+"""Records of each controlled flow, and costs and gains over all flows with intervals.
 
 Flows are what is independent: intervals are percentile bootstraps over flows, the flow with control
 always together with the one without it. Flows that laminarise, with control or without it, count
@@ -28,7 +28,7 @@ from burstcast.statistics.resampling import bootstrap_weights, percentile_interv
 
 @dataclass(frozen=True)
 class FlowRecords:
-    """What happened in each flow, ``(flows,)`` each.
+    """Records of each flow; arrays of shape ``(flows,)``.
 
     Steps and integration steps are those that count (`burstcast.control.timing.Clock`).
 
@@ -71,7 +71,7 @@ class FlowRecords:
 def record_flows(
     flows: ControlSimulation[Any, Any], laminarisation_threshold: float | None
 ) -> FlowRecords:
-    """Reduce flows to what happened in each of them."""
+    """Reduce simulated flows to records."""
     timing = flows.timing
     counted = slice(timing.counted_from + 1, timing.counted_until + 1)
     from_start = slice(timing.first_forecast, timing.counted_until + 1)
@@ -110,7 +110,7 @@ def record_flows(
 
 @dataclass(frozen=True)
 class Span:
-    """How long flows count, and how long they are at risk of laminarisation.
+    """Times for which flows count and are at risk of laminarisation.
 
     Attributes
     ----------
@@ -189,7 +189,7 @@ def score_flows(
     generator: np.random.Generator,
     costs: Mapping[str, FloatArray] | None = None,
 ) -> dict[str, ResampledScore]:
-    """Score flows by what control costs and gains.
+    """Score flows by the costs and gains of control.
 
     Parameters
     ----------
@@ -306,7 +306,7 @@ def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> dict[str, 
 def _bounds_of_nothing(
     records: FlowRecords, span: Span, confidence: float, intervals: Mapping[str, Interval]
 ) -> dict[str, Interval]:
-    """Upper bounds where nothing happened in any flow (see the module)."""
+    """Upper bounds for counts of zero in all flows (see the module)."""
     found = {}
     counts = _neither(records)
     flows = int(counts.sum())
@@ -329,7 +329,7 @@ def _bounds_of_nothing(
 
 
 def _quotient(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
-    """Quotients; NaN where there is nothing to divide by."""
+    """Quotients; NaN where the denominator is zero."""
     result = np.full(np.broadcast(numerator, denominator).shape, np.nan)
     np.divide(numerator, denominator, out=result, where=denominator != 0)
     return result

@@ -11,7 +11,7 @@ def is_option(value: Any) -> bool:
 
 
 def named(value: Any) -> str:
-    """A value as a part of a name: what paths must not have is replaced by its number.
+    """Value as a part of a name; characters that paths must not have are replaced by their numbers.
 
     Examples
     --------

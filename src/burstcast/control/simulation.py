@@ -106,7 +106,7 @@ class ControlSimulation(Generic[Timed, Decided]):
 
 @dataclass(frozen=True)
 class Stepper(abc.ABC, Generic[Timed, Decided]):
-    """How controlled flows go on: when the monitor looks, and what its alarms set off.
+    """Advances controlled flows: times of decisions, and actuation after alarms.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ class Stepper(abc.ABC, Generic[Timed, Decided]):
     def judge(
         self, flows: "RunningFlows", due: IntArray, decision: Decision
     ) -> dict[str, BoolArray]:
-        """Compare what the monitor said with the truth, before its alarms are acted on.
+        """Compare alarms with the truth, before they take effect.
 
         Parameters
         ----------
@@ -314,7 +314,7 @@ def simulate(
     quiet_starts: bool = True,
     keep_states: bool = False,
 ) -> ControlSimulation[Timed, Decided]:
-    """Simulate flows under control, and the same flows without it.
+    """Simulate flows with and without control from identical states.
 
     Parameters
     ----------

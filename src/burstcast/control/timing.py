@@ -12,7 +12,7 @@ from burstcast import durations
 
 @dataclass(frozen=True, kw_only=True)
 class Clock(abc.ABC):
-    """What the timings of all strategies share: the first forecast, and the steps that count.
+    """Base class of timings: the first forecast, and the steps that count.
 
     The span that counts has the same length in all flows. If it ended with the first stretch
     without an alarm, how long a flow runs would depend on what happens in it, and long or short
@@ -43,7 +43,7 @@ class Clock(abc.ABC):
     quiet_lt: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check what all timings share.
+        """Check the settings common to all timings.
 
         Raises
         ------
@@ -85,7 +85,7 @@ class Clock(abc.ABC):
 
     @property
     def counted_from(self) -> int:
-        """Last step before those that count."""
+        """Last step before the counted steps."""
         return self.first_forecast + max(self.settling_steps, self.steps(self.quiet_lt))
 
     @property
@@ -101,7 +101,7 @@ class Clock(abc.ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class Timing(Clock):
-    """Windows one after the other: the paper's timing, the same for every flow.
+    """The paper's timing: consecutive windows, common to all flows.
 
     A forecast made at step t covers the window from t + prediction time to t + prediction time +
     window. Without an alarm the next forecast is made one window later, so that windows follow on

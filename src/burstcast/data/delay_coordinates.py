@@ -1,4 +1,4 @@
-"""Delay coordinates: past values of what is observed, as further components of a state.
+"""Delay coordinates: past observations as further components of a state.
 
 Where only a part of a state is observed, its past tells of the rest: generically, 2 D + 1 values of
 one observable, at equal distances in time, determine the state on an attractor of dimension D
@@ -54,5 +54,5 @@ def delay_coordinates(series: FloatArray, delays: Sequence[int]) -> FloatArray:
 
 
 def delayed_name(name: str, delay: int) -> str:
-    """What a component is called so many steps ago: ``x(t-5)``."""
+    """Name of a delayed component: ``x(t-5)``."""
     return f"{name}(t-{delay})"

@@ -1,4 +1,4 @@
-"""The event threshold as a quantile of what was seen in training."""
+"""The event threshold as a quantile over the training series."""
 
 import numpy as np
 

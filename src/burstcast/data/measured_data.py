@@ -1,4 +1,4 @@
-"""From measured columns to an ensemble of series: what is taken from them, and what they must be.
+"""Measured columns as an ensemble of series: selection and checks.
 
 A run is what was measured without a break: a file, or a part of one. Each becomes one series, or
 several blocks. Whatever is wrong is told in one message that names the run, the column and the row.
@@ -48,7 +48,7 @@ class Quantity:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the component."""
         name, equals, _ = self.declaration.partition("=")
         return name.strip() if equals else self.declaration.strip()
 
@@ -93,7 +93,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Blocks:
-    """How runs are cut into series of equal length.
+    """Lengths by which records are cut into series.
 
     Attributes
     ----------

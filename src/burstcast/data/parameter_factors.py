@@ -1,4 +1,4 @@
-"""Factors by which what is learnt depends on parameters: monomials of the scaled parameters.
+"""Factors of models that depend on parameters: monomials of the scaled parameters.
 
 A parameter p enters as q = (t(p) - centre) / half range, where t is a transform and centre and half
 range are those of t(p) over the training values: q lies in [-1, 1] there. What is learnt is linear

@@ -1,4 +1,4 @@
-"""Where forecasts start, and which events they should foresee.
+"""Starting points of forecasts, and the events to predict.
 
 Source: sections "Precision and recall" and "Prediction horizon of extreme events" of the paper.
 """
@@ -86,7 +86,7 @@ def crossing_points(observable: FloatArray, threshold: float) -> SeriesPoints:
 def horizon_events(
     crossings: SeriesPoints, first_series: int, earliest_step: int, count: int
 ) -> SeriesPoints:
-    """First events of the series that nobody was trained on, with room before them.
+    """First events of the series outside of training, with room before them.
 
     Parameters
     ----------

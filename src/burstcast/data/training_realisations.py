@@ -1,4 +1,4 @@
-"""Other choices of the training series from the same ensemble, and what seeds alone do not show.
+"""Other choices of the training series from one ensemble, and their scatter beside that of seeds.
 
 All networks of an ensemble are trained on the same few series: their scatter over seeds leaves out
 what other series would have taught. With several choices of the training series, and several seeds
@@ -64,7 +64,7 @@ def rows_of_realisation(kept: int, training: int, realisation: int) -> IntArray:
 
 @dataclass(frozen=True)
 class VarianceComponents:
-    """Scatter of a metric by where it comes from.
+    """Components of the variance of a metric.
 
     Attributes
     ----------

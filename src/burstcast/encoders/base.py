@@ -1,4 +1,4 @@
-"""The interface of an encoder: from what is observed to the channels that forecasters are given.
+"""The interface of an encoder, which maps observations to the channels that forecasters receive.
 
 A turbulent flow has hundreds of components, of which sensors see few. An encoder makes of the
 observed components the *channels* of a forecaster's state: fewer of them, or others, which are
@@ -18,7 +18,7 @@ from burstcast.systems.state_space import StateSpace, component_names
 
 @dataclass(frozen=True)
 class EncodingCase:
-    """What encoders of a case may know beside the data.
+    """Information for encoders of a case beside the data.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class EncodingCase:
 
 
 class Encoder(abc.ABC):
-    """Makes channels of what is observed."""
+    """Maps observations to channels."""
 
     decodes: ClassVar[bool] = False
     """Whether `decode` leads back to what was encoded."""
@@ -78,7 +78,7 @@ class Encoder(abc.ABC):
 
     @abc.abstractmethod
     def encode(self, observed: FloatArray) -> FloatArray:
-        """Channels of what was observed.
+        """Channels of observations.
 
         Parameters
         ----------
@@ -102,7 +102,7 @@ class Encoder(abc.ABC):
 
     @abc.abstractmethod
     def record(self) -> dict[str, FloatArray]:
-        """Arrays from which `restore` makes the same encoder."""
+        """Arrays from which `restore` recreates the encoder."""
 
     @classmethod
     @abc.abstractmethod

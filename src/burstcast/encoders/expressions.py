@@ -1,4 +1,4 @@
-"""Channels that are arithmetic expressions of what is observed."""
+"""Channels that are arithmetic expressions of observed components."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

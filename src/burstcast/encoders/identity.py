@@ -28,7 +28,7 @@ class IdentityEncoder(Encoder):
         return cls.restore({}, case)
 
     def encode(self, observed: FloatArray) -> FloatArray:
-        """Return what was observed, unchanged."""
+        """Return the observation unchanged."""
         return observed
 
     def decode(self, channels: FloatArray) -> FloatArray:

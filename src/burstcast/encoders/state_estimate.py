@@ -1,4 +1,4 @@
-"""The state of a flow from what instruments see of it: the best linear estimate.
+"""The best linear estimate of the state of a flow from the readings of sensors.
 
 Source: linear stochastic estimation (Adrian, "Stochastic estimation of conditional structure",
 1994), the Gauss-Markov estimate. Mean and covariance of the states are those of the training
@@ -63,7 +63,7 @@ class StateEstimateEncoder(Encoder):
         return (np.tensordot(self.gain, observed, axes=1).T + self.constant).T
 
     def decode(self, channels: FloatArray) -> FloatArray:
-        """What instruments see of states ``(dimension, ...)``."""
+        """Sensor readings of states ``(dimension, ...)``."""
         return self.observation(channels)
 
     def record(self) -> dict[str, FloatArray]:

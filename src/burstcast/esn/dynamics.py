@@ -20,7 +20,7 @@ from burstcast.esn.reservoir import Reservoir
 
 
 class DynamicsBackend(Protocol):
-    """What an implementation of the dynamics provides (see `backend_scipy.ScipyBackend`)."""
+    """Interface of an implementation of the dynamics (see `backend_scipy.ScipyBackend`)."""
 
     def open_loop(
         self, inputs: FloatArray, states: FloatArray, record: FloatArray | None

@@ -56,7 +56,7 @@ class Reservoir:
 
 @dataclass(frozen=True)
 class ReservoirSeed:
-    """What a reservoir is made from: the same for all cases, strategies and hyperparameters.
+    """Seed of a reservoir, common to all cases, strategies and hyperparameters.
 
     Attributes
     ----------

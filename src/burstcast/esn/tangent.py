@@ -1,4 +1,4 @@
-"""The closed loop of a network, linearised: what becomes of small perturbations of its reservoir.
+"""The linearised closed loop of a network: growth of small perturbations of its reservoir.
 
 With the reservoir states r, one step of the closed loop is
 

@@ -74,7 +74,7 @@ class TrainingSeries:
 
 @dataclass(frozen=True)
 class Collected:
-    """What an open loop over the training series leaves behind.
+    """Result of an open loop over the training series.
 
     The state at step j has seen the inputs up to step j - 1; its target is the data of step j.
 

@@ -31,7 +31,7 @@ class Estimator:
         return {name: getattr(self, name) for name in self._defaults()}
 
     def set_params(self, **parameters: Any) -> Self:
-        """Change parameters; what was fitted before stays until the next ``fit``.
+        """Change parameters; the fitted state remains until the next ``fit``.
 
         Raises
         ------

@@ -24,7 +24,7 @@ _TUPLES = ("prediction_times", "spectral_radius", "input_scaling", "tikhonov")
 
 @dataclass(frozen=True)
 class SavedForecaster:
-    """What an event forecaster is made from again.
+    """Contents of a file of an event forecaster.
 
     Attributes
     ----------

@@ -491,7 +491,7 @@ class EventForecaster(Estimator):
         return self.scores(series)["f_score"]
 
     def save(self, path: str | Path) -> None:
-        """Write all that was fitted to a NetCDF file, nothing of it pickled.
+        """Write the fitted state to a NetCDF file, without pickling.
 
         A function or a system of one's own as the observable is not written: `load` takes it again.
         """
@@ -516,7 +516,7 @@ class EventForecaster(Estimator):
         path: str | Path,
         observable: Callable[[FloatArray], FloatArray] | DynamicalSystem | None = None,
     ) -> Self:
-        """Read what `save` has written: the same forecasts, bit for bit.
+        """Read a file of `save`: forecasts are identical, bit for bit.
 
         Parameters
         ----------

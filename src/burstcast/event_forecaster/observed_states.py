@@ -1,4 +1,4 @@
-"""States of series whose equations nobody knows, with an observable that a user tells."""
+"""States of series without equations, with an observable given by the user."""
 
 from collections.abc import Callable
 
@@ -61,7 +61,7 @@ class ObservedStates:
 
 
 def state_space(observable: Observable, components: int) -> StateSpace:
-    """What states of so many components are, with the observable that is given.
+    """State space of a number of components with a given observable.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Searches for hyperparameters that ended on the edge of what was searched."""
+"""Searches for hyperparameters that ended on the edge of the search range."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

@@ -9,7 +9,7 @@ from burstcast import durations
 
 @dataclass(frozen=True)
 class EventTiming:
-    """What durations mean, and which windows are forecast.
+    """Durations in samples, and the forecast windows.
 
     Parameters
     ----------

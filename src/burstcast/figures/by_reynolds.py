@@ -81,7 +81,7 @@ def by_reynolds(
     published_horizon: pd.DataFrame | None = None,
     published_classification: pd.DataFrame | None = None,
 ) -> Figure:
-    """Draw what networks of one size reach at each Reynolds number.
+    """Draw scores of networks of one size at each Reynolds number.
 
     The upper row has the mean PH_ee and F-scores against the Reynolds number, a curve for each
     strategy; the lower one F-scores against the prediction time, a panel for each strategy and a

@@ -53,7 +53,7 @@ _FAN = "#8FBFDC"
 
 @dataclass(frozen=True)
 class SeenEvent:
-    """What truly happened around a starting point.
+    """True observable around a starting point.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class SeenEvent:
 
 @dataclass(frozen=True)
 class CommitteeForecast:
-    """What a committee forecasts from the starting point.
+    """Forecasts of a committee from the starting point.
 
     Attributes
     ----------

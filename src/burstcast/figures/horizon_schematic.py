@@ -1,4 +1,4 @@
-"""How the prediction horizon of an extreme event is measured."""
+"""Measurement of the prediction horizon of an extreme event."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

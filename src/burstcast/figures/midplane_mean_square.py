@@ -51,7 +51,7 @@ def draw(
     parameters: Mapping[str, float],
     flow_points: Sequence[int],
 ) -> Figure:
-    """Draw the data, and how far the best network and the training set are from them."""
+    """Draw the data, and the deviations of the best network and of the training set."""
     grid = make_flow_grid(make_system(system, parameters), flow_points)
     best = best_of(data, long_term)
     if best is None:

@@ -22,7 +22,7 @@ _OTHERS = ("parts", "registry")
 
 @dataclass(frozen=True)
 class Declaration:
-    """What a figure is made of, by the names of the arguments of its function ``draw``.
+    """Inputs and settings of a figure, by the names of the arguments of its function ``draw``.
 
     The declaration is a call with literals only.
 

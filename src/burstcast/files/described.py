@@ -1,4 +1,4 @@
-"""What arrays in a dataclass are, as files of them tell their readers.
+"""Descriptions of arrays in a dataclass, which files of them contain.
 
 A field says it in its type::
 
@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 
 @dataclass(frozen=True)
 class Described:
-    """What an array is.
+    """Description of an array: axes, unit and meaning.
 
     Attributes
     ----------
@@ -30,6 +30,6 @@ class Described:
 
 
 def descriptions(kind: type[Any]) -> dict[str, Described]:
-    """What the fields of a dataclass are, all of which must say it, by their names."""
+    """Descriptions of all fields of a dataclass by their names."""
     hints = get_type_hints(kind, include_extras=True)
     return {one.name: hints[one.name].__metadata__[0] for one in fields(kind)}

@@ -1,4 +1,4 @@
-"""Units of what is written to files.
+"""Units of quantities in files.
 
 The library does not know the units of a system's equations or of measured series: units are named
 after the quantity that they belong to. The shear flow is made dimensionless by the half-distance of

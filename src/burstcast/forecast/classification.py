@@ -41,12 +41,12 @@ class Counts:
 
     @property
     def precision(self) -> FloatArray:
-        """TP / (TP + FP); NaN where nothing was predicted."""
+        """TP / (TP + FP); NaN without any alarm."""
         return ratio(self.true_positive, self.true_positive + self.false_positive)
 
     @property
     def recall(self) -> FloatArray:
-        """TP / (TP + FN); NaN where nothing happened."""
+        """TP / (TP + FN); NaN without any event."""
         return ratio(self.true_positive, self.true_positive + self.false_negative)
 
     @property

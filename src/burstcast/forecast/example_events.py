@@ -1,4 +1,4 @@
-"""Events that show well what the flow does, for the figures of the flow field.
+"""Selection of events for the figures of the flow field.
 
 Source: the paper's figures of the midplane and of the vorticity during an event. There the flow
 slowly laminarises (t_1 to t_3) until the laminar structure suddenly breaks down into vortices

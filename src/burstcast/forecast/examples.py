@@ -71,7 +71,7 @@ def outcome_examples(
 
 @dataclass(frozen=True)
 class OutcomeExamples:
-    """Forecasts with each outcome that occurs, and what truly followed."""
+    """Forecasts with each outcome that occurs, and the truth."""
 
     outcome: Annotated[
         IntArray,

@@ -22,7 +22,7 @@ EVENTS_PER_BATCH = 512
 
 @dataclass(frozen=True)
 class HorizonSearch:
-    """How the horizon of an event is looked for.
+    """Settings of the search for the prediction horizon of an event.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How far the average prediction horizon may be off: a bootstrap over events."""
+"""Bootstrap intervals over events for the average prediction horizon."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Starting points in series: what is observed up to each of them, and what truly follows."""
+"""Starting points in series: observations up to each, and the true continuation."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from burstcast.forecast.windows import WindowSummaries, summarise
 
 @dataclass(frozen=True)
 class ObservedPoints:
-    """Starting points with what forecasts from them need, and are scored by.
+    """Starting points with washouts and true continuations.
 
     Attributes
     ----------

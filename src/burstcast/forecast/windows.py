@@ -1,4 +1,4 @@
-"""Forecasts reduced to what scoring needs: the first and largest observable of each window.
+"""Forecasts reduced for scoring: the first and largest observable of each window.
 
 The time after a starting point is cut into windows of one resolution (half a Lyapunov time). A
 prediction window, which is several of them, is scored from their summaries, whatever the event

@@ -58,7 +58,7 @@ class FilteredForecaster(Forecaster):
         return cls._of(cls.model_class.fit(training, case, parameters), noise, case)
 
     def record(self) -> ForecasterRecord:
-        """What the model has learnt, and the noise."""
+        """Learnt model and noise."""
         record = self.model.record()
         return ForecasterRecord({**record.arrays, "noise": self.noise}, record.attributes)
 
@@ -103,5 +103,5 @@ class FilteredForecaster(Forecaster):
         return self.model.advance(memory, steps, parameters)
 
     def diverged(self, outputs: FloatArray) -> BoolArray:
-        """Tell which forecasts have diverged, by the model's own measure."""
+        """Mark diverged forecasts, by the criterion of the model."""
         return self.model.diverged(outputs)

@@ -44,7 +44,7 @@ class ForecasterName:
 
     @property
     def asks_forecasters(self) -> bool:
-        """Whether a forecaster has to be there for it."""
+        """Whether the controller needs a forecaster."""
         return self.kind != "none" and self.role != "random"
 
     @property
@@ -77,7 +77,7 @@ class ForecasterName:
 
 
 def described(kind: Any, neurons: Any = None, validation: Any = None) -> str:
-    """How a person is told who forecasts: "esn, 500 neurons, RV"; for what is missing, nothing."""
+    """Description of a forecaster for people, such as "esn, 500 neurons, RV"."""
     if kind == PERMANENT_ALARM:
         return "permanent alarm"
     parts = [kind] if isinstance(kind, str) else []

@@ -1,4 +1,4 @@
-"""Options of the kinds of forecasters: sections that kinds share, and what is in them by default.
+"""Options of the kinds of forecasters: shared sections and their defaults.
 
 The workflow's config has the same sections, ``forecasters``, with the same values.
 """

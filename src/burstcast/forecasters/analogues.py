@@ -1,4 +1,4 @@
-"""Analogues: what happened after the most similar states of the past.
+"""Analogues: continuations of the most similar states of the past.
 
 The oldest forecaster without a model. Source: Lorenz, "Atmospheric predictability as revealed by
 naturally occurring analogues", Journal of the Atmospheric Sciences 26 (1969).
@@ -17,7 +17,7 @@ from burstcast.forecasters.base import Forecaster, ForecasterRecord, Forecasting
 
 @dataclass(frozen=True)
 class Analogues(Forecaster):
-    """Forecasts the mean of what followed the nearest states of the training series.
+    """Forecasts the mean continuation of the nearest states of the training series.
 
     States are compared in units of each component's standard deviation. Where the series of an
     analogue ends, the mean is that of the others; where all have ended, there is no forecast (it
@@ -37,7 +37,7 @@ class Analogues(Forecaster):
     neighbours: int
 
     def __repr__(self) -> str:
-        """How much is remembered, none of it."""
+        """Number of remembered states."""
         series, samples, _ = self.training.shape
         return f"Analogues({self.neighbours} of {series} series of {samples} samples)"
 

@@ -1,4 +1,4 @@
-"""Who forecasts: the interface of anything that continues an observed washout.
+"""The interface of a forecaster, which continues an observed washout.
 
 Scoring, prediction horizon, long-term runs and control know only this interface. A forecaster's
 memory is an array whose last axis is the batch, so that forecasts can be picked out and put aside
@@ -26,7 +26,7 @@ from burstcast.systems.state_space import StateSpace
 
 @dataclass(frozen=True)
 class ForecastingCase:
-    """What forecasters of a case may know beside the data.
+    """Information for forecasters of a case beside the data.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class ForecastingCase:
 
 @dataclass(frozen=True)
 class ForecasterRecord:
-    """What a forecaster is restored from: everything that fitting has found.
+    """Record of a fitted forecaster, from which it is restored.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ class Forecaster(abc.ABC):
 
     @abc.abstractmethod
     def record(self) -> ForecasterRecord:
-        """Tell what `restore` makes the same forecaster from."""
+        """Return the record from which `restore` recreates the forecaster."""
 
     @classmethod
     @abc.abstractmethod
@@ -238,7 +238,7 @@ class Forecaster(abc.ABC):
         raise NotImplementedError(f"{type(self).__name__} does not linearise its forecasts")
 
     def diverged(self, outputs: FloatArray) -> BoolArray:
-        """Tell which forecasts ``(steps, dimension, batch)`` have left the finite numbers."""
+        """Mark forecasts ``(steps, dimension, batch)`` that are not finite."""
         return np.asarray(~np.isfinite(outputs).all(axis=(0, 1)))
 
 

@@ -1,4 +1,4 @@
-"""The equations, started from what a filter makes of the whole washout.
+"""The equations, started from the estimate of a filter over the washout.
 
 The limit for all who see noisy observations: a perfect model and a nearly perfect estimate.
 """

@@ -1,4 +1,4 @@
-"""The equations themselves as a forecaster, started from what is observed.
+"""The equations as a forecaster, started from the last observed state.
 
 What separates it from the equations that see the truth is the error of the present state alone.
 """

@@ -115,7 +115,7 @@ class NetworkForecaster(Forecaster):
         return TrainingSeries(training, self.network.input_range)
 
     def record(self) -> ForecasterRecord:
-        """Readout, normalisation, and what the reservoir is made from: no big matrices."""
+        """Readout, normalisation and seed of the reservoir, without large matrices."""
         dynamics, readout = self.network.dynamics, self.network.readout
         return ForecasterRecord(
             {"weights": readout.weights, "input_range": self.network.input_range},
@@ -182,6 +182,6 @@ class NetworkForecaster(Forecaster):
         return ClosedLoopTangent(self.network)
 
     def diverged(self, outputs: FloatArray) -> BoolArray:
-        """Tell which forecasts are not finite or beyond the divergence bound."""
+        """Mark forecasts that are not finite or beyond the divergence bound."""
         assert self.divergence_bound is not None
         return self.network.diverged(outputs, self.divergence_bound)

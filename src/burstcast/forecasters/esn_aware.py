@@ -41,7 +41,7 @@ class AwareNetworkForecaster(NetworkForecaster):
     parameters: Parameters
 
     def __repr__(self) -> str:
-        """The network, which realisation it is, and what it is told."""
+        """Size, realisation and parameters of the network."""
         return (
             f"AwareNetworkForecaster(seed {self.seed.seed}: {self.network!r}, "
             f"by {', '.join(self.factors.names)})"
@@ -55,7 +55,7 @@ class AwareNetworkForecaster(NetworkForecaster):
         return TrainingSeries(training, self.network.input_range, self.factors(parameters))
 
     def record(self) -> ForecasterRecord:
-        """What a plain network records, and how the parameters are scaled."""
+        """Record of a plain network with the scaling of the parameters."""
         network, scaling = super().record(), recorded_factors(self.factors)
         return ForecasterRecord(
             {**network.arrays, **scaling.arrays}, {**network.attributes, **scaling.attributes}

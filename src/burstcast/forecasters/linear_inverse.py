@@ -30,7 +30,7 @@ class LinearInverseModel(Forecaster):
     constant: FloatArray
 
     def __repr__(self) -> str:
-        """Of how many components it is, no numbers."""
+        """Number of components, without coefficients."""
         return f"LinearInverseModel({len(self.constant)} components)"
 
     @classmethod

@@ -46,7 +46,7 @@ class QuadraticModel(IntegratedForecaster):
     coefficients: FloatArray
 
     def __repr__(self) -> str:
-        """How many terms there are, no coefficients."""
+        """Number of terms, without coefficients."""
         terms, components = int((self.coefficients != 0).sum()), self.coefficients.shape[1]
         return f"QuadraticModel({terms} terms of {components} components)"
 

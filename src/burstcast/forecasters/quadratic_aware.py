@@ -53,7 +53,7 @@ class AwareQuadraticModel(IntegratedForecaster):
     parameters: Parameters
 
     def __repr__(self) -> str:
-        """How many terms there are, no coefficients."""
+        """Number of terms, without coefficients."""
         terms = [int((block != 0).sum()) for block in self.coefficients]
         return (
             f"AwareQuadraticModel({' + '.join(map(str, terms))} terms of "

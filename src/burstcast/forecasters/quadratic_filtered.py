@@ -1,4 +1,4 @@
-"""The learnt polynomial model, started from what a filter makes of the whole washout."""
+"""The learnt polynomial model, started from the estimate of a filter over the washout."""
 
 from dataclasses import dataclass
 from typing import ClassVar

@@ -25,7 +25,7 @@ def linearises(kind: str) -> bool:
 
 
 def learns_parameters(kind: str) -> bool:
-    """Whether a kind learns how the flow depends on parameters: equations know without learning."""
+    """Whether a kind learns how the flow depends on parameters; equations need not learn."""
     found = forecaster_class(kind)
     return found.aware and not found.needs_equations
 

@@ -1,4 +1,4 @@
-"""The interface of an observation: what instruments see of the state of a flow."""
+"""The interface of an observation: sensor readings of the state of a flow."""
 
 import abc
 
@@ -8,7 +8,7 @@ from burstcast.arrays import FloatArray
 
 
 class Observation(abc.ABC):
-    """A linear map from states to what is observed, without noise."""
+    """A linear map from states to observations, without noise."""
 
     @property
     @abc.abstractmethod
@@ -18,7 +18,7 @@ class Observation(abc.ABC):
     @property
     @abc.abstractmethod
     def matrix(self) -> FloatArray:
-        """What is observed of each component of a state, ``(observed, dimension)``."""
+        """Matrix of the map, ``(observed, dimension)``."""
 
     def __call__(self, states: FloatArray) -> FloatArray:
         """Observe states ``(dimension, ...)``: ``(observed, ...)``, without noise."""

@@ -1,4 +1,4 @@
-"""Monomials of the components of a state, and their values where the state is seen with noise."""
+"""Monomials of the components of a state, and their values for noisy states."""
 
 from itertools import combinations_with_replacement
 
@@ -20,7 +20,7 @@ def monomials(dimension: int, degree: int) -> list[Monomial]:
 
 
 def denoised(states: FloatArray, noise_variance: FloatArray, basis: list[Monomial]) -> FloatArray:
-    """Monomials of true states, estimated without bias from what is observed of them.
+    """Monomials of true states, estimated without bias from noisy observations.
 
     The mean of (x + noise)^2 is x^2 plus the variance of the noise, and so on: a power of a
     component is replaced by its Hermite polynomial, whose mean over Gaussian noise is the power of

@@ -1,4 +1,4 @@
-"""How an alarm is raised: from what is forecast to a probability, and from it to the alarm."""
+"""Rule of alarms: from a forecast to a probability, and from it to an alarm."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ CALIBRATED, VOTES = "calibrated", "votes"
 
 @dataclass(frozen=True)
 class AlarmRule:
-    """How an alarm is raised: a calibration, and the probability from which on it is.
+    """Rule of alarms: a calibration and the alarm threshold.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class AlarmRule:
         return cls(calibration, best_threshold(levels.levels, levels.points))
 
     def record(self) -> dict[str, Any]:
-        """What `restore` makes the same rule from: lists and numbers."""
+        """Lists and numbers from which `restore` recreates the rule."""
         return {
             "values": self.calibration.values.tolist(),
             "probabilities": self.calibration.probabilities.tolist(),

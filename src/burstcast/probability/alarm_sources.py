@@ -1,4 +1,4 @@
-"""Who raises alarms in a case: forecasters, committees, and baselines that forecast nothing.
+"""Sources of alarms in a case: forecasters, committees, and baselines without forecasts.
 
 A committee consists of the members of ensembles: of all networks of a size and strategy, each of
 which is one member, or of one forecaster that provides an ensemble (a filter, analogues).

@@ -72,7 +72,7 @@ def best_threshold(probabilities: FloatArray, points: IntArray) -> float:
 
 
 def useless_votes(outcomes: Outcomes) -> str:
-    """Why nothing can be learnt of events from forecasts; empty where something can.
+    """Return why the votes carry no information about events; empty if they do.
 
     Forecasts tell nothing if they rank events above quiet points no better than chance: if the
     area below the receiver operating characteristic is within two standard errors of a half
@@ -99,7 +99,7 @@ def useless_votes(outcomes: Outcomes) -> str:
 
 
 def roc_area(outcomes: Outcomes) -> FloatArray:
-    """Area below the receiver operating characteristic: how well forecasts rank.
+    """Area below the receiver operating characteristic, a measure of ranking.
 
     The probability that an event had a larger forecast than a quiet point, ties counting half; NaN
     where all outcomes are alike.

@@ -29,7 +29,7 @@ def brier_score(outcomes: Outcomes) -> FloatArray:
 
 
 def brier_skill(outcomes: Outcomes) -> FloatArray:
-    """1 - Brier score / that of the base rate of the same sample (its uncertainty).
+    """Brier skill score: 1 - Brier score / uncertainty of the sample.
 
     1 is perfect, 0 as good as climatology; NaN where all outcomes are alike. The climatology is
     that of the sample itself, which knows more than any forecaster could: the strictest reference.

@@ -1,4 +1,4 @@
-"""Calibration: from what is forecast to how often events followed it in forecasts of the past.
+"""Calibration: map from forecast values to frequencies of events in past forecasts.
 
 Isotonic regression: the best non-decreasing map in the sense of least squares, found by pooling
 adjacent violators (Ayer et al., Annals of Mathematical Statistics 26, 1955; for forecasts Zadrozny

@@ -16,7 +16,7 @@ from burstcast.probability.outcomes import Outcomes
 
 
 def economic_value(outcomes: Outcomes, cost_loss_ratio: float) -> FloatArray:
-    """Share that forecasts save of what perfect ones would save, against climatology.
+    """Savings by forecasts as a share of the savings by perfect forecasts, against climatology.
 
     The mean expense, in units of L, is C/L for each protection and 1 for each event missed;
     climatology protects always or never, whichever costs less.

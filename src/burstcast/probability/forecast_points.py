@@ -1,4 +1,4 @@
-"""Starting points of a case: who raises alarms there, by what, and what truly follows."""
+"""Starting points of a case: sources of alarms, their values, and the outcomes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from burstcast.probability.votes import share_of_votes
 
 @dataclass(frozen=True)
 class ForecastPoints:
-    """Starting points of a case, what followed, and what was forecast.
+    """Starting points of a case, with outcomes and forecasts.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class ForecastPoints:
     def values(
         self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float
     ) -> FloatArray:
-        """What an alarm is raised by: a share of votes, or a baseline's score; ``(points,)``."""
+        """Values that raise alarms, ``(points,)``: shares of votes, or scores of a baseline."""
         forecasts = [self.forecasts[name] for name in alarm.forecasters]
         if forecasts:
             members = [member for one in forecasts for member in one.members]

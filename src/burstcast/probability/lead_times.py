@@ -1,4 +1,4 @@
-"""How long before each event it was warned of.
+"""Lead times of alarms before events.
 
 Forecasts are made at starting points along a series; each raises alarms for several windows ahead.
 A starting point is right about an event if one of its alarms is for a window that holds it.
@@ -16,7 +16,7 @@ from burstcast.data.starting_points import SeriesPoints
 
 @dataclass(frozen=True)
 class LeadTimes:
-    """How long before each event it was warned of, in steps; arrays of shape ``(events,)``.
+    """Lead times of alarms before each event, in steps; arrays of shape ``(events,)``.
 
     Events that no starting point could have warned of are left out.
 
@@ -46,7 +46,7 @@ def lead_times(
     scored: BoolArray,
     events: SeriesPoints,
 ) -> LeadTimes:
-    """Measure how long before each event it was warned of.
+    """Measure the lead time of alarms before each event.
 
     Going back from an event, the starting points end where the observed washout already holds an
     event (the one before is under way), or where no window reaches any more.

@@ -1,4 +1,4 @@
-"""What happened, by the probability that was forecast: all that scores of probabilities need.
+"""Outcomes by forecast probability, from which scores of probabilities are computed.
 
 Forecasts are counted by series, so that intervals of scores resample whole series: starting points
 of one series are not independent. Scores are functions of the counts summed over series.
@@ -51,7 +51,7 @@ class Outcomes:
         )
 
     def at(self, values: FloatArray) -> "Outcomes":
-        """Tell the same with other values for the levels, equal ones as one level.
+        """Outcomes with other values for the levels; equal values become one level.
 
         Parameters
         ----------

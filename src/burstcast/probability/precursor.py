@@ -1,4 +1,4 @@
-"""Probabilities of an event straight from what is observed: no trajectory is forecast.
+"""Probabilities of an event from observations, without a forecast trajectory.
 
 A classifier of scikit-learn learns from the training series which present states, with some of the
 past, are followed by an event in each prediction window. It is the baseline of forecasts by
@@ -23,7 +23,7 @@ CLASSIFIERS = ("boosting", "logistic")
 
 @dataclass(frozen=True)
 class PrecursorOptions:
-    """How a precursor learns.
+    """Options of a precursor's training.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ class Precursor:
         return np.stack(each, axis=1)
 
     def record(self) -> dict[str, FloatArray]:
-        """Arrays from which `restore` fits the same precursor again: what it has learnt from."""
+        """Training arrays from which `restore` fits the precursor again."""
         return {"features": self.features, "happened": self.happened.astype(np.float64)}
 
     @classmethod

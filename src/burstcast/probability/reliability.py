@@ -1,4 +1,4 @@
-"""The reliability diagram, with bars that tell how far chance alone would move its points.
+"""The reliability diagram with consistency bars.
 
 Source: Broecker & Smith, "Increasing the reliability of reliability diagrams", Weather and
 Forecasting 22 (2007). Their consistency bars resample the forecasts and draw outcomes as likely as
@@ -17,7 +17,7 @@ from burstcast.statistics.resampling import percentile_interval
 
 @dataclass(frozen=True)
 class ReliabilityDiagram:
-    """How often events followed the probabilities of each bin; arrays of shape ``(bins,)``.
+    """Frequencies of events by bins of probability; arrays of shape ``(bins,)``.
 
     Attributes
     ----------

@@ -92,7 +92,7 @@ def check_edges(edges: FloatArray) -> None:
 
 
 def slots(values: FloatArray, edges: FloatArray) -> IntArray:
-    """Where each value is counted: 0 below the range, 1, 2, ... in the bins, bins + 1 above it.
+    """Bin index of each value: 0 below the range, 1, 2, ... in the bins, bins + 1 above it.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def slots(values: FloatArray, edges: FloatArray) -> IntArray:
 
 
 def from_slots(edges: FloatArray, counts: IntArray) -> Histogram:
-    """Histogram of the counts ``(bins + 2,)`` in the slots that `slots` tells."""
+    """Histogram from the counts ``(bins + 2,)`` by the indices of `slots`."""
     return Histogram(edges, counts[1:-1], below=int(counts[0]), above=int(counts[-1]))
 
 

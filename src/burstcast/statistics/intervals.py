@@ -1,4 +1,4 @@
-"""How far the statistics of long runs may be off: a bootstrap over the runs."""
+"""Bootstrap intervals over runs for the statistics of long runs."""
 
 import numpy as np
 

@@ -27,7 +27,7 @@ FIXED_POINT_RANGE = 1e-10
 
 
 class Fate(enum.IntEnum):
-    """What becomes of a trajectory."""
+    """Fate of a trajectory."""
 
     KEPT = 0
     LAMINAR = 1
@@ -59,7 +59,7 @@ class FixedPointCriterion:
 
 @dataclass(frozen=True)
 class LongTermSettings:
-    """How a long-term run is made.
+    """Settings of a long-term run.
 
     Attributes
     ----------

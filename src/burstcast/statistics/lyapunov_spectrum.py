@@ -1,4 +1,4 @@
-"""Lyapunov exponents of a forecaster's own flow: of its long runs, where nothing is observed.
+"""Lyapunov exponents of a forecaster's own flow, along its long runs.
 
 The QR method of `burstcast.systems.lyapunov`, along trajectories of anything that can linearise its
 forecasts (`Forecaster.advance_tangent`): the equations, the closed loop of a network. Like the

@@ -1,4 +1,4 @@
-"""How far long-term statistics are from a reference, and how far they cannot help being.
+"""Distances of long-term statistics from a reference, and their sampling floor.
 
 Source: section "Statistical prediction of extreme events" of the paper; the sampling floor is ours.
 """
@@ -157,7 +157,7 @@ def nearest(reference: LongTermStatistics, candidates: Sequence[LongTermStatisti
 
 @dataclass(frozen=True)
 class BestNetwork:
-    """The network whose statistics are nearest to the data's, of those that are compared.
+    """The network with the statistics nearest to the data's.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The leading Lyapunov exponent from series alone: how fast neighbouring states part.
+"""The leading Lyapunov exponent from series, by the divergence of neighbouring states.
 
 Source: Rosenstein, Collins & De Luca, "A practical method for calculating largest Lyapunov
 exponents from small data sets", Physica D 65 (1993). The logarithm of the distance of states to
@@ -53,7 +53,7 @@ _MOST_CANDIDATES = 1024
 
 @dataclass(frozen=True)
 class NeighbourDivergence:
-    """How neighbours part.
+    """Divergence of neighbouring states.
 
     Attributes
     ----------

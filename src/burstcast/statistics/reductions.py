@@ -1,4 +1,4 @@
-"""Series reduced to what their long-term statistics need: a histogram and moments of each.
+"""Series reduced to a histogram and moments, for long-term statistics.
 
 The reductions of every series are kept apart until it is known which series count. They are summed
 step by step in the order of time, so that they do not depend on how the series are cut up.
@@ -20,7 +20,7 @@ STEPS_PER_BLOCK = 64
 
 @dataclass(frozen=True)
 class LongTermStatistics:
-    """What the long-term statistics are computed from.
+    """Histogram and moments for long-term statistics.
 
     Attributes
     ----------

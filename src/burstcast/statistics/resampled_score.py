@@ -1,4 +1,4 @@
-"""A score with what resamples make of it, so that scores are compared on the same resamples."""
+"""A score with its values on resamples, for paired comparisons."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ class ResampledScore:
     samples: FloatArray
 
     def __sub__(self, other: "ResampledScore") -> "ResampledScore":
-        """Difference on the same resamples: what both share cancels."""
+        """Paired difference over common resamples."""
         return ResampledScore(self.value - other.value, self.samples - other.samples)
 
 

@@ -1,4 +1,4 @@
-"""Bootstrap over what is independent: test series, events, long runs, trajectories.
+"""Bootstrap over independent units: test series, events, long runs, trajectories.
 
 What shares a series, an event or a run is drawn together; what is compared is drawn alike.
 """
@@ -9,7 +9,7 @@ from burstcast.arrays import FloatArray, IntArray
 
 
 def bootstrap_weights(count: int, resamples: int, generator: np.random.Generator) -> IntArray:
-    """How often each of ``count`` is drawn in each bootstrap sample, ``(resamples, count)``.
+    """Number of draws of each of ``count`` units in each bootstrap sample, ``(resamples, count)``.
 
     Forecasters that are compared are given the same weights: what their samples share cancels.
     """

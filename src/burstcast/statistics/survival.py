@@ -1,4 +1,4 @@
-"""How long series stay in the chaotic phase: survival curve and escape rate.
+"""Survival in the chaotic phase: survival curve and escape rate.
 
 Chaos in the shear flow is transient: from any state the flow laminarises sooner or later, and once
 a series has forgotten where it began, it does so with the same probability per unit of time,
@@ -36,7 +36,7 @@ class Lifetimes:
 
     @classmethod
     def of_ensemble(cls, steps: IntArray, kept: IntArray, length: int) -> Self:
-        """Lifetimes of all series that were generated; those that are not kept have escaped.
+        """Lifetimes of all generated series; discarded series have escaped.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Signs that a result is less than it seems: each function judges one, and says what it found.
+"""Warning signs of weak results: each function tests for one and returns its findings.
 
 What counts as a sign stands here, once, with its reason. None of them is an error: a finding is for
 a person to look at.
@@ -47,7 +47,7 @@ sample to the next: beyond it, a step shows more noise than dynamics."""
 
 @dataclass(frozen=True)
 class Finding:
-    """What one of the functions found.
+    """Finding of a test for a warning sign.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Finding:
 def optimum_on_edge(
     name: str, values: Sequence[float], low: float, high: float, negligible: float = 0.0
 ) -> list[Finding]:
-    """Optima of an ensemble's networks on the edges of what was searched, on a logarithmic scale.
+    """Optima of an ensemble's networks on the edges of the search range, on a logarithmic scale.
 
     Parameters
     ----------

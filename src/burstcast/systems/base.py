@@ -1,4 +1,4 @@
-"""The interface of a dynamical system: what the rest of the library asks of one."""
+"""The interface of a dynamical system."""
 
 import abc
 from collections.abc import Callable, Mapping
@@ -11,7 +11,7 @@ from burstcast.systems import differentiation
 
 
 class EnergyBudget(NamedTuple):
-    """What changes the energy E = (1/2) sum_i a_i^2 of states: dE/dt = input - dissipation.
+    """Energy budget of E = (1/2) sum_i a_i^2: dE/dt = input - dissipation.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class DynamicalSystem(abc.ABC):
     dimension: ClassVar[int]
     """Number of components; a property where it follows from the parameters."""
     observable_name: ClassVar[str]
-    """What the observable is, for axes and tables: "kinetic energy"."""
+    """Name of the observable for axes and tables, such as "kinetic energy"."""
     observable_symbol: ClassVar[str]
     """Its symbol in TeX, without dollars: "k"."""
     case_defaults: ClassVar[Mapping[str, Any]] = {}
@@ -101,7 +101,7 @@ class DynamicalSystem(abc.ABC):
         raise NotImplementedError(f"{type(self).__name__} does not draw initial states")
 
     def energy_budget(self, state: FloatArray) -> EnergyBudget | None:
-        """Energy input and dissipation of states; None if the system does not tell them.
+        """Energy input and dissipation of states; None if the system does not provide them.
 
         Optional: only what control costs asks for it. The energy is half the squared length of the
         state, which the modes of a flow, being orthonormal, make its mean kinetic energy.

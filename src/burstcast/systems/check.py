@@ -1,4 +1,4 @@
-"""A look at a system in seconds: its interface, its time scales, what is extreme of it.
+"""Check of a system in seconds: interface, time scales, exponents and extreme values.
 
 Everything is found by trying: nothing has to be known of the system but its class. What a person
 would set for a case is proposed, in the system's own units.
@@ -53,7 +53,7 @@ class UnsoundSystemError(ValueError):
 
 @dataclass(frozen=True)
 class SystemCheck:
-    """What was found about a system.
+    """Findings about a system.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class SystemCheck:
         return 1.0 / (exponent * interval) if exponent > 0 else math.inf
 
     def summary(self) -> str:
-        """What was found, in words and numbers."""
+        """Findings in words and numbers."""
         interval, quantiles = self.time_step * self.sampling_stride, self.observable_quantiles
         return "\n".join(
             [
@@ -256,7 +256,7 @@ def check_system(
 
 
 def interface_problems(system: DynamicalSystem, states: FloatArray) -> Iterator[str]:
-    """What a system does not do as the interface has it; one message for each.
+    """Violations of the interface by a system, with one message for each.
 
     Parameters
     ----------
@@ -348,7 +348,7 @@ def _initial_states(system: DynamicalSystem, generator: np.random.Generator) -> 
 
 
 def _rough_time_step(system: DynamicalSystem, states: FloatArray) -> float:
-    """A twentieth of the fastest rate at these states, and where they go first.
+    """A twentieth of the fastest time scale at these states and along their first steps.
 
     Of the states' own change, where an integrator of the system's own makes stiffness harmless; one
     for a map.

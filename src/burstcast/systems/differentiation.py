@@ -1,4 +1,4 @@
-"""Derivatives of a system's functions where nobody has written them down.
+"""Numerical derivatives of a system's functions.
 
 By complex steps, exact to rounding (Squire & Trapp, SIAM Rev. 40 (1998) 110), if the function does
 with complex numbers what it does with real ones, and by central differences otherwise.
@@ -21,7 +21,7 @@ _PROBES = 8
 
 
 def derivative_method(function: Function, dimension: int) -> Method:
-    """How a function of states is differentiated.
+    """Method by which a function of states is differentiated.
 
     Complex steps are taken if they agree with differences at some states, no matter which: they go
     wrong where the function takes an absolute value, say, or puts its results into real arrays.

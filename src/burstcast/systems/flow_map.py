@@ -19,7 +19,7 @@ class FlowMap(DynamicalSystem):
         """State one integration step later, both of shape ``(dimension, ...)``."""
 
     def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """There is none.
+        """Raise: a map has no right-hand side.
 
         Raises
         ------

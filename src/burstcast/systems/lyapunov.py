@@ -318,7 +318,7 @@ def tangent_growth(
 
 
 def kaplan_yorke_dimension(exponents: FloatArray) -> float:
-    """Kaplan-Yorke dimension: how many directions, from the first on, keep their volume.
+    """Kaplan-Yorke dimension from the leading Lyapunov exponents.
 
     With j the largest number of leading exponents whose sum S_j is not negative, it is
     j + S_j / abs(exponent j + 1) (Kaplan & Yorke, in Functional Differential Equations and

@@ -11,7 +11,7 @@ from burstcast.systems.expressions import Expression
 
 @dataclass(frozen=True)
 class MeasuredSeries:
-    """What was measured (a `burstcast.systems.state_space.StateSpace`).
+    """Measured series as a `burstcast.systems.state_space.StateSpace`.
 
     The observable is a component or an expression of components, and then evaluated on whatever
     states are asked about, measured or forecast. If it is something else, it was measured beside

@@ -1,4 +1,4 @@
-"""Dynamical systems by name: those of this package, and of one's own modules.
+"""Dynamical systems by name, of this package and of modules of the user.
 
 The module ``burstcast.systems.<name>`` holds the system ``<name>``. A system of one's own is named
 by its module and class, ``my_flows.kuramoto:KuramotoSivashinsky``: any module that Python finds. A
@@ -62,7 +62,7 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
 
 
 def make_space(name: str, parameters: Mapping[str, Any]) -> StateSpace:
-    """Make what forecasts and scores ask about a case: a system (`make_system`), or `MEASURED`."""
+    """Make the state space of a case: a system (`make_system`), or `MEASURED`."""
     return make_measured(parameters) if name == MEASURED else make_system(name, parameters)
 
 

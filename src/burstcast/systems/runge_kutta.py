@@ -1,4 +1,4 @@
-"""The classical fourth-order Runge-Kutta scheme, one step of it.
+"""One step of the classical fourth-order Runge-Kutta scheme.
 
 Right-hand sides are given states whose small whole powers, ``x**3``, are products. Numpy computes a
 power by a function, whose last digit depends on the processor; a product has the same bits

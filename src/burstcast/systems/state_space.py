@@ -1,4 +1,4 @@
-"""What states are made of, and the observable of them: all that forecasts and scores ask for.
+"""State spaces: components and observable, on which forecasts and scores depend.
 
 A dynamical system has it, and so have measured series, whose equations nobody knows
 (`burstcast.systems.measured`).
@@ -24,7 +24,7 @@ class StateSpace(Protocol):
 
     @property
     def observable_name(self) -> str:
-        """What the observable is, for axes and tables: "kinetic energy"."""
+        """Name of the observable for axes and tables, such as "kinetic energy"."""
 
     @property
     def observable_symbol(self) -> str:

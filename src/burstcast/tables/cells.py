@@ -13,7 +13,7 @@ Scores = Mapping[str, ResampledScore]
 
 
 def between(samples: FloatArray, confidence: float) -> dict[str, float]:
-    """Both ends of the interval that resamples of a score tell."""
+    """Both ends of the interval from resamples of a score."""
     low, high = percentile_interval(samples, confidence)
     return {"low": low, "high": high}
 
@@ -29,7 +29,7 @@ def with_ends(name: str, value: Any, low: Any, high: Any) -> dict[str, Any]:
 
 
 def medians_over_seeds(found: Iterable[tuple[ForecasterName, Scores]]) -> dict[str, Scores]:
-    """Scores by who they are of, where networks that differ by their seeds are one.
+    """Scores by forecaster, with the median over networks that differ by their seeds.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Published percentiles in the form of our percentile tables, and how ours compare with them.
+"""Published percentiles in the form of our percentile tables, and comparisons with ours.
 
 Source: the results that Racca & Magri published with the paper (``resources/README.md``). What
 they define otherwise than we do is converted or left out here, and nowhere else.
@@ -141,7 +141,7 @@ def compare(
     percentiles: Mapping[str, pd.DataFrame],
     intervals: Mapping[str, pd.DataFrame],
 ) -> pd.DataFrame:
-    """Our value beside each published one that we have as well, and whether they agree.
+    """Our value beside each published value, and whether they agree.
 
     Parameters
     ----------

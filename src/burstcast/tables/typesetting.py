@@ -58,7 +58,7 @@ def with_interval(value: float, low: float, high: float, write: Callable[[float]
 
 
 def number_writer(spec: str | None) -> Callable[[float], str]:
-    """What writes numbers in LaTeX by a format specification; three significant digits if None."""
+    """Function that writes numbers in LaTeX by a format; three significant digits if None."""
     if spec is None:
         return lambda value: latex_number(value, digits=3)
     return lambda value: f"${value:{spec}}$"

@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class HyperparameterPoint:
-    """Where in the search space a network is evaluated.
+    """Hyperparameters at which a network is evaluated.
 
     Attributes
     ----------

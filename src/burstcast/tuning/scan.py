@@ -30,7 +30,7 @@ class Evaluation:
 
     @property
     def objective(self) -> float:
-        """What the search minimises."""
+        """Objective that the search minimises."""
         return self.validation.objective
 
     def record(self) -> dict[str, str | int | float]:

@@ -1,4 +1,4 @@
-"""Which of the hyperparameters that the search cannot tell apart survives like the data.
+"""Choice by survival among hyperparameters with equal objectives.
 
 The objective looks at forecasts of a few Lyapunov times. Points within its own error of the best
 one may have closed loops that leave the chaotic phase several times as fast or as slowly as the

@@ -1,4 +1,4 @@
-"""How well the objective of the search knows which of two points is the better one.
+"""Uncertainty of the objective of the search, and of differences between two points.
 
 All points are validated on the same intervals of the same data, so that what an interval does to
 all of them cancels in the difference of two: the standard error of a difference is far smaller than

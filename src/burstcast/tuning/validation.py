@@ -162,7 +162,7 @@ class PointValidator:
 
 @dataclass(frozen=True)
 class _OpenLoops:
-    """What the open loops over parts of the training series have left behind, by their rows."""
+    """Results of the open loops over parts of the training series, by their rows."""
 
     length: int
     by_rows: dict[range, Collected]

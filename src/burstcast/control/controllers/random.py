@@ -1,4 +1,4 @@
-"""Alarms at random, as often as those of a forecaster: what actuation achieves by itself."""
+"""Random alarms at the rate of a forecaster: the effect of actuation alone."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Controllers by name: who raises the alarms in a run of control.
+"""Controllers by name: the sources of alarms in a run of control.
 
 The module ``burstcast.control.controllers.<name>`` has a function ``monitor`` with the arguments of
 `controlling_monitor` after the name. A new controller is one new module.

@@ -1,4 +1,4 @@
-"""Who watches the flow: the interface of a monitor, which raises alarms from what was observed.
+"""The interface of a monitor, which raises alarms from observations of a flow.
 
 Source: section "Control of extreme events" of the paper.
 """
@@ -12,7 +12,7 @@ from burstcast.arrays import BoolArray, FloatArray, IntArray
 
 @dataclass(frozen=True)
 class Decision:
-    """What a monitor wants done.
+    """Decision of a monitor: alarms and actuation.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Monitor(abc.ABC):
         washout: FloatArray,
         acting: BoolArray | None = None,
     ) -> Decision:
-        """Decide what is done: by default, no more than raising alarms.
+        """Decide on the actuation; by default a monitor only raises alarms.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""The monitor that asks all members of an ensemble: an alarm where enough of them forecast one."""
+"""Monitor by the members of an ensemble: an alarm where enough members forecast an event."""
 
 from dataclasses import dataclass
 

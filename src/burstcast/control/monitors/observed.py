@@ -1,4 +1,4 @@
-"""The monitor that does not look ahead: an alarm where something observed is high now."""
+"""Monitor without forecasts: an alarm where an observed quantity is high now."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

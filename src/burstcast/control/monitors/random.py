@@ -1,4 +1,4 @@
-"""The monitor that knows nothing: alarms at random, to compare the others with."""
+"""Monitor with random alarms: a baseline."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from burstcast.control.monitors.base import Monitor
 
 @dataclass(frozen=True)
 class RandomMonitor(Monitor):
-    """Raises alarms at random: what control achieves without knowing anything.
+    """Raises random alarms: control without information.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The monitor that asks several: an alarm where enough of them raise one."""
+"""Monitor by vote: an alarm where enough members raise one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ def check_share(share: float) -> None:
 
 
 def enough(votes: IntArray, members: int, share: float) -> BoolArray:
-    """Whether each of these numbers of votes, ``(batch,)``, is such a share of the members."""
+    """Whether numbers of votes, ``(batch,)``, reach a share of the members."""
     # a share such as 0.7 of ten misses seven by rounding error only
     return np.asarray(votes >= share * members - 1e-9)
 

@@ -1,4 +1,4 @@
-"""What decisions at equal intervals achieved, and how good the decisions were."""
+"""Outcome of decisions at equal intervals, and scores of the decisions."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from burstcast.control.sampled.simulation import SampledSimulation
 
 @dataclass(frozen=True, kw_only=True)
 class DecisionOutcome(FlowCounts):
-    """Counts of control by decisions: those of all strategies, and those of its decisions.
+    """Counts of control by decisions: common counts of all strategies, and counts of decisions.
 
     A decision is right if the actuation is on and the free flow from the present state would be at
     or above the event threshold within the horizon, or off and it would not. Decisions are counted
@@ -53,7 +53,7 @@ class DecisionOutcome(FlowCounts):
 def count_decisions(
     flows: SampledSimulation, laminarisation_threshold: float | None, edges: FloatArray
 ) -> DecisionOutcome:
-    """Count what happened in the flows (parameters: `burstcast.control.counts.count_flows`)."""
+    """Count outcomes over flows (parameters: `burstcast.control.counts.count_flows`)."""
     counts = laminarisation(flows, laminarisation_threshold).neither
     on = flows.decisions.on[counts]
     actuated = flows.decisions.washout_actuated[counts]

@@ -1,4 +1,4 @@
-"""Strategies that plan: what families of action sequences share.
+"""Planning strategies: the base class of families of action sequences.
 
 A family of plans is a strategy of its own: a subclass of `PlanningStrategy` that lists the plans.
 """
@@ -46,7 +46,7 @@ class PlanningStrategy(SampledStrategy):
 
     @property
     def told(self) -> bool:
-        """Forecasters are told of the actuation (see `ControlStrategy.told`)."""
+        """Forecasters receive the actuation (see `ControlStrategy.told`)."""
         return True
 
     @abc.abstractmethod

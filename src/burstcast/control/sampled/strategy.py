@@ -1,4 +1,4 @@
-"""Strategies that decide at equal intervals: what they share beside the monitor."""
+"""Base class of strategies that decide at equal intervals."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class SampledStrategy(ControlStrategy):
         return 0
 
     def stepper(self, experiment: ControlExperiment, monitor: Monitor) -> SampledStepper:
-        """How flows go on under decisions at equal intervals (see `ControlStrategy.stepper`)."""
+        """Advance flows under decisions at equal intervals (see `ControlStrategy.stepper`)."""
         timing = self.timing(experiment.schedule)
         return SampledStepper(
             experiment.system,
@@ -54,7 +54,7 @@ class SampledStrategy(ControlStrategy):
     def outcome(
         self, flows: SampledSimulation, laminarisation_threshold: float | None, edges: FloatArray
     ) -> DecisionOutcome:
-        """Count what happened, and how good decisions were (see `ControlStrategy.outcome`)."""
+        """Count outcomes and score decisions (see `ControlStrategy.outcome`)."""
         return count_decisions(flows, laminarisation_threshold, edges)
 
 
@@ -89,7 +89,7 @@ def check_horizon(horizon: int, timing: DecisionTiming, horizon_lt: float, told:
 def values_to_tell(
     experiment: ControlExperiment, forecasters: Sequence[Forecaster]
 ) -> ActuationValues:
-    """Values of the parameters that forecasters are told.
+    """Values of the parameters that forecasters receive.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a strategy of control is: when it looks, who decides, and what a decision sets off.
+"""The interface of a control strategy: times of decisions, monitor and actuation.
 
 A strategy is one module of this package with one concrete subclass of `ControlStrategy`, a frozen
 dataclass whose fields are its settings: numbers, ``bool``, ``str`` or ``tuple[float, ...]``. It is
@@ -20,14 +20,14 @@ from burstcast.systems.state_space import StateSpace
 
 
 class ControlStrategy(abc.ABC):
-    """How flows are controlled, whoever forecasts."""
+    """Control strategy, independent of the forecaster."""
 
     forecasts: ClassVar[bool]
     """Whether it asks forecasters: some strategies do without."""
 
     @property
     def told(self) -> bool:
-        """Whether its monitor is told of the actuation that was, and of what is on its way."""
+        """Whether the monitor receives the past actuation and the one on its way."""
         return False
 
     @abc.abstractmethod
@@ -51,7 +51,7 @@ class ControlStrategy(abc.ABC):
         self.timing(schedule)
 
     def check_system(self, system: StateSpace, reversible: bool) -> None:  # noqa: B027
-        """Check what it asks of the flow.
+        """Check the requirements on the flow.
 
         Parameters
         ----------
@@ -68,7 +68,7 @@ class ControlStrategy(abc.ABC):
 
     @abc.abstractmethod
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
-        """Who raises alarms.
+        """Monitor that raises alarms.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class ControlStrategy(abc.ABC):
 
     @abc.abstractmethod
     def stepper(self, experiment: ControlExperiment, monitor: Monitor) -> Stepper[Any, Any]:
-        """How flows go on: when the monitor looks, and what its alarms set off.
+        """Advance flows: times of decisions, and actuation after alarms.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ class ControlStrategy(abc.ABC):
     def outcome(
         self, flows: Any, laminarisation_threshold: float | None, edges: FloatArray
     ) -> FlowCounts:
-        """Count what happened in flows under this strategy.
+        """Count outcomes of flows under this strategy.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Planned control: forecast what each of several actuations would do, and take the cheapest.
+"""Planned control: forecast the effect of several actuations, and take the cheapest.
 
 Plans have the actuator on once, from one of several starts and for one of several durations. It
 acts only if the flow would otherwise have an event, as late and as briefly as suffices.

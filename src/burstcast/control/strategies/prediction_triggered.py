@@ -73,7 +73,7 @@ class PredictionTriggered(ControlStrategy):
         return members[0] if len(members) == 1 else VoteMonitor(members, self.vote_share)
 
     def stepper(self, experiment: ControlExperiment, monitor: Monitor) -> WindowedStepper:
-        """How flows go on window by window (see `ControlStrategy.stepper`)."""
+        """Advance flows window by window (see `ControlStrategy.stepper`)."""
         return WindowedStepper(
             experiment.system,
             experiment.actuated_system,
@@ -87,5 +87,5 @@ class PredictionTriggered(ControlStrategy):
     def outcome(
         self, flows: WindowedSimulation, laminarisation_threshold: float | None, edges: FloatArray
     ) -> Outcome:
-        """Count what happened in windows and between them (see `ControlStrategy.outcome`)."""
+        """Count outcomes in windows and between them (see `ControlStrategy.outcome`)."""
         return count_outcome(flows, laminarisation_threshold, edges)

@@ -1,4 +1,4 @@
-"""Decisions at random: what an actuator achieves that acts without knowing anything."""
+"""Random decisions: the effect of an actuator without information."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Reactive control: act while what is observed now is high. It needs no forecast.
+"""Reactive control: act while an observed quantity is high, without a forecast.
 
 The baseline of every strategy that forecasts: what is gained by looking ahead is what is left
 against the best threshold on what is observed now. What is watched may be any expression of the
@@ -54,7 +54,7 @@ class Reactive(SampledStrategy):
             )
 
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
-        """Alarms where what is watched is high now (see `ControlStrategy.monitor`)."""
+        """Alarms where the watched quantity is high now (see `ControlStrategy.monitor`)."""
         system = experiment.observed_space
         self.check_system(system, experiment.reversed_system is not None)
         watched = quantity(self.watch, system) if self.watch else system.observable

@@ -52,7 +52,7 @@ class RecedingHorizon(SampledStrategy):
 
     @property
     def told(self) -> bool:
-        """Whether the forecaster is told of the actuation (see `ControlStrategy.told`)."""
+        """Whether the forecaster receives the actuation (see `ControlStrategy.told`)."""
         return self.aware
 
     def horizon(self, timing: DecisionTiming) -> int:

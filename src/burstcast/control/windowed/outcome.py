@@ -1,4 +1,4 @@
-"""What prediction-triggered control achieved, counted so that nothing can hide.
+"""Outcome of prediction-triggered control: every event and alarm falls in one category.
 
 Source: section "Control of extreme events" of the paper.
 """
@@ -21,7 +21,7 @@ from burstcast.control.windowed.simulation import Forecasts, WindowedSimulation
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome(FlowCounts):
-    """Counts of prediction-triggered control: those of all strategies, and those of its windows.
+    """Counts of prediction-triggered control: those common to all strategies, and by window.
 
     The following always hold beside what holds for all strategies:
 
@@ -87,7 +87,7 @@ class Outcome(FlowCounts):
 def count_outcome(
     flows: WindowedSimulation, laminarisation_threshold: float | None, edges: FloatArray
 ) -> Outcome:
-    """Count what happened in the flows (parameters as of `count_flows`)."""
+    """Count outcomes over flows (parameters as of `count_flows`)."""
     counts = laminarisation(flows, laminarisation_threshold).neither
     forecasts = flows.decisions
     scored = counts[forecasts.flow]
@@ -181,7 +181,7 @@ class SuppressedEvent:
 def largest_suppressed_event(
     flows: WindowedSimulation, laminarisation_threshold: float | None
 ) -> SuppressedEvent | None:
-    """Find the event that shows best what control does.
+    """Find the largest event that control suppressed.
 
     It is a true alarm, and the first alarm in its flow, so that up to there the two flows are the
     same and the uncontrolled one shows the very event that was predicted. From the alarm to the

@@ -89,7 +89,7 @@ class WindowedStepper(Stepper[Timing, Forecasts]):
         return self.timing.window_steps, self.timing.window_end
 
     def judge(self, flows: RunningFlows, due: IntArray, decision: Decision) -> dict[str, BoolArray]:
-        """Simulate what would have become of flows with an alarm had nobody acted on it.
+        """Simulate flows after an alarm without actuation.
 
         An earlier actuation that is still on stays on (see `Stepper.judge`).
         """

@@ -1,4 +1,4 @@
-"""Scores of all who raise alarms, as curves with their intervals."""
+"""Scores of all sources of alarms, as curves with their intervals."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ _BOLD = 1.4  # lines of networks; the others are thinner
 
 
 def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.DataFrame:
-    """Rows of one size and strategy of networks, and those of everybody else.
+    """Rows of networks of one size and strategy, and of all other sources of alarms.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The network that stands for all where a figure can only show one."""
+"""The network that a figure shows where it can only show one."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""What stands for a figure whose content did not occur in a campaign."""
+"""Placeholder for a figure whose content did not occur in a campaign."""
 
 from matplotlib.figure import Figure
 
@@ -7,7 +7,7 @@ from burstcast.figures.parts.style import GREY, SINGLE_COLUMN, new_figure, style
 
 @styled
 def nothing_to_show(reason: str) -> Figure:
-    """Say why there is no figure: a small campaign may lack what it would show.
+    """Draw a placeholder that states why a figure has no content.
 
     Parameters
     ----------

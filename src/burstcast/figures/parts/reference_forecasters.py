@@ -1,4 +1,4 @@
-"""Forecasters that networks are compared with, in figures: quiet lines, the same in all of them."""
+"""Lines of reference forecasters in figures, in one style."""
 
 from collections.abc import Collection
 from typing import Any, NamedTuple
@@ -50,7 +50,7 @@ _LOOKS = {
 
 
 def forecaster_label(kind: str) -> str:
-    """What figures call a kind of forecaster."""
+    """Label of a kind of forecaster in figures."""
     return _look(kind).label
 
 

@@ -145,7 +145,7 @@ def new_figure(
 
 
 def render(figure: Figure, file_format: Literal["pdf", "png", "svg"]) -> bytes:
-    """Content of the figure's file: the same figure gives the same bytes, whenever it is drawn.
+    """Content of the figure's file: equal figures give equal bytes on any day.
 
     Matplotlib would write the time of creation and its version into the file; both are left out.
 
@@ -168,7 +168,7 @@ def render(figure: Figure, file_format: Literal["pdf", "png", "svg"]) -> bytes:
 
 
 def validation_style(validation: str) -> MarkerStyle:
-    """Colour, line style and marker of a validation strategy, the same in every figure."""
+    """Colour, line style and marker of a validation strategy in every figure."""
     return _VALIDATION.get(validation, _SPARE)
 
 

@@ -1,1 +1,1 @@
-"""Tables of a case: what they are made of, and how (`burstcast.tables.makers.registry`)."""
+"""Tables of a case: inputs and rows (`burstcast.tables.makers.registry`)."""

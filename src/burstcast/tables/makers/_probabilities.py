@@ -1,4 +1,4 @@
-"""What tables of probabilities are made from: forecasts with what was chosen without them."""
+"""Inputs of tables of probabilities: forecasts with calibrations and thresholds."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ SETTINGS = {
 
 @dataclass(frozen=True)
 class CaseProbabilities:
-    """Forecasts of a case's test series, with what was chosen on the calibration series.
+    """Forecasts of a case's test series, with choices made on the calibration series.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class CaseProbabilities:
     def probabilities(
         self, alarm: AlarmSource, prediction_time_lt: float, factor: float = 1.0
     ) -> dict[str, tuple[Outcomes, float]]:
-        """Outcomes by probability and series, and the probability from which on alarms are raised.
+        """Outcomes by probability and series, and the alarm threshold.
 
         By what they are called in tables (`rules`).
         """
@@ -114,7 +114,7 @@ class CaseProbabilities:
         }
 
     def weights(self, prediction_time_lt: float) -> IntArray:
-        """Weights of the series in each resample: the same for all who are compared."""
+        """Weights of the series in each resample, common to all compared forecasters."""
         generator = self.stream("bootstrap", prediction_time_lt)
         return bootstrap_weights(self.points.series, self.resamples, generator)
 

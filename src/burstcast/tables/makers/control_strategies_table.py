@@ -1,4 +1,4 @@
-"""Score all control by what it costs and gains, with intervals over flows; compare runs."""
+"""Score control by its costs and gains, with intervals over flows; compare runs."""
 
 from collections.abc import Sequence
 from dataclasses import fields

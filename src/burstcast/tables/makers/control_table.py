@@ -1,4 +1,4 @@
-"""Gather what control achieved, by all forecasters and by alarms at random."""
+"""Gather the outcomes of control by all forecasters and by random alarms."""
 
 from collections.abc import Sequence
 

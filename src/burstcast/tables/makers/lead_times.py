@@ -1,4 +1,4 @@
-"""How long before each event of the test series alarms came, and how many were false."""
+"""Lead times of alarms before events of the test series, and false alarms."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -42,7 +42,7 @@ def make(
     window_lt: float,
     **scored: Any,
 ) -> dict[str, Rows]:
-    """How early events were warned of, and false alarms, with their intervals."""
+    """Lead times and false alarms with their intervals."""
     case = CaseProbabilities.of(forecasts, evaluation_set, calibration, window_lt, **scored)
     points, series, threshold = case.points, case.points.series, case.event_threshold
     times, steps = case.times, case.chosen["steps_per_lyapunov_time"]

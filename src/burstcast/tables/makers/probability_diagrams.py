@@ -1,4 +1,4 @@
-"""What diagrams of probabilities show: reliability, economic value, curves over all thresholds."""
+"""Data of diagrams of probabilities: reliability, economic value, curves over thresholds."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

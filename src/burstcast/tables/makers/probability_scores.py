@@ -1,4 +1,4 @@
-"""Score the probabilities of all who raise alarms, and compare them with one another."""
+"""Score the probabilities of all sources of alarms, and compare them."""
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations

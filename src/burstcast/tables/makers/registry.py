@@ -21,7 +21,7 @@ PATH = "path"
 
 @dataclass(frozen=True)
 class Declaration:
-    """What tables are made of, by the names of the arguments of ``make``.
+    """Inputs of tables, by the names of the arguments of ``make``.
 
     Attributes
     ----------

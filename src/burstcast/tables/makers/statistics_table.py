@@ -1,4 +1,4 @@
-"""Measure how far the statistics of forecasters and of the training set are from the data's."""
+"""Measure distances of the statistics of forecasters and of the training set from the data's."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""How long the data and the forecasters' long runs stay in the chaotic phase."""
+"""Survival of the data and of the forecasters' long runs in the chaotic phase."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Score alarms for other event thresholds, which forecasts do not know of."""
+"""Score alarms for other event thresholds; forecasts are unchanged."""
 
 from collections.abc import Mapping, Sequence
 from itertools import product

@@ -1,4 +1,4 @@
-"""What a validation strategy is: which steps train a network, and which intervals validate it.
+"""The interface of a validation strategy: training steps and validation intervals.
 
 Sources: section "Validation" and the appendix "Training and validation sets" of the paper; Racca &
 Magri, "Robust optimization and validation of echo state networks for learning chaotic dynamics",
@@ -100,7 +100,7 @@ class Fold:
 
 
 class ValidationStrategy(abc.ABC):
-    """A way to tell how well hyperparameters do, from the training series alone.
+    """Validation of hyperparameters from the training series alone.
 
     A subclass is found by its `name`, in whatever module of this package it lies.
     """
@@ -133,7 +133,7 @@ class ValidationStrategy(abc.ABC):
 
 
 def use_of_series(folds: Sequence[Fold], row: int) -> tuple[int, list[int]]:
-    """Tell what the folds use one series for.
+    """Return the use of one series by each fold.
 
     Parameters
     ----------

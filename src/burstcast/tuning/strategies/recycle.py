@@ -1,4 +1,4 @@
-"""Recycle Validation: train on everything, validate in closed loop on the same data.
+"""Recycle Validation: train on everything, validate in closed loop on the training data.
 
 Sources: see `burstcast.tuning.strategies.base`.
 """
