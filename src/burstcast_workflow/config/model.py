@@ -60,7 +60,7 @@ Alone = Annotated[NoAxes | None, Words("{}, or null for none")]
 
 
 class Chosen(Section):
-    """Kinds of forecasters, each with what tells those of a kind apart."""
+    """Kinds of forecasters, with the axes of each kind."""
 
     @property
     def kinds(self) -> dict[str, Any]:
@@ -82,19 +82,19 @@ class SingleKinds(Chosen):
     """Kinds with one forecaster for each case; null for none of a kind."""
 
     equations: Alone = setting("the equations, started from the true state", default=None)
-    equations_noisy: Alone = setting("the equations, started from what is observed", default=None)
-    linear_inverse: Alone = setting("a linear inverse model, from what is observed", default=None)
+    equations_noisy: Alone = setting("the equations, from the last observation", default=None)
+    linear_inverse: Alone = setting("linear inverse model, from the last observation", default=None)
     equations_filtered: Alone = setting(
         "the equations, started from a filter's estimate of the state", default=None
     )
-    quadratic: Alone = setting("learnt polynomial equations, from what is observed", default=None)
+    quadratic: Alone = setting("learnt polynomials, from the last observation", default=None)
     quadratic_filtered: Alone = setting(
         "learnt polynomial equations, started from a filter's estimate of the state", default=None
     )
-    analogues: Alone = setting("what followed the most similar states of the past", default=None)
+    analogues: Alone = setting("continuations of the most similar states of the past", default=None)
     persistence: Alone = setting("the last observed state for ever", default=None)
     quadratic_aware: Alone = setting(
-        "learnt equations that know the parameters in force, from what is observed", default=None
+        "learnt equations with the parameters in force, from the last observation", default=None
     )
     quadratic_aware_filtered: Alone = setting(
         "learnt equations that know the parameters in force, started from a filter's estimate",
@@ -292,7 +292,7 @@ class FixedPoint(Section):
 
 
 class Actuation(Section):
-    """What an alarm sets off; null where the case is not controlled."""
+    """Actuation after an alarm; null where the case is not controlled."""
 
     parameters: dict[ParameterName, float] = setting(
         "parameters of the equations during an actuation", default={}
@@ -301,7 +301,7 @@ class Actuation(Section):
         "constant force on each component of the state; null for none", default=None
     )
     start_lt: float = setting("start of the actuation, from the start of the alarm's window")
-    duration_lt: Positive = setting("how long the actuation lasts")
+    duration_lt: Positive = setting("duration of the actuation")
 
 
 class RecycleValidation(Section):
@@ -314,9 +314,9 @@ class RecycleValidation(Section):
 
 
 class Blocks(Section):
-    """How measured series are cut into series of equal length."""
+    """Lengths by which measured records are cut into series."""
 
-    duration: Positive = setting("length of each block; what is left over is dropped", TIME)
+    duration: Positive = setting("length of each block; the remainder is dropped", TIME)
     gap: float = setting("from the end of a block to the start of the next", TIME, ge=0, default=0)
 
 
@@ -328,7 +328,7 @@ class Data(Section):
         default=[],
     )
     case: CaseName | None = setting(
-        "another case of the campaign, of whose state only a part is seen", default=None
+        "another case of the campaign, a part of whose state is observed", default=None
     )
     columns: Distinct[str] = setting(
         "names of the columns of a table without a header, or along the component axis of an array",
@@ -351,14 +351,14 @@ class Data(Section):
         default=[],
     )
     observable: str = setting("a component, or an expression of components or columns")
-    observable_name: str = setting("what it is, for axes and tables", default="")
+    observable_name: str = setting("name of the observable, for axes and tables", default="")
     observable_symbol: str = setting("its symbol in TeX, without dollars", default="")
     time_step: Annotated[Positive | None, Words("a number above 0")] = setting(
         "time between two rows, which are the steps of a forecast", TIME, default=None
     )
     time: str | None = setting("column of times, to be checked against the time step", default=None)
     series: str | None = setting(
-        "column that tells series apart, where a table holds several: a label for each, in "
+        "column of labels that distinguish series, where a table holds several, in "
         "successive rows unless time orders them",
         default=None,
     )
@@ -373,7 +373,7 @@ class Data(Section):
 
 
 class Case(Section):
-    """A dynamical system with its dataset: what every case starts from."""
+    """A dynamical system with its dataset: defaults of every case."""
 
     system: str
     parameters: dict[str, Any] = setting("parameters of the equations", default={})
@@ -405,7 +405,7 @@ class Case(Section):
 
 
 class Simulated(Case):
-    """A dynamical system with its dataset: what every case starts from."""
+    """A dynamical system with its dataset: defaults of every case."""
 
     system: SystemName = setting(
         "the equations: a module of burstcast.systems, or module and class of your own, from the "
@@ -552,7 +552,7 @@ class Classification(Section):
     window_lt: Positive = setting("window that has an event or has none", multiple_of=RESOLUTION)
     resolution_lt: Positive = setting("forecasts are reduced to windows of this length")
     longest_prediction_time_lt: Positive = setting(
-        "how far forecasts reach, plus one window", multiple_of=RESOLUTION
+        "longest time from the start of a forecast to its window", multiple_of=RESOLUTION
     )
     prediction_times_lt: SomeRising[Positive] = setting(
         "times from a starting point to the window",
@@ -628,7 +628,7 @@ class StrategyBlock(Section):
     )
     quiet_lt: float = setting("the least time before the steps of a flow count", ge=0, default=0)
     span_lt: PositiveOrNull = setting(
-        "how long each flow counts; null for control.span_lt", default=None
+        "time for which each flow counts; null for control.span_lt", default=None
     )
     delay_lt: Some[Annotated[float, Field(ge=0)]] = setting(
         "from a decision to its effect", default=[0]
@@ -657,7 +657,7 @@ class Control(Section):
     prediction_times_lt: Rising[Positive] = setting("prediction times")
     window_lt: Positive = setting("length of the window that a forecast is judged in")
     flows: Count = setting("series that each forecaster controls, taken after the training series")
-    span_lt: Positive = setting("how long each flow counts")
+    span_lt: Positive = setting("time for which each flow counts")
     random_alarms: bool = setting(
         "whether alarms at random, as often as each network's own, are compared with it"
     )
@@ -687,14 +687,14 @@ class Probability(Section):
         ge=0,
     )
     prior_forecasts: float = setting(
-        "as how many forecasts each share of votes counts that came true as it says; 0: none", ge=0
+        "weight of the prior at each share of votes, as a number of forecasts; 0: none", ge=0
     )
     bins: Whole = setting("equally wide bins of the probability", ge=2, le=1000)
     threshold_factors: SomeRising[Positive] = setting(
         "event thresholds that alarms are scored for, too", "event thresholds of the case"
     )
     cost_loss_ratios: SomeRising[Annotated[Positive, Field(lt=1)]] = setting(
-        "ratios of cost and loss of users that the economic value is told for"
+        "cost-loss ratios at which the economic value is evaluated"
     )
 
 
@@ -768,9 +768,7 @@ class Configuration(Section):
     results: Directory = setting("directory of everything that the workflow writes")
     # the files of the networks hold it, as an unsigned number of 64 bits
     random_seed: Whole = setting("the one root of all random numbers", ge=0, lt=2**64)
-    campaign: list[Block] = setting(
-        "who forecasts what, cases x forecasters: the union of these blocks", min_length=1
-    )
+    campaign: list[Block] = setting("cases x forecasters: the union of these blocks", min_length=1)
     case_defaults: Simulated
     cases: dict[CaseName, CasePart] = setting("what differs from case_defaults, by case")
     washout_lt: Positive = setting(

@@ -18,18 +18,17 @@ from burstcast_workflow.project import project_root
 _HEAD = """\
 # Settings
 
-Every setting of a configuration, with its default: that of [config.yaml](../config.yaml), or what
-holds where a section is given without it. `campaign` is a list of blocks. An entry of `cases` may
-have any settings of `case_defaults`, which it overrides.
-A case of another system than the shear flow starts from what its class says, and has of
-`case_defaults` only what has no units ([tutorial.md](tutorial.md)).
-Kinds of forecasters are modules of `burstcast.forecasters`; where they are chosen (`campaign`,
-`statistics`, `control`), a kind that is left out or null has none. An overlay lays mappings over
-those of config.yaml and replaces all else, lists too: null takes away a kind that config.yaml has.
+Every setting of a configuration with its default, from [config.yaml](../config.yaml) or from the
+model of the section. `campaign` is a list of blocks. An entry of `cases` may have any setting of
+`case_defaults`, which it overrides. A case of another system than the shear flow starts from the
+defaults of its class, and takes only settings without units from `case_defaults`
+([tutorial.md](tutorial.md)). Kinds of forecasters are modules of `burstcast.forecasters`; a kind
+that is left out or null is not used. An overlay merges its mappings with those of config.yaml and
+replaces all other values, lists included; null removes a kind that config.yaml has.
 
-Editors that understand YAML complete settings and show their meaning, by the JSON Schema
-`workflow/schemas/config.schema.json`, which the first line of config.yaml names. It and this page
-are made by `make pages` (`burstcast settings`).
+Editors complete settings and show their meaning by the JSON Schema
+`workflow/schemas/config.schema.json`, named in the first line of config.yaml. `make pages`
+generates the schema and this page.
 """
 _COLUMNS = ("Setting", "Allowed", "Unit", "Default", "Meaning")
 
