@@ -43,7 +43,7 @@ def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[t
     package
         The package.
     name
-        Of a module of it (`module_names`).
+        Name of a module of the package (`module_names`).
     base
         Abstract class that they are subclasses of.
     """

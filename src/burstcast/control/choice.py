@@ -51,7 +51,7 @@ class FlowSample:
 
 
 def choose(candidates: Sequence[FlowSample], tolerance: float) -> int:
-    """Choose the cheapest settings that leave little, or else those that leave the least.
+    """Choose the cheapest settings that leave little, or else the settings that leave the least.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ class FlowCounts:
     steps
         Steps that count, in each of the two samples.
     steps_free
-        Of them, those that the controlled flow came to without actuation.
+        Counted steps of the controlled flow without actuation.
     exceeding_uncontrolled, exceeding_controlled, exceeding_free
         Steps at or above the threshold: without control, with control, and with control but outside
         actuation.

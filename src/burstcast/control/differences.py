@@ -15,7 +15,7 @@ from burstcast.control.records import Span
 from burstcast.statistics.resampled_score import ResampledScore
 
 COMPARED = ("relative_exceedance", "control_fraction")
-"""Scores whose differences are told: what is left, and what it costs."""
+"""Scores whose differences are computed: remaining exceedance and costs."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class ComparedRun:
     Attributes
     ----------
     forecaster
-        Who forecasts; None if nobody does.
+        Forecaster; None for strategies without forecasts.
     strategy
         How, with all settings and conditions.
     rows, span
@@ -43,7 +43,7 @@ class ComparedRun:
     def is_comparable(self, other: "ComparedRun") -> bool:
         """Whether two runs share their flows, and differ by forecaster or strategy, not by both.
 
-        Who needs no forecaster is compared with everybody.
+        Runs without a forecaster are compared with all others.
         """
         alike = self.strategy == other.strategy or self.forecaster == other.forecaster
         somebody = None not in (self.forecaster, other.forecaster)

@@ -1,7 +1,7 @@
 """Measured columns as an ensemble of series: selection and checks.
 
 A run is what was measured without a break: a file, or a part of one. Each becomes one series, or
-several blocks. Whatever is wrong is told in one message that names the run, the column and the row.
+several blocks. One message reports an error with the run, the column and the row.
 """
 
 import math
@@ -63,7 +63,7 @@ class Quantity:
         Raises
         ------
         ValueError
-            If one of them is not among those that are known.
+            If one of them is unknown.
         """
         if self.source in known:
             return (self.source,)

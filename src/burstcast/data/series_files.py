@@ -23,7 +23,7 @@ from burstcast.discovery import suggestion
 
 Array = npt.NDArray[np.float64]
 Needed = Callable[[Sequence[str]], Sequence[str]]
-"""Says which columns of those that there are are needed; a ValueError if one is not there."""
+"""Returns the required columns of those available; raises `ValueError` if one is missing."""
 
 TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet")
 NETCDF = (".nc", ".nc4", ".cdf", ".h5", ".hdf5", ".hdf")
@@ -52,7 +52,7 @@ def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
     data
         The section ``data`` of its case.
     needed
-        What is read of it.
+        Selection of data to read.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
 
 
 class _FoundError(Exception):
-    """The names of a file's columns are known, and nothing else is asked of it."""
+    """Stops the reading of a file when the names of its columns are known."""
 
 
 def column_names(path: str, data: Mapping[str, Any]) -> list[str]:

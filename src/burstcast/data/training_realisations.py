@@ -2,7 +2,7 @@
 
 All networks of an ensemble are trained on the same few series: their scatter over seeds leaves out
 what other series would have taught. With several choices of the training series, and several seeds
-for each, the two are told apart by the analysis of variance of one random factor (Searle, Casella &
+for each, a one-way analysis of variance with random effects separates the two (Searle, Casella &
 McCulloch, Variance Components, Wiley 1992, chapter 3).
 """
 

@@ -1,6 +1,6 @@
 """A readout whose weights are linear in factors of parameters: W_out = W_0 + sum_f q_f W_f.
 
-The reservoir is not told anything: its states are multiplied by the factors in force
+The reservoir does not receive the parameters: its states are multiplied by the factors in force
 (`burstcast.data.parameter_factors`), and the readout is trained on [r; q_f r; q_f]. An input for
 the parameter would have to be interpolated by the reservoir between the few values of the training;
 a factor of the readout is interpolated exactly, as far as one step of the flow is linear in it.

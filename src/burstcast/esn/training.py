@@ -192,7 +192,7 @@ def train_leaving_one_out(
 
     Moments are sums over the series: one open loop serves all readouts, and each takes one ridge
     regression. What the readout forecasts of the series left out is honest, but for what the series
-    has told of the hyperparameters and of the range that inputs are divided by.
+    has contributed to the hyperparameters and to the range that inputs are divided by.
 
     Raises
     ------

@@ -610,7 +610,7 @@ class EventForecaster(Estimator):
         return as_schedules(given, series, steps, self._parameter_names)
 
     def _schedules(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray | None:
-        """Schedules over washouts and forecasts; None where nothing is told."""
+        """Schedules over washouts and forecasts; None without parameters."""
         series, steps = washouts.shape[:2]
         if parameters is None and planned is None and not learns_parameters(self.kind):
             return None

@@ -22,7 +22,7 @@ from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import make_strategy, scanned_with
 from burstcast.tuning.validation import PointValidator
 
-# What is told of the search for each network.
+# Reported results of the search for each network.
 _FOUND = ("spectral_radius", "input_scaling", "tikhonov", "objective")
 # Validation intervals in more series take longer, and the paper has no more.
 _MOST_VALIDATION_SERIES = 4

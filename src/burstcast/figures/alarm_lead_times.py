@@ -1,5 +1,5 @@
 """(a) Share of the events that an alarm warned of at least a lead time before they began, and (b)
-false alarms per Lyapunov time (those who raise none have no curve), against lead time. Bands:
+false alarms per Lyapunov time (no curve for sources without any), against lead time. Bands:
 bootstrap intervals over the test series; of the median network, medians of the scores and of the
 ends of their intervals. The threshold of alarms by the observable now jumps from one lead time to
 the next: they are in the table alone.
@@ -37,7 +37,7 @@ _LABELS = {
 def draw(lead_times: pd.DataFrame, neurons: float, validation: str) -> Figure:
     """Draw the share of events warned of, and false alarms, against lead time.
 
-    Who raises no false alarm has no curve there: the axis is logarithmic.
+    A source without false alarms has no curve there: the axis is logarithmic.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """An extreme event of the test set as committees see it from one starting point: the forecasts of
 all members and their median beside the truth (above), and the probability of an event in the window
 that begins at each time (below): the share of the members that forecast one, what calibration on
-the training series makes of it, and the probability from which on an alarm is raised. Of all
+the training series makes of it, and the alarm threshold. Of all
 starting points of the test set that an event follows in the window farthest ahead, the one is shown
 to which the first committee's share of votes is the median: half of the events were seen better,
 half worse.
@@ -62,7 +62,7 @@ class SeenEvent:
     true
         Observable, ``(time,)``.
     observed
-        What was observed of it up to the starting point, ``(time,)``; NaN from there on.
+        Observations up to the starting point, ``(time,)``; NaN from there on.
     prediction_times_lt
         Beginnings of windows after the starting point, rising, ``(windows,)``.
     happened
@@ -83,12 +83,12 @@ class CommitteeForecast:
     Attributes
     ----------
     kind
-        Who it is (`burstcast.figures.parts.reference_forecasters`).
+        Identity of the committee (`burstcast.figures.parts.reference_forecasters`).
     members
         Observable in each member's forecast, ``(members, time)``; NaN where there is none.
     votes, probability, alarm_threshold
         For each window: share of the members that forecast an event, calibrated probability, and
-        the probability from which on an alarm is raised, ``(windows,)``.
+        the alarm threshold, ``(windows,)``.
     """
 
     kind: str

@@ -5,8 +5,8 @@ of some curves; "every" is the interval between decisions. The other panels: aga
 the strength of the actuator and the noise of the observations, for settings that were tried at
 several values. The axis is linear in the shaded strip: a marker on 0 has left nothing, and its bar
 ends at the bound of the rule of three.
-Colours and fillings say who forecasts; of the networks, one is shown, and the committee of those of
-its size, whose votes decide.
+Colours and fillings distinguish forecasters. One network is shown, and the committee of all
+networks of its size.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -92,7 +92,7 @@ _OTHER_SETTINGS = {
     "options": "{}",
 }
 
-# Colours and fillings of who forecasts: full, open, half.
+# Colours and fillings of forecasters: full, open, half.
 _FORECASTERS = {
     "esn": (BLUE, "full"),
     "esn_committee": (BLUE, "bottom"),
@@ -252,7 +252,7 @@ def _settings(runs: pd.DataFrame) -> list[str]:
 
 
 def _tried(runs: pd.DataFrame, conditions: Mapping[str, float], column: str) -> pd.DataFrame:
-    """Runs of those that were tried at several values of a condition, all else being as usual."""
+    """Runs with several values of one condition and usual values of all others."""
     runs = _where(runs, {name: value for name, value in conditions.items() if name != column})
     who = ["forecaster", "strategy", *_settings(runs)]
     groups = [rows for _, rows in runs.groupby(who, dropna=False) if rows[column].nunique() > 1]
@@ -308,7 +308,7 @@ def _forecasters(names: Iterable[str]) -> list[str]:
 
 
 def _style(forecaster: str, strategy: str, linestyle: Any) -> dict[str, Any]:
-    """Keywords of a curve: colour and filling say who forecasts, the marker which strategy."""
+    """Keywords of a curve: colour and filling for the forecaster, marker for the strategy."""
     look = _strategy(strategy)
     color, filling = _FORECASTERS.get(forecaster, _OTHER_FORECASTER)
     if forecaster == "none":
@@ -337,7 +337,7 @@ def _forecaster_handles(runs: pd.DataFrame) -> list[Line2D]:
 
 
 def _kind_handles(runs: pd.DataFrame, linestyles: Mapping[str, Any]) -> list[Line2D]:
-    """Legend of markers and lines, in grey where a colour says who forecasts."""
+    """Legend of markers and lines, in grey where a colour stands for the forecaster."""
     handles = []
     for kind, rows in runs.groupby("kind", sort=False):
         strategy = str(rows["strategy"].iloc[0])

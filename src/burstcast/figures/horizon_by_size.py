@@ -91,7 +91,7 @@ def horizon_by_size(
         draw_single_intervals(axes, intervals, "mean_horizon_lt", validation, style)
         if published is not None:
             draw_published(axes, select(published, **chosen), "neurons", style)
-    # a perfect forecaster reaches the longest lead time that is asked for, whatever that is
+    # a perfect forecaster reaches the longest lead time of the search
     draw_references(axes, percentiles, "mean_horizon_lt", None, leave_out=["equations"])
     handles, _ = axes.get_legend_handles_labels()
     handles += published_handles([axes])

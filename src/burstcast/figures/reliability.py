@@ -57,8 +57,8 @@ def draw(
 ) -> Figure:
     """Draw diagrams, and below them how many forecasts lie in each bin.
 
-    A row for each forecaster that tells more than two probabilities: yes and no are soon told to be
-    calibrated. Where there are none, those that tell two are shown.
+    A row for each forecaster with more than two probabilities: yes and no alone are easily
+    calibrated. Without any, forecasters with two probabilities are shown.
 
     Parameters
     ----------

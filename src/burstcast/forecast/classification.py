@@ -1,6 +1,6 @@
 """Binary classification of extreme events: counts, precision, recall, F-score, their intervals.
 
-Source: section "Precision and recall" of the paper. Scoring never asks who forecast.
+Source: section "Precision and recall" of the paper. Scoring does not depend on the forecaster.
 """
 
 from collections.abc import Callable

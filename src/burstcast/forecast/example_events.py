@@ -162,7 +162,7 @@ def predicted_event(
         Events of these series, the best first, with at least ``lead + washout - 1`` steps before
         t_1 (`isolated_events`).
     forecaster
-        Who forecasts.
+        Forecaster.
     observed, states
         Observed and true series, ``(series, time, component)``.
     lead
@@ -170,7 +170,7 @@ def predicted_event(
     washout
         Inputs of the washout; the last one is the starting point itself.
     tolerance
-        Distance of the forecast from the true state, from which on it is lost.
+        Largest distance from the true state of an accurate forecast.
 
     Returns
     -------

@@ -110,7 +110,7 @@ def forecast_outcomes(
     Parameters
     ----------
     forecaster
-        Who forecasts.
+        Forecaster.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     washouts
@@ -219,7 +219,7 @@ def evaluate_lead_times(
     Parameters
     ----------
     forecaster
-        Who forecasts.
+        Forecaster.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     observed
@@ -270,7 +270,7 @@ def forecast_observable(
     Parameters
     ----------
     forecaster
-        Who forecasts.
+        Forecaster.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     washouts

@@ -107,7 +107,7 @@ def accurate_steps(
     Parameters
     ----------
     forecaster
-        Who forecasts.
+        Forecaster.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     washouts
@@ -159,7 +159,7 @@ def prediction_horizons(
     Parameters
     ----------
     forecaster
-        Who forecasts.
+        Forecaster.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     observed

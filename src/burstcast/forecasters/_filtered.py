@@ -31,7 +31,7 @@ class FilteredForecaster(Forecaster):
     Attributes
     ----------
     model
-        Who advances the ensemble, and then forecasts.
+        Forecaster that advances the ensemble, and then forecasts.
     noise
         Standard deviation of the errors of an observation, ``(dimension,)``.
     members

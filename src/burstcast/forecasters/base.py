@@ -233,7 +233,7 @@ class Forecaster(abc.ABC):
         Raises
         ------
         NotImplementedError
-            If the kind has no derivative, or nobody has written it.
+            If the kind provides no derivative.
         """
         raise NotImplementedError(f"{type(self).__name__} does not linearise its forecasts")
 

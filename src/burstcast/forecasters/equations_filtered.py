@@ -1,6 +1,6 @@
 """The equations, started from the estimate of a filter over the washout.
 
-The limit for all who see noisy observations: a perfect model and a nearly perfect estimate.
+The limit for forecasts from noisy observations: a perfect model and a nearly perfect estimate.
 """
 
 from dataclasses import dataclass

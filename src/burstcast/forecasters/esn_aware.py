@@ -1,7 +1,7 @@
 """Echo state networks that know the parameters in force: a readout linear in their factors.
 
-The reservoir is not told anything, so that the washout needs no schedule, and one memory serves
-forecasts under any (`burstcast.esn.factored`).
+The reservoir does not receive the parameters, so that the washout needs no schedule, and one
+memory serves forecasts under any schedule (`burstcast.esn.factored`).
 """
 
 from dataclasses import dataclass

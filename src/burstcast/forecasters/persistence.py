@@ -1,7 +1,7 @@
 """Persistence: everything stays as it was last observed.
 
-The least that a forecast is compared with. It never foresees an event, which is a crossing; how
-long it stays near the truth says how slow the flow is.
+A baseline. It never predicts an event, which is a crossing. The time for which it stays near the
+truth measures how slow the flow is.
 """
 
 from dataclasses import dataclass

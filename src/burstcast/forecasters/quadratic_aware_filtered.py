@@ -1,6 +1,6 @@
 """Learnt equations that know the parameters in force, started from a filter's estimate.
 
-The filter's model is told the parameters as well, from each observation to the next.
+The filter's model receives the parameters as well, from each observation to the next.
 """
 
 from dataclasses import dataclass

@@ -101,7 +101,7 @@ def member_observables(
     Parameters
     ----------
     forecaster
-        Who forecasts.
+        Forecaster.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     washout

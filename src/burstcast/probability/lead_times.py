@@ -25,7 +25,7 @@ class LeadTimes:
     series
         Row of each event's series.
     stayed
-        From the first starting point from which on all were right, up to the event; 0 if the last
+        Time from the first starting point after which all were right to the event; 0 if the last
         one before it was not.
     first
         From the first starting point that was right at all; 0 if there was none.
@@ -125,7 +125,7 @@ def lead_time_scores(
     series
         Number of series.
     lead_times_lt
-        Lead times for which the share of the events is told that were warned of by then.
+        Lead times at which the share of warned events is evaluated.
     steps_per_lyapunov_time
         Steps of a forecast in a Lyapunov time.
 

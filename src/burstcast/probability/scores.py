@@ -21,7 +21,7 @@ def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[
     outcomes
         Summed over series, ``(levels,)``; of many resamples, ``(resamples, levels)``.
     threshold
-        Probability from which on an alarm is raised.
+        Alarm threshold: alarms are raised at or above it.
     bins
         Number of bins of the decomposition and of the calibration error.
 

@@ -174,7 +174,7 @@ def run_long_term(
     Parameters
     ----------
     forecaster
-        Who forecasts.
+        Forecaster.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     washouts

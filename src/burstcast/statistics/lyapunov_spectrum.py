@@ -41,7 +41,7 @@ def forecaster_spectrum(
     Parameters
     ----------
     forecaster
-        Who forecasts.
+        Forecaster.
     washouts
         Observed states up to the start of each run, ``(runs, steps, dimension)``.
     steps
@@ -57,7 +57,7 @@ def forecaster_spectrum(
 
     Returns
     -------
-    Exponents ``(runs, exponents)``; NaN for those that are not there, or too weak to be known.
+    Exponents ``(runs, exponents)``; NaN for missing exponents and unresolved ones.
 
     Raises
     ------

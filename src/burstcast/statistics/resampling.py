@@ -22,7 +22,7 @@ def percentile_interval(samples: FloatArray, confidence: float) -> tuple[float, 
     Parameters
     ----------
     samples
-        Of a statistic, ``(resamples,)``; those that are not finite are left out.
+        Values of a statistic, ``(resamples,)``; values that are not finite are left out.
     confidence
         Share inside the interval, in (0, 1).
 

@@ -78,7 +78,7 @@ class DynamicalSystem(abc.ABC):
 
         Entry ``[i, j]`` is the derivative of component i of the right-hand side in component j of
         the state. Optional: without it, it is found by complex steps, or by central differences
-        (`burstcast.systems.differentiation`), which is slower, for nothing of it is compiled.
+        (`burstcast.systems.differentiation`), which is slower, since it is not compiled.
         """
         method = differentiation.derivative_method(self.right_hand_side, self.dimension)
         return differentiation.jacobian(self.right_hand_side, state, method)

@@ -1,6 +1,6 @@
 """State spaces: components and observable, on which forecasts and scores depend.
 
-A dynamical system has it, and so have measured series, whose equations nobody knows
+Dynamical systems have a state space, and so have measured series, whose equations are unknown
 (`burstcast.systems.measured`).
 """
 

@@ -110,7 +110,7 @@ def _long_form(rows: pd.DataFrame, metrics: Sequence[str], keys: Sequence[str]) 
                 high=rows.get(f"{metric}_high", float("nan")),
             )
             for metric in metrics
-            if metric in rows.columns  # a table has no column of what nobody knows
+            if metric in rows.columns  # a table has no column without values
         ],
         ignore_index=True,
     )

@@ -34,7 +34,7 @@ class Evaluation:
         return self.validation.objective
 
     def record(self) -> dict[str, str | int | float]:
-        """All of it but the errors in each interval, as a row of a table."""
+        """The evaluation without errors of single intervals, as a row of a table."""
         return {
             "evaluation": self.number,
             "source": self.source,

@@ -63,5 +63,5 @@ def bayesian_search(
     for remaining in reversed(range(points)):
         logarithm = optimizer.ask()
         objective = evaluate(space.point(logarithm))
-        # the last fit would propose a point that nobody evaluates
+        # the last fit would propose a point that is not evaluated
         optimizer.tell(logarithm, objective, fit=remaining > 0)

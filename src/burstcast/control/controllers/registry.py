@@ -31,7 +31,7 @@ def controlling_monitor(
     strategy, experiment
         How what is controlled.
     forecasters
-        One; several in a committee of networks; none where no forecaster is asked.
+        One; several in a committee of networks; none for controllers without a forecaster.
     alarm_rate
         Share of looks at which random alarms are raised.
     seed

@@ -73,7 +73,7 @@ class Monitor(abc.ABC):
         acting
             Whether the actuator was on from each of them to the next, and, after those, whether it
             will be on during the steps before this decision takes effect, ``(steps - 1 + delay,
-            batch)``; None: nobody knows.
+            batch)``; None: unknown.
 
         Returns
         -------

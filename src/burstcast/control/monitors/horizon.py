@@ -26,7 +26,7 @@ class HorizonMonitor(Monitor):
     Attributes
     ----------
     forecaster
-        Who forecasts.
+        Forecaster.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     horizon
@@ -86,7 +86,7 @@ def told_memory(
     Parameters
     ----------
     forecaster
-        Who knows the parameters.
+        Forecaster that knows the parameters.
     washout, acting
         As of `Monitor.alarms`.
     values
@@ -99,7 +99,7 @@ def told_memory(
     Raises
     ------
     ValueError
-        If nobody knows the actuation.
+        If the actuation is unknown.
     """
     if acting is None:
         raise ValueError("a forecaster is to be told of an actuation that nobody knows")

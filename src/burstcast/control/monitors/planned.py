@@ -31,7 +31,7 @@ class PlannedMonitor(Monitor):
     Attributes
     ----------
     forecaster
-        Who forecasts, and knows the parameters.
+        Forecaster that knows the parameters.
     observable
         From states ``(dimension, ...)`` to the observable ``(...)``.
     level
@@ -92,7 +92,7 @@ class PlannedMonitor(Monitor):
         height = np.where(np.isfinite(forecast), forecast, np.inf)
         above, peak = (height >= self.level).sum(axis=0), height.max(axis=0)
         cost = np.broadcast_to(self.sequences.sum(axis=1)[:, np.newaxis], above.shape)
-        # those that suffice are alike in what is above the level: the cheapest goes first; the
+        # sufficient plans are alike in what is above the level: the cheapest goes first; the
         # others are told apart by it before anything else
         first = np.where(above == 0, cost, above)
         order = np.lexsort((cost, peak, first, above > 0), axis=0)

@@ -62,7 +62,7 @@ def simulate_event(
     strategy, experiment
         What the flows of the experiment were controlled by.
     forecaster
-        Who raised the alarms.
+        Source of the alarms.
     noise
         Of what it observes, ``(flows, steps, dimension)``; None for none.
     """

@@ -131,7 +131,7 @@ def _windows(flows: WindowedSimulation) -> npt.NDArray[np.int8]:
     timing = flows.timing
     forecasts = flows.decisions
     kinds = np.full((len(flows), timing.length + timing.window_end), _NO_WINDOW, dtype=np.int8)
-    # a last window may begin beyond the last step: its kind matters to nobody
+    # a last window may begin beyond the last step: its kind has no effect
     first_step = np.minimum(forecasts.step + timing.window_start, timing.counted_until)
     under_way = flows.controlled[forecasts.flow, first_step] >= flows.threshold
     kind = np.select(
@@ -166,7 +166,7 @@ class SuppressedEvent:
     Attributes
     ----------
     flow
-        Position of its flow among those that count.
+        Position of its flow among the counted flows.
     row
         Row of its flow among the given ones.
     alarm_step

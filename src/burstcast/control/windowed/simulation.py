@@ -33,7 +33,7 @@ class Forecasts:
     Attributes
     ----------
     flow
-        Position of each forecast's flow among those that were simulated, ``(forecasts,)``.
+        Position of each forecast's flow among the simulated flows, ``(forecasts,)``.
     step
         Step at which the forecast was made, ``(forecasts,)``.
     alarm

@@ -26,7 +26,7 @@ def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.Dat
     neurons, validation
         Which networks. Where the table has no such size, the nearest one; where it has no such
         strategy, all strategies of that size. Where it has no network, as a table of committees
-        has none if there is but one seed, everybody is shown.
+        has none if there is but one seed, all are shown.
     """
     networks = table["forecaster"].isin(_NETWORKS)
     if not networks.any():

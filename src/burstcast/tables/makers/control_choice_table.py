@@ -1,6 +1,6 @@
 """Compare strategies at their best: settings are chosen on half of the flows, scored on the others.
 
-What is chosen is told by `burstcast.control.choice.choose`.
+`burstcast.control.choice.choose` defines the choice.
 """
 
 from collections.abc import Sequence

@@ -52,7 +52,7 @@ class Gathered:
     content
         Content of the file (see `Declaration`).
     plan
-        What a run of control was told; empty for other files.
+        Settings of a run of control; empty for other files.
     strategy
         How it is called in paths and tables; likewise.
     """

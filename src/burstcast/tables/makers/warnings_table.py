@@ -110,7 +110,7 @@ def make(
 
 
 def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator[Finding]:
-    # left out of tables where nobody has one
+    # left out of tables without any value
     (row,) = dataset.to_dict("records")
     published = row.get("lyapunov_exponent_paper")
     yield from warning_signs.exponents_differ(
