@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from snakemake.utils import update_config
 from sphinx.cmd.build import main as sphinx
 
 from burstcast.figures.parts.style import render
@@ -50,12 +51,10 @@ NAVIGATION = {
         *("trust", "decisions", "repository/CONTRIBUTING"),
     ],
 }
-# Figures that the paper's campaign does not have, by the preset that makes them.
-_OF_PRESETS = {
-    "control_frontier": "beyond_the_paper",
-    "forecast_skill": "beyond_the_paper",
-    "observed_components": "partial_observation",
-}
+# Campaigns that figures are taken from, in this order: the paper's, then presets.
+PRESETS = ("", "beyond_the_paper", "partial_observation", "aware")
+# Figures whose kept picture shows another campaign than the paper's.
+_OF_PRESETS = {"forecast_skill": "beyond_the_paper"}
 _LINK = re.compile(r"(?P<before>\]\(|^\[[^\]]+\]: )(?P<path>[^)#\s:]+)(?P<after>[)#\s])", re.M)
 _FENCE = re.compile(r"^ *```.*?^ *```$", re.M | re.S)
 
@@ -178,8 +177,7 @@ def _kept(place: str | list[str]) -> Any:
 
 def pictures() -> dict[str, bytes]:
     """Figures of the paper's campaign that can be drawn from its kept tables, as PNG."""
-    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
-    campaign = Campaign(load(config))
+    campaign = _campaign("")
     found = {}
     for name, figure in FIGURES.items():
         cases = cases_of(campaign, figure)
@@ -197,12 +195,22 @@ def pictures() -> dict[str, bytes]:
     return found
 
 
+def _campaign(preset: str) -> Campaign:
+    """The campaign of a preset; without a name, the paper's."""
+    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    if preset:
+        overlay = ROOT / "workflow" / "presets" / f"{preset}.yaml"
+        update_config(config, yaml.safe_load(overlay.read_text(encoding="utf-8")))
+    return Campaign(load(config))
+
+
 def _is_kept(name: str) -> bool:
     return (DOCS / "images" / f"{name}.png").exists()
 
 
 def gallery(drawn: set[str]) -> str:
     """Each figure with its caption, picture and command, by the sections of the report."""
+    campaigns = {preset: _campaign(preset) for preset in PRESETS}
     lines, section = ["\n## Gallery\n"], ""
     for name in FIGURES:
         if section != (section := declaration(name).section):
@@ -210,9 +218,11 @@ def gallery(drawn: set[str]) -> str:
         lines += [f"#### {name}\n", f"{caption(name).replace('``', '`')}\n"]
         if name in drawn or _is_kept(name):
             lines.append(f"![{name}](images/{name}.png)\n")
-        preset = _OF_PRESETS.get(name)
+        makers = (one for one in PRESETS if cases_of(campaigns[one], FIGURES[name]))
+        preset = _OF_PRESETS.get(name, next(makers))
         option = f" --configfile workflow/presets/{preset}.yaml" if preset else ""
-        target = f"results/{preset or CAMPAIGN}/figures/{name}.png"
+        results = campaigns[preset].config.results
+        target = f"{results}/figures/{name}.png"
         lines.append(f"```sh\n.venv/bin/snakemake{option} {target}\n```\n")
     return "\n".join(lines)
 

@@ -64,7 +64,6 @@ def test_the_commands_of_the_gallery_make_their_figures(build, tmp_path):
         program, *options, target = shlex.split(block)
         assert program == ".venv/bin/snakemake"
         targets.setdefault(tuple(options), []).append(target)
-    assert len(targets) == 3
     for options, wanted in targets.items():
         plan = subprocess.run(
             [sys.executable, "-m", "snakemake", "-n", *wanted, *options],

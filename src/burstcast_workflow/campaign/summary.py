@@ -46,8 +46,8 @@ def summary_table(tables: Path) -> pd.DataFrame | None:
 
     Returns
     -------
-    A row for each ensemble, the best of each case first: the case, who it is (``who``), and a
-    column for each score that there is, by its name for people. None if there is no score.
+    A row for each ensemble, the best of each case first: case, ``forecaster``, and a column for
+    each available score, by its name for people. None without any score.
     """
     columns = {}
     scores = _medians(tables / "classification_percentiles.csv", "f_score")
@@ -69,8 +69,10 @@ def summary_table(tables: Path) -> pd.DataFrame | None:
         case: number for number, case in enumerate(sorted(set(table["case"]), key=natural_order))
     }
     table = table.sort_values("case", key=lambda cases: cases.map(place), kind="stable")
-    table.insert(1, "who", [_who(row) for row in table[_KEYS].to_dict("records")])
-    return table.drop(columns=_KEYS[1:])
+    forecasters = [_who(row) for row in table[_KEYS].to_dict("records")]
+    table = table.drop(columns=_KEYS[1:])
+    table.insert(1, "forecaster", forecasters)
+    return table
 
 
 def where_results_lie(results: Path) -> str:
