@@ -11,10 +11,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from burstcast import durations
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.arrays import BoolArray, ByteArray, FloatArray
 from burstcast.control.timing import Timing
 from burstcast.systems.base import DynamicalSystem, EnergyBudget, has_own
 from burstcast.systems.parameters import SHARE, Parameters
+
+REVERSED = 2
+"""Number of the reversed actuation: 0 is none, 1 the actuation."""
 
 
 def actuation_interval(timing: Timing, start_lt: float, duration_lt: float) -> tuple[int, int]:
@@ -121,21 +124,25 @@ class ActuationValues:
     ----------
     off, on
         One value for each parameter.
+    reversed
+        Likewise under the reversed actuation; empty: it cannot be reversed.
     """
 
     off: tuple[float, ...]
     on: tuple[float, ...]
+    reversed: tuple[float, ...] = ()
 
-    def schedule(self, acting: BoolArray) -> FloatArray:
-        """Schedule ``(steps, parameters, batch)`` of an actuator that is on or off.
+    def schedule(self, acting: ByteArray | BoolArray) -> FloatArray:
+        """Schedule ``(steps, parameters, batch)`` of an actuator.
 
         Parameters
         ----------
         acting
-            Whether it is on during each step, ``(steps, batch)``.
+            Which actuation is in force during each step, ``(steps, batch)``: 0 is none, 1 the
+            actuation, 2 the reversed one.
         """
-        off, on = (np.array(values)[:, np.newaxis] for values in (self.off, self.on))
-        return np.where(acting[:, np.newaxis], on, off)
+        values = np.array([one for one in (self.off, self.on, self.reversed) if one])
+        return np.ascontiguousarray(values[acting.astype(np.uint8)].transpose(0, 2, 1))
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from burstcast.control.actuation import REVERSED
 from burstcast.control.cost import ActuationCost, actuation_cost
 from burstcast.control.monitors.base import Decision, Monitor
 from burstcast.control.timing import Clock
@@ -22,9 +23,6 @@ from burstcast.systems.integration import integrate, integrate_switched
 
 FLOWS_PER_BATCH = 1024
 """Flows that are simulated side by side: bounds the memory, changes no result."""
-
-REVERSED = 2
-"""Number of the reversed actuation among `Stepper.systems`."""
 
 Sensor = Callable[[FloatArray], FloatArray]
 """What is observed of states: from ``(dimension, ...)`` to ``(observed components, ...)``."""
@@ -265,13 +263,13 @@ class RunningFlows:
         for flow, step, as_told in zip(due[alarm], begins, mode[alarm], strict=True):
             self.acting[flow, step + start : step + stop] = as_told
 
-    def _known(self, due: IntArray, now: IntArray) -> BoolArray:
-        """Whether the actuator was on over the washout, and will be until an alarm takes effect."""
+    def _known(self, due: IntArray, now: IntArray) -> ByteArray:
+        """Which actuation was on over the washout, and will be until an alarm takes effect."""
         pending = self.stepper.effect[0] // self._stride
         steps = self.stepper.timing.washout - 1 + pending
         last = (now + pending) * self._stride - 1
         behind = ending_at(self.acting, due, last, steps * self._stride)
-        return np.asarray((behind[:, self._stride - 1 :: self._stride] != 0).T)
+        return np.asarray(behind[:, self._stride - 1 :: self._stride].T)
 
     def _advance(self, flows: IntArray) -> None:
         """Move flows on by the shortest pause, each up to its next stop at most."""

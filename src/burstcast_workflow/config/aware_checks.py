@@ -75,10 +75,11 @@ def extrapolations(config: Configuration) -> Iterator[str]:
         factors = _factors(config, [_simulated(config, source) for source in sources])
         strengths = sorted(
             {
-                plan.strength
+                sign * plan.strength
                 for block in config.control.strategies
                 if case.actuation is not None and name in (block.cases or [name])
                 for plan in block_plans(block)
+                for sign in ((1, -1) if dict(plan.settings).get("reversible") else (1,))
                 if make_strategy(block.strategy, dict(plan.settings)).told
             }
             | ({tests.strength} if (tests := case.training.actuation) and tests.tested else set())

@@ -193,6 +193,8 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
         if shares:
             yield f"{place}.settings.{VOTE_SHARE} is for committees; say committee: true as well"
         return
+    if True in block.settings.get("reversible", []):
+        yield f"{place}.committee: a committee cannot vote about a direction; leave it out"
     if not votes(strategy_class(block.strategy)):
         yield f"{place}.committee: {block.strategy} lets nobody vote; leave it out"
     for share in shares:

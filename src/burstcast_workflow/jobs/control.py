@@ -86,7 +86,8 @@ def control_experiment(
     """
     system, steps = equations_of(settings), lyapunov_time(settings, time_unit)
     actuation, strength = settings["case.actuation"], settings["control.run.strength"]
-    reverses = bool(settings["control.run.settings"].get("push")) and actuation["force"] is not None
+    of_strategy = settings["control.run.settings"]
+    reverses = bool(of_strategy.get("push") or of_strategy.get("reversible"))
     washout = durations.steps(settings["washout_lt"], steps)
     training = settings["case.training.series"]
     kept = read_json(summary)["series_kept"]
@@ -102,7 +103,9 @@ def control_experiment(
             strength,
         ),
         reversed_system=(
-            reversed_actuation(system, actuation["force"], strength) if reverses else None
+            reversed_actuation(system, actuation["force"], strength)
+            if reverses and actuation["force"] is not None
+            else None
         ),
         sensor=_sensor(settings, system),
         threshold=settings["case.event_threshold"],
@@ -137,7 +140,8 @@ def _values(
     """What forecasters are told of the actuator, off and on."""
     off = parameters_of(settings, names)
     if list(names) == [SHARE]:
-        return ActuationValues(off.own, (settings["control.run.strength"],))
+        strength = settings["control.run.strength"]
+        return ActuationValues(off.own, (strength,), (-strength,))
     return ActuationValues(off.own, SystemParameters.of(experiment.actuated_system, names).own)
 
 

@@ -7,7 +7,7 @@ import abc
 from dataclasses import dataclass
 from typing import ClassVar
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -19,14 +19,14 @@ class Decision:
     alarm
         Whether it raises an alarm, ``(batch,)``.
     plan
-        Whether the actuator is to be on during each of the coming steps, what is on its way
-        already included, ``(steps, batch)``; None: the monitor does not plan.
+        Actuation during each of the coming steps, what is on its way already included: 0 is none, 1
+        the actuation, 2 the reversed one, ``(steps, batch)``; None: the monitor does not plan.
     reverse
         Whether an alarm sets off the reversed actuation, ``(batch,)``; None: it never does.
     """
 
     alarm: BoolArray
-    plan: BoolArray | None = None
+    plan: ByteArray | None = None
     reverse: BoolArray | None = None
 
 
@@ -41,7 +41,7 @@ class Monitor(abc.ABC):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> Decision:
         """Decide on the actuation; by default a monitor only raises alarms.
 
@@ -58,7 +58,7 @@ class Monitor(abc.ABC):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> BoolArray:
         """Whether an event is expected in the window.
 
@@ -71,9 +71,9 @@ class Monitor(abc.ABC):
         washout
             Observed states up to and including now, ``(steps, dimension, batch)``.
         acting
-            Whether the actuator was on from each of them to the next, and, after those, whether it
-            will be on during the steps before this decision takes effect, ``(steps - 1 + delay,
-            batch)``; None: unknown.
+            Actuation from each of them to the next, and, after those, during the steps before this
+            decision takes effect, ``(steps - 1 + delay, batch)``: 0 is none, 1 the actuation, 2 the
+            reversed one; None: unknown.
 
         Returns
         -------

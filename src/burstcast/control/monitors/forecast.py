@@ -6,7 +6,7 @@ Source: section "Control of extreme events" of the paper.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.timing import Timing
 from burstcast.forecast import windows
@@ -39,7 +39,7 @@ class ForecastMonitor(Monitor):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> BoolArray:
         """Forecast, and look for a crossing (see `Monitor.alarms`)."""
         memory = self.forecaster.start(washout)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.control.actuation import ActuationValues
 from burstcast.control.monitors.base import Monitor
 from burstcast.forecasters.base import Forecaster, for_members
@@ -60,7 +60,7 @@ class HorizonMonitor(Monitor):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> BoolArray:
         """Forecast, and look for the level (see `Monitor.alarms`)."""
         if self.values is None:
@@ -78,7 +78,7 @@ class HorizonMonitor(Monitor):
 def told_memory(
     forecaster: Forecaster,
     washout: FloatArray,
-    acting: BoolArray | None,
+    acting: ByteArray | None,
     values: ActuationValues,
 ) -> tuple[FloatArray, int]:
     """Memory of a forecaster at the step at which a decision takes effect.

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.vote import check_share, enough
 from burstcast.forecast.window_forecasts import side_by_side
@@ -66,7 +66,7 @@ class MembersMonitor(Monitor):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> BoolArray:
         """Count the members' alarms (see `Monitor.alarms`)."""
         raised = np.zeros(len(rows), dtype=bool)

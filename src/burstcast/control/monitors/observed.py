@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.control.monitors.base import Decision, Monitor
 
 
@@ -33,7 +33,7 @@ class ObservedMonitor(Monitor):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> Decision:
         """Compare with the level, and push in the direction asked for (see `Monitor.decide`)."""
         alarm = self.alarms(rows, forecast_number, washout, acting)
@@ -45,7 +45,7 @@ class ObservedMonitor(Monitor):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> BoolArray:
         """Compare the last observed state with the level (see `Monitor.alarms`)."""
         alarms: BoolArray = self.observable(washout[-1]) >= self.level

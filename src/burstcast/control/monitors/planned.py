@@ -6,8 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.actuation import ActuationValues
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from burstcast.control.actuation import REVERSED, ActuationValues
 from burstcast.control.monitors.base import Decision, Monitor
 from burstcast.control.monitors.horizon import told_memory
 from burstcast.forecasters.base import Forecaster
@@ -39,8 +39,8 @@ class PlannedMonitor(Monitor):
     values
         Values of the parameters with the actuator off and on.
     sequences
-        Plans: whether each has the actuator on, step by step from the effect of the decision to the
-        horizon, ``(plans, steps)``.
+        Plans: the actuation of each, step by step from the effect of the decision to the horizon,
+        ``(plans, steps)``: 0 is none, 1 the actuation, 2 the reversed one.
     """
 
     plans: ClassVar[bool] = True
@@ -49,14 +49,14 @@ class PlannedMonitor(Monitor):
     observable: Callable[[FloatArray], FloatArray]
     level: float
     values: ActuationValues
-    sequences: BoolArray
+    sequences: ByteArray
 
     def alarms(
         self,
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> BoolArray:
         """Act if the best plan does at once (see `Monitor.alarms`)."""
         return self.decide(rows, forecast_number, washout, acting).alarm
@@ -66,13 +66,13 @@ class PlannedMonitor(Monitor):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> Decision:
         """Choose a plan for each trajectory of the forecaster's batch (see `Monitor.decide`)."""
         memory, delay = told_memory(self.forecaster, washout, acting, self.values)
         assert acting is not None
         batch, steps = memory.shape[-1], self.sequences.shape[1]
-        chosen = np.zeros((steps, batch), dtype=bool)
+        chosen = np.zeros((steps, batch), dtype=np.uint8)
         without = self._forecast(memory, chosen)
         acts = np.flatnonzero((np.isfinite(without) & (without >= self.level)).any(axis=0))
         at_once = max(1, TRAJECTORIES_PER_CALL // len(self.sequences))
@@ -81,7 +81,9 @@ class PlannedMonitor(Monitor):
             chosen[:, some] = self.sequences[self._best(memory[..., some])].T
         pending = np.tile(acting[len(washout) - 1 :], (1, batch // washout.shape[-1]))
         assert len(pending) == delay
-        return Decision(chosen[0].copy(), np.concatenate([pending, chosen]))
+        plan = np.concatenate([pending, chosen])
+        reverse = chosen[0] == REVERSED if (self.sequences == REVERSED).any() else None
+        return Decision(chosen[0] != 0, plan, reverse)
 
     def _best(self, memory: FloatArray) -> IntArray:
         """Number of the best plan of each trajectory, ``(batch,)``."""
@@ -91,7 +93,8 @@ class PlannedMonitor(Monitor):
         forecast = self._forecast(side_by_side, plans).reshape(-1, number, batch)
         height = np.where(np.isfinite(forecast), forecast, np.inf)
         above, peak = (height >= self.level).sum(axis=0), height.max(axis=0)
-        cost = np.broadcast_to(self.sequences.sum(axis=1)[:, np.newaxis], above.shape)
+        steps_on = (self.sequences != 0).sum(axis=1)
+        cost = np.broadcast_to(steps_on[:, np.newaxis], above.shape)
         # sufficient plans are alike in what is above the level: the cheapest goes first; the
         # others are told apart by it before anything else
         first = np.where(above == 0, cost, above)
@@ -99,7 +102,7 @@ class PlannedMonitor(Monitor):
         return np.asarray(order[0], dtype=np.int64)
 
     @np.errstate(over="ignore", invalid="ignore")
-    def _forecast(self, memory: FloatArray, acting: BoolArray) -> FloatArray:
+    def _forecast(self, memory: FloatArray, acting: ByteArray) -> FloatArray:
         """Observable under an actuation ``(steps, batch)``, of the same shape."""
         outputs, _ = self.forecaster.advance(
             memory, len(acting), self.values.schedule(np.ascontiguousarray(acting))

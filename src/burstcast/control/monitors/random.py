@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.control.monitors.base import Monitor
 
 
@@ -42,7 +42,7 @@ class RandomMonitor(Monitor):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> BoolArray:
         """Compare the flows' own random numbers with the probability (see `Monitor.alarms`)."""
         alarms: BoolArray = self.draws[rows, forecast_number] < self.alarm_probability

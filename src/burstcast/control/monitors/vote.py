@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.control.monitors.base import Monitor
 
 
@@ -53,7 +53,7 @@ class VoteMonitor(Monitor):
         rows: IntArray,
         forecast_number: IntArray,
         washout: FloatArray,
-        acting: BoolArray | None = None,
+        acting: ByteArray | None = None,
     ) -> BoolArray:
         """Count the members' alarms (see `Monitor.alarms`)."""
         votes = np.zeros(len(rows), dtype=np.int64)

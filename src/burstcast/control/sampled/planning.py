@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from burstcast.arrays import BoolArray
+from burstcast.control.actuation import REVERSED
 from burstcast.control.experiment import ControlExperiment, Schedule
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.planned import PlannedMonitor
@@ -18,6 +19,7 @@ from burstcast.control.monitors.vote import VoteMonitor
 from burstcast.control.sampled.strategy import SampledStrategy, check_horizon, values_to_tell
 from burstcast.control.timing import DecisionTiming
 from burstcast.forecasters.base import Forecaster
+from burstcast.systems.state_space import StateSpace
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,8 @@ class PlanningStrategy(SampledStrategy):
         By how much less than the event threshold a forecast must stay, in units of the observable.
     vote_share
         Of several forecasters, each of which plans for itself, the share whose plan acts at once.
+    reversible
+        Whether each plan is forecast with the reversed force, too.
     """
 
     forecasts: ClassVar[bool] = True
@@ -43,6 +47,7 @@ class PlanningStrategy(SampledStrategy):
     horizon_lt: float
     margin: float = 0.0
     vote_share: float = 0.5
+    reversible: bool = False
 
     @property
     def told(self) -> bool:
@@ -78,16 +83,27 @@ class PlanningStrategy(SampledStrategy):
         check_horizon(self.horizon(timing), timing, self.horizon_lt, self.told)
         self.sequences(timing)
 
+    def check_system(self, system: StateSpace, reversible: bool) -> None:
+        """Check that a force is there to be reversed (see `ControlStrategy`)."""
+        if self.reversible and not reversible:
+            raise ValueError("plans cannot be reversible: only a force can be reversed")
+
     def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
         """Alarms where the best plan acts at once (see `ControlStrategy.monitor`)."""
         self.check(experiment.schedule)
+        self.check_system(experiment.system, experiment.reversed_system is not None)
+        if self.reversible and len(forecasters) > 1:
+            raise ValueError("several forecasters cannot vote about the direction of a force")
+        sequences = self.sequences(self.timing(experiment.schedule)).astype(np.uint8)
+        if self.reversible:
+            sequences = np.concatenate([sequences, REVERSED * sequences])
         members = [
             PlannedMonitor(
                 forecaster,
                 experiment.observed_space.observable,
                 experiment.threshold - self.margin,
                 values_to_tell(experiment, forecasters),
-                self.sequences(self.timing(experiment.schedule)),
+                sequences,
             )
             for forecaster in forecasters
         ]
