@@ -2,7 +2,7 @@
 
 
 def __getattr__(name: str) -> object:
-    """Load ``open_campaign`` when it is asked for: ``import burstcast_workflow`` loads nothing."""
+    """Load ``open_campaign`` on first access: ``import burstcast_workflow`` loads nothing."""
     if name == "open_campaign":
         from burstcast_workflow.campaign.opened import open_campaign
 

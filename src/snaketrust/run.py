@@ -44,7 +44,7 @@ class Run:
 
     @classmethod
     def new(cls, results: str) -> "Run":
-        """Make a run. It has nothing yet, and nobody knows it: one may merely plan."""
+        """Create a run that has not yet claimed its results directory."""
         return cls(secrets.token_hex(8), results)
 
     @classmethod

@@ -138,7 +138,7 @@ def test_recorded_forecasts_go_on_from_their_washouts():
     assert np.array_equal(again.start(washouts[[1]].transpose(1, 2, 0)), [[1.0], [0.0]])
     with pytest.raises(ValueError, match="1 of 2 washouts have no recorded forecast"):
         recorded.start(np.stack([washouts[0], washouts[1] + 1], axis=2))
-    with pytest.raises(ValueError, match="have 10 steps, and 11 are asked for"):
+    with pytest.raises(ValueError, match="have 10 steps, and 11 are requested"):
         recorded.advance(memory, 7)
     with pytest.raises(NotImplementedError):
         RecordedForecasts.fit(washouts, None)

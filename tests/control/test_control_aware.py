@@ -273,11 +273,11 @@ def test_who_cannot_be_told_is_refused(strategy):
     given = experiment(2)
     with pytest.raises(ValueError, match="Persistence does not know the parameters"):
         strategy.monitor(given, [Persistence()])
-    with pytest.raises(ValueError, match="no parameter that forecasters can be told"):
+    with pytest.raises(ValueError, match="no parameter for forecasters"):
         strategy.monitor(replace(given, values=None), [EQUATIONS])
     monitor = strategy.monitor(given, [EQUATIONS])
     rows = np.zeros(1, dtype=np.int64)
-    with pytest.raises(ValueError, match="an actuation that nobody knows"):
+    with pytest.raises(ValueError, match="the actuation, which is unknown"):
         monitor.alarms(rows, rows, np.zeros((5, 9, 1)))
 
 

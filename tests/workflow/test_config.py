@@ -686,7 +686,7 @@ def test_all_mistakes_are_told_at_once(config):
         (
             "control.strategies",
             [reactive(forecasters={"equations": {}})],
-            ["control.strategies[0].forecasters", "reactive asks no forecaster"],
+            ["control.strategies[0].forecasters", "reactive uses no forecaster"],
         ),
         (
             "control.strategies",
@@ -697,7 +697,10 @@ def test_all_mistakes_are_told_at_once(config):
                     forecasters={"esn": {}},
                 )
             ],
-            ["control.strategies[0]: planned tells forecasters", "which esn cannot use"],
+            [
+                "control.strategies[0]: planned passes the parameters in force to forecasters",
+                "which esn cannot use",
+            ],
         ),
         (
             "control.strategies",
@@ -724,7 +727,7 @@ def test_all_mistakes_are_told_at_once(config):
         (
             "control.strategies",
             [reactive(committee=True)],
-            ["control.strategies[0].committee: reactive lets nobody vote"],
+            ["control.strategies[0].committee: reactive has no votes"],
         ),
         (
             "control.strategies",

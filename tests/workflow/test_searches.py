@@ -85,7 +85,7 @@ def test_durations_are_those_of_the_settings(ensemble):
     [
         (
             {"case.recycle_validation": {"series": 2, "intervals_per_series": 6}},
-            r"6 validation intervals per series are asked for, but only 5 intervals",
+            r"6 validation intervals per series are requested, but only 5 intervals",
         ),
         ({"search.interval_lt": 11.6}, "leave nothing to train on before the last"),
         ({"search.interval_lt": 0.01}, r"search\.interval_lt is 0\.01 Lyapunov times"),

@@ -76,7 +76,7 @@ class RecordedForecasts(Forecaster):
         if done.size and done.max() + steps > self.outputs.shape[1]:
             raise ValueError(
                 f"recorded forecasts have {self.outputs.shape[1]} steps, and "
-                f"{done.max() + steps} are asked for"
+                f"{done.max() + steps} are requested"
             )
         outputs = self.outputs[rows[:, np.newaxis], done[:, np.newaxis] + np.arange(steps)]
         later = np.stack([memory[0], memory[1] + steps])

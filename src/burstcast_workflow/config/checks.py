@@ -155,13 +155,13 @@ def _strategies(config: Configuration) -> Iterator[str]:
         if strategy_class(name).forecasts and not chosen:
             yield f"{place}.forecasters names no kind, but {name} asks forecasters"
         if chosen and not strategy_class(name).forecasts:
-            yield f"{place}.forecasters: {name} asks no forecaster; leave it out"
+            yield f"{place}.forecasters: {name} uses no forecaster; leave it out"
         yield from _observed(config, block, place)
         for plan in block_plans(block):
             try:
                 if make_strategy(name, dict(plan.settings)).told and (untold := _untold(block)):
                     yield (
-                        f"{place}: {name} tells forecasters of the parameters in force, which "
+                        f"{place}: {name} passes the parameters in force to forecasters, which "
                         f"{', '.join(untold)} cannot use; take kinds that know them"
                     )
             except ValueError as error:
@@ -196,7 +196,7 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
     if True in block.settings.get("reversible", []):
         yield f"{place}.committee: a committee cannot vote about a direction; leave it out"
     if not votes(strategy_class(block.strategy)):
-        yield f"{place}.committee: {block.strategy} lets nobody vote; leave it out"
+        yield f"{place}.committee: {block.strategy} has no votes; leave it out"
     for share in shares:
         if not isinstance(share, float):  # told with the settings
             continue

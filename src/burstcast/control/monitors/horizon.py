@@ -102,7 +102,7 @@ def told_memory(
         If the actuation is unknown.
     """
     if acting is None:
-        raise ValueError("a forecaster is to be told of an actuation that nobody knows")
+        raise ValueError("the forecaster needs the actuation, which is unknown")
     past, pending = np.split(acting, [len(washout) - 1])
     memory = forecaster.start(washout, values.schedule(past))
     if len(pending):

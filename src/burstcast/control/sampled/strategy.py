@@ -97,7 +97,7 @@ def values_to_tell(
         If the experiment has none, or a forecaster does not use them.
     """
     if experiment.values is None:
-        raise ValueError("the actuation of this case has no parameter that forecasters can be told")
+        raise ValueError("the actuation of this case has no parameter for forecasters")
     for forecaster in forecasters:
         if not forecaster.aware:
             raise ValueError(

@@ -58,7 +58,7 @@ class ValidationPlan:
         fit, wanted = self.fitting(length), 1 if self.intervals is None else self.intervals
         if wanted > fit:
             raise ValueError(
-                f"{wanted} validation intervals per series are asked for, but only {fit} "
+                f"{wanted} validation intervals per series are requested, but only {fit} "
                 f"intervals of {self.interval} steps fit into a series of {length} samples"
             )
 
