@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 BUDGET = {
     "src/burstcast_workflow": 224,
     "src/burstcast_workflow/campaign": 1097,
-    "src/burstcast_workflow/commands": 1365,
+    "src/burstcast_workflow/commands": 1366,
     "src/burstcast_workflow/config": 2751,
     "src/burstcast_workflow/costs": 522,
     "src/burstcast_workflow/figures": 439,

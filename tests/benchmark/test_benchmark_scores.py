@@ -2,6 +2,7 @@
 
 import csv
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,9 +27,12 @@ from burstcast.benchmark.leaderboard import (
     write_leaderboard,
 )
 from burstcast.benchmark.scores import score_forecasts
+from burstcast.files.netcdf import read_attributes
 from burstcast.forecast.windows import crosses, summarise
 from burstcast.forecasters._recorded import RecordedForecasts
 from burstcast_workflow.commands.command_line import main
+
+ROOT = Path(__file__).parents[2]
 
 
 def by_name(scores):
@@ -264,6 +268,16 @@ def test_nothing_is_written_where_forecasts_are_wrong(data, facts, tmp_path, cap
     assert "--alarm-threshold must be between 0 and 1, not 2" in capsys.readouterr().err
 
 
-def test_the_leaderboard_is_printed_as_a_page(capsys):
+def test_the_page_of_the_leaderboard_is_made_of_it(capsys):
     assert main(["benchmark", "leaderboard"]) == 0
-    assert capsys.readouterr().out.startswith("# Leaderboard of the benchmark\n")
+    page = ROOT / "docs" / "leaderboard.md"
+    assert capsys.readouterr().out == page.read_text(encoding="utf-8"), "run make pages"
+
+
+@pytest.mark.usefixtures("small_is_known")
+def test_another_seed_may_be_exported(tmp_path, capsys):
+    for name, more in (("a", []), ("b", ["--seed", "7"])):
+        assert main(["benchmark", "export", str(tmp_path / name), "--case", "small", *more]) == 0
+    seeds = [read_attributes(tmp_path / name / "small.nc")["seed"] for name in "ab"]
+    assert seeds == [2026, 7]
+    capsys.readouterr()

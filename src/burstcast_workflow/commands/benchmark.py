@@ -10,7 +10,7 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any
 
-from burstcast.benchmark.cases import CASES, case_named
+from burstcast.benchmark.cases import CASES, SEED, case_named
 from burstcast.benchmark.data import make_case
 from burstcast.benchmark.export import export
 from burstcast.benchmark.forecast_files import case_of, read_forecasts
@@ -39,10 +39,11 @@ _BY_TIME = ("precision", "recall", "f_score", "brier_skill", "calibration_error"
 _OF_ALL = ("mean_lead_time_lt", "missed_fraction", "mean_horizon_lt", "median_horizon_lt")
 
 
-def export_cases(directory: Path, case: Sequence[str] | None, seed: int) -> None:
+def export_cases(directory: Path, case: Sequence[str] | None, seed: int | None) -> None:
     """Write files of cases, and the page that explains them."""
     cases = [case_named(name) for name in case or CASES]
-    for path in export(directory, [make_case(one, seed) for one in cases]):
+    root = SEED if seed is None else seed
+    for path in export(directory, [make_case(one, root) for one in cases]):
         print(path)
 
 

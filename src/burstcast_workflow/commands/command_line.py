@@ -73,7 +73,7 @@ def _parser() -> argparse.ArgumentParser:
     export = tasks.add_parser("export", help="write the cases, and a page that explains them")
     export.add_argument("directory", type=Path, help="where; it is made")
     export.add_argument("--case", action="append", help="only this case; may be repeated")
-    export.add_argument("--seed", type=int, default=2026, help="of other data (%(default)s)")
+    export.add_argument("--seed", type=int, help="of other data; the leaderboard's if left out")
     score = tasks.add_parser("score", help="score the forecasts of one forecaster for one case")
     score.add_argument("files", type=Path, nargs="+", metavar="FILE", help="NetCDF or CSV")
     score.add_argument("--name", help="of the forecaster; that of the first file if left out")
