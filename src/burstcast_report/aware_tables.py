@@ -66,9 +66,16 @@ SWITCHED = "Re400switched"
 
 def choices(tables: Tables, case: str) -> str:
     """Strategies at their best under each condition: what is left, how long they act, how hard."""
-    found = tables.rows("control_choices", case=case).sort_values(
-        ["noise", "strength", "delay_lt"], ascending=[True, False, True], kind="stable"
+    found = tables.rows("control_choices", case=case)
+    if found.empty:
+        return ""
+    whole = found.assign(observed=found.get("observed", pd.Series("", found.index)).fillna(""))
+    order = whole.sort_values(
+        ["observed", "noise", "strength", "delay_lt"],
+        ascending=[True, True, False, True],
+        kind="stable",
     )
+    found = found.loc[order.index]
     rows = []
     for runs in _runs(found):
         rows.append(
@@ -211,6 +218,8 @@ def _condition(keys: dict[str, Any]) -> str:
         parts.append(f"{keys['delay_lt']:g} LT late")
     if keys["noise"] != 0.01:
         parts.append(f"{100 * keys['noise']:g} % noise")
+    if isinstance(keys.get("observed"), str):
+        parts.append(f"observed: {keys['observed'].replace('_', ' ')}")
     return ", ".join(parts) or "in time"
 
 

@@ -75,7 +75,7 @@ def control_choices(choices: pd.DataFrame, tolerance: float, *, usual_noise: flo
     ----------
     choices
         Of one case: ``forecaster`` ("none" where no forecaster takes part), ``strategy``,
-        ``options`` if any, ``delay_lt``, ``strength``, ``noise``, ``metric``
+        ``options`` and ``observed`` if any, ``delay_lt``, ``strength``, ``noise``, ``metric``
         (``relative_exceedance``; ``effort``, or else ``control_fraction``), ``value``, ``low``,
         ``high``. Networks that differ by their seeds are shown by their medians.
     tolerance
@@ -126,14 +126,20 @@ def control_choices(choices: pd.DataFrame, tolerance: float, *, usual_noise: flo
 
 def _medians(choices: pd.DataFrame, usual_noise: float) -> pd.DataFrame:
     """A row for each kind of strategy, condition and metric, with what they are called."""
-    options = choices["options"] if "options" in choices else pd.Series("", choices.index)
-    named = choices.assign(options=options.fillna(""))
-    keys = ["forecaster", "strategy", "options", "delay_lt", "strength", "noise", "metric"]
+    words = {
+        name: choices[name].fillna("") if name in choices else ""
+        for name in ("options", "observed")
+    }
+    named = choices.assign(**words)
+    keys = ["forecaster", "strategy", "options", "delay_lt", "strength", "noise", "observed"]
+    keys.append("metric")
     found = named.groupby(keys, sort=False)[["value", "low", "high"]].median().reset_index()
     # conditions from the usual ones on: late, weak, noisy
     distance = (found["noise"] - usual_noise).abs()
     found = found.assign(distance=distance).sort_values(
-        ["distance", "strength", "delay_lt"], ascending=[True, False, True], kind="stable"
+        ["observed", "distance", "strength", "delay_lt"],
+        ascending=[True, True, False, True],
+        kind="stable",
     )
     records = found.to_dict("records")
     return found.assign(
@@ -155,6 +161,8 @@ def _condition(record: Mapping[Any, Any], usual_noise: float) -> str:
         parts.append(f"{record['delay_lt']:g} LT late")
     if not np.isclose(record["noise"], usual_noise):
         parts.append(f"{100 * record['noise']:g} % noise")
+    if record["observed"]:
+        parts.append(f"observed: {record['observed'].replace('_', ' ')}")
     return ",\n".join(parts) or "in time"
 
 
