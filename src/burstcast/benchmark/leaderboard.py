@@ -148,8 +148,10 @@ def as_markdown(rows: Sequence[Row], marked: Row | None = None) -> str:
 
 def _cell(row: Row, column: str) -> str:
     """A score with its interval: "0.79 (0.75 to 0.82)"."""
-    value, low, high = (row[f"{column}{end}"] for end in ("", "_low", "_high"))
-    if not value:
-        return "-"
-    shown = f"{float(value):.2f}"
-    return f"{shown} ({float(low):.2f} to {float(high):.2f})" if low else shown
+    shown = [_two_decimals(row[f"{column}{end}"]) for end in ("", "_low", "_high")]
+    return f"{shown[0]} ({shown[1]} to {shown[2]})" if shown[1] else shown[0] or "-"
+
+
+def _two_decimals(text: str) -> str:
+    """A number with two decimals, zero without a sign; empty if there is none."""
+    return f"{round(float(text), 2) + 0.0:.2f}" if text else ""
