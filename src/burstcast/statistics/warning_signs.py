@@ -33,9 +33,9 @@ DIVERGED_RUNS = 0.01
 EXPONENT_DIFFERENCE = 0.1
 """Relative, from the published exponent: all times in Lyapunov times change by as much."""
 
-OWN_EXPONENT_DIFFERENCE = 0.2
-"""Relative, from an exponent that was estimated from series: a neighbour estimate misses by as much
-where it works at all."""
+OWN_EXPONENT_DIFFERENCE = 0.1
+"""Relative, from an exponent that was estimated from series: the standard error of a neighbour
+estimate (`burstcast.statistics.neighbour_divergence`)."""
 
 OUTSIDE_BINS = 0.001
 """Of the samples of the observable: as much as tails hold that extreme events are about."""
@@ -237,8 +237,8 @@ def own_exponents_differ(
     text = (
         f"estimated from the series {estimated[0]:.4g} ({estimated[1]:.4g} to {estimated[2]:.4g}), "
         f"of forecasters' own flows {median:.4g} ({known.min():.4g} to {known.max():.4g} of "
-        f"{known.size}); the interval of the estimate knows nothing of its bias. To count in the "
-        f"forecasters' exponent: lyapunov: {{published_exponent: {median:.4g}}}"
+        f"{known.size}). To count in the forecasters' exponent: "
+        f"lyapunov: {{published_exponent: {median:.4g}}}"
     )
     return [Finding("own_exponents_differ", text)]
 
