@@ -174,9 +174,11 @@ def test_statistics_of_the_steps_that_count() -> None:
     assert counts.exceedance_free == 1 / 12
     assert counts.reduction == 0.0
     assert counts.control_fraction == 12 / 36
-    assert counts.histogram_uncontrolled.tolist() == [13, 2, 3]
-    assert counts.histogram_controlled.tolist() == [15, 0, 3]
-    assert counts.histogram_free.tolist() == [11, 0, 1]
+    assert counts.histogram_uncontrolled.sum(axis=0).tolist() == [13, 2, 3]
+    assert counts.histogram_controlled.sum(axis=0).tolist() == [15, 0, 3]
+    assert counts.histogram_free.sum(axis=0).tolist() == [11, 0, 1]
+    assert counts.histogram_controlled.shape == (counts.flows, 3)
+    assert counts.row.shape == (counts.flows,)
 
 
 def test_a_flow_that_laminarises_in_one_sample_counts_in_neither() -> None:

@@ -12,6 +12,7 @@ from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.committee_event import CommitteeForecast, SeenEvent, committee_event
 from burstcast.figures.control_choices import control_choices
+from burstcast.figures.control_conditions import control_conditions
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
@@ -572,12 +573,14 @@ GALLERY: dict[str, Callable[[], Figure]] = {
                 THRESHOLD,
                 DENSITY,
                 {1.0: 0.5 * DENSITY, 2.0: 0.7 * DENSITY},
+                np.stack([0.9 * DENSITY, 1.1 * DENSITY]),
                 {1.0: np.stack([0.4 * DENSITY, 0.6 * DENSITY])},
             )
             for re in (400, 600, 800, 1000)
         ],
     ),
     "control_tradeoff": lambda: control_tradeoff(control_rows()),
+    "control_conditions": lambda: control_conditions(frontier_rows(), USUAL),
     "control_frontier": lambda: control_frontier(frontier_rows(), USUAL),
     "control_choices": lambda: control_choices(choice_rows(), 0.01, usual_noise=0.01),
     "skill_by_parameter": lambda: skill_by_parameter(*parameter_rows(), PARAMETER, [2, 3]),

@@ -41,6 +41,7 @@ from matplotlib.figure import Figure
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.committee_event import committee_event
+from burstcast.figures.control_conditions import control_conditions
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
@@ -406,10 +407,9 @@ def test_reliability_is_drawn_of_those_who_tell_probabilities() -> None:
 
 def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_conditions() -> None:
     table = frontier_rows()
-    figure = control_frontier(table, USUAL)
-    frontier, by_delay, by_strength, by_noise = (
-        axes for axes in figure.axes if axes.get_xlabel() != ""
-    )
+    figure, others = control_frontier(table, USUAL), control_conditions(table, USUAL)
+    (frontier,) = figure.axes
+    by_delay, by_strength, by_noise = others.axes
     assert "delay" in by_delay.get_xlabel().lower()
     # of the network, along the horizon, with decisions every 0.25 LT
     curves = [line for line in frontier.get_lines() if line.get_linestyle() != "None"]
@@ -423,7 +423,8 @@ def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_cond
     # nothing left has a place on the axis, and the bound above it
     low, high = frontier.get_ylim()
     assert low < 0 < high
-    assert {"receding horizon, 2 LT", "reactive", "echo state network"} <= set(texts(figure))
+    assert {"reactive", "echo state network", "interval over flows"} <= set(texts(figure))
+    assert {"receding horizon, 2 LT", "echo state network"} <= set(texts(others))
     # a committee beside them, and by what share of the votes it acts
     (voted,) = (line for line in curves if list(line.get_xdata()) == [0.045, 0.025])
     assert list(voted.get_ydata()) == [5e-4, 0.0]
@@ -452,12 +453,12 @@ def test_the_frontier_leaves_out_other_spans_starts_and_spells_of_quiet() -> Non
     assert render(more, "png") == render(plain, "png")
 
 
-def test_a_frontier_without_other_conditions_is_one_panel() -> None:
+def test_strategies_under_one_condition_alone_are_not_compared_under_several() -> None:
     table = frontier_rows()
     simple = table[(table["delay_lt"] == 0) & (table["strength"] == 1) & (table["noise"] == 0.01)]
-    figure = control_frontier(simple, USUAL)
-    assert len([axes for axes in figure.axes if axes.get_xlabel()]) == 1
-    assert overlapping_texts(drawn_texts(figure)) == []
+    assert overlapping_texts(drawn_texts(control_frontier(simple, USUAL))) == []
+    said = " ".join(texts(control_conditions(simple, USUAL)))
+    assert "No strategy was tried under several conditions" in said
 
 
 def test_a_frontier_of_nothing_says_so() -> None:

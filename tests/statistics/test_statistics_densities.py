@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import trapezoid
-from scipy.stats import wasserstein_distance
+from scipy.stats import binom, wasserstein_distance
 
 from burstcast.statistics.densities import (
     Histogram,
     bin_edges,
-    density_quartiles,
+    density_interval,
     histogram,
     kantorovich_metric,
     mean_density,
@@ -169,15 +169,38 @@ def test_mean_density_weighs_each_histogram_alike():
     assert np.isnan(mean_density([empty])).all()
 
 
-def test_quartiles_are_those_of_each_bin():
-    counts = np.random.default_rng(4).integers(1, 9, size=(5, 4))
-    histograms = [filled(list(row)) for row in counts]
-    densities = np.sort([histogram.density for histogram in histograms], axis=0)
-    # of five values, the second and the fourth
-    assert density_quartiles(histograms) == pytest.approx(densities[[1, 3]])
-    empty = filled([0, 0, 0, 0])
-    assert density_quartiles([empty, *histograms]) == pytest.approx(densities[[1, 3]])
-    assert np.isnan(density_quartiles([empty])).all()
+def interval(counts, rows, resamples=4000, confidence=0.95):
+    how = {"resamples": resamples, "confidence": confidence}
+    generator = np.random.default_rng(0)
+    counts = [np.asarray(own, np.int64).reshape(-1, 4) for own in counts]
+    rows = [np.asarray(own, np.int64) for own in rows]
+    return density_interval(EDGES, counts, rows, generator=generator, **how)
+
+
+def test_interval_of_a_density_is_that_of_shares_of_flows():
+    """Flows that lie in one bin each: the share of one kind is binomial."""
+    flows = np.repeat([[10, 0, 0, 0], [0, 0, 0, 10]], [30, 70], axis=0)
+    low, high = interval([flows], [np.arange(100)])
+    share = binom.ppf([0.025, 0.975], 100, 0.3) / 100 / np.diff(EDGES)[0]
+    assert [low[0], high[0]] == pytest.approx(share, rel=0.02)
+    assert low[1] == high[1] == 0
+
+
+def test_densities_that_share_flows_are_resampled_together():
+    """What one density has more of, the other has less of: their mean does not scatter."""
+    one = np.repeat([[10, 0, 0, 0], [0, 0, 0, 10]], 20, axis=0)
+    rows = np.arange(40)
+    low, high = interval([one, one[::-1]], [rows, rows])
+    assert low[0] == pytest.approx(high[0])
+    low, high = interval([one, one[::-1]], [rows, rows + 40])
+    assert high[0] > 1.3 * low[0]
+
+
+def test_interval_of_no_values_is_none():
+    assert np.isnan(interval([[]], [[]])).all()
+    assert np.isnan(interval([np.zeros((3, 4))], [[0, 1, 2]])).all()
+    with_an_empty_one = interval([np.zeros((2, 4)), np.ones((2, 4))], [[0, 1], [0, 1]])
+    assert with_an_empty_one == pytest.approx(interval([np.ones((2, 4))], [[0, 1]]))
 
 
 def test_mean_density_needs_histograms_on_common_bins():

@@ -68,7 +68,11 @@ def changed(overlay):
 def test_the_paper_has_all_figures_and_those_of_other_cases():
     names = figure_names(PAPER)
     # of other strategies than the paper's, and of parts of a state
-    assert set(FIGURES) - set(names) == {"control_frontier", "observed_components"}
+    assert set(FIGURES) - set(names) == {
+        "control_conditions",
+        "control_frontier",
+        "observed_components",
+    }
     for case in ("Re600", "Re800", "Re1000"):
         assert f"classification_scores_{case}" in names
         # one size only: nothing to draw against
@@ -94,7 +98,7 @@ def test_no_figure_over_one_reynolds_number():
 def test_the_frontier_is_made_where_other_strategies_control():
     overlay = yaml.safe_load((WORKFLOW / "presets" / "beyond_the_paper.yaml").read_text())
     frontier = campaign(overlay)
-    assert figure_names(frontier)[-1] == "control_frontier"
+    assert figure_names(frontier)[-2:] == ["control_frontier", "control_conditions"]
     shown = settings(frontier, "control_frontier")["shown.frontier_network"]
     assert shown == {"forecaster": "esn", "neurons": 1000, "validation": "RV", "seed": 0}
     assert settings(PAPER, "control_frontier", "Re800")["shown.frontier_network"]["seed"] == 0

@@ -84,7 +84,7 @@ table_stage(
     "control_density_table",
     "densities with and without control",
     inputs={"histograms": files_in_case("histograms.nc", campaign.control_runs)},
-    settings="KEYS",
+    settings="KEYS random_seed bootstrap",
 )
 table_stage(
     "control_strategies_table",

@@ -1,6 +1,7 @@
 """Counts over flows with and without control, for every strategy."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,8 +51,10 @@ class FlowCounts:
     edges
         Edges of the histograms' bins, ``(bins + 1,)``.
     histogram_uncontrolled, histogram_controlled, histogram_free
-        Steps in each bin, ``(bins,)``, in the same three samples. Values outside the edges are in
-        no bin.
+        Steps of each flow that counts in each bin, ``(flows, bins)``, in the same three samples.
+        Values outside the edges are in no bin.
+    row
+        Row of each of these flows among those that were given, ``(flows,)``.
     """
 
     flows: int
@@ -72,6 +75,7 @@ class FlowCounts:
     histogram_uncontrolled: IntArray
     histogram_controlled: IntArray
     histogram_free: IntArray
+    row: IntArray
 
     @property
     def exceedance_uncontrolled(self) -> float:
@@ -162,7 +166,8 @@ def count_flows(
     span = slice(timing.counted_from + 1, timing.counted_until + 1)
     uncontrolled = flows.uncontrolled[counts, span]
     controlled = flows.controlled[counts, span]
-    free = controlled[~flows.actuated[counts, span]]
+    actuated = flows.actuated[counts, span]
+    free = controlled[~actuated]
     upward_uncontrolled = upward_crossings(flows.uncontrolled, flows.threshold)[counts]
     return {
         "flows": int(counts.sum()),
@@ -180,10 +185,19 @@ def count_flows(
         "integration_steps": controlled.size * timing.sampling_stride,
         "actuated_integration_steps": int(flows.actuated_integration_steps[counts].sum()),
         "edges": edges,
-        "histogram_uncontrolled": histogram(uncontrolled, edges).counts,
-        "histogram_controlled": histogram(controlled, edges).counts,
-        "histogram_free": histogram(free, edges).counts,
+        "histogram_uncontrolled": _histograms(uncontrolled, edges),
+        "histogram_controlled": _histograms(controlled, edges),
+        "histogram_free": _histograms(
+            [flow[~under] for flow, under in zip(controlled, actuated, strict=True)], edges
+        ),
+        "row": flows.rows[counts],
     }
+
+
+def _histograms(flows: Iterable[FloatArray], edges: FloatArray) -> IntArray:
+    """Steps of each flow in each bin, ``(flows, bins)``."""
+    found = [histogram(flow, edges).counts for flow in flows]
+    return np.array(found, dtype=np.int64).reshape(-1, len(edges) - 1)
 
 
 def share(numerator: int, denominator: int) -> float:

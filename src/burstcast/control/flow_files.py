@@ -52,7 +52,7 @@ def _cost_variables(cost: ActuationCost) -> dict[str, Variable]:
 
 
 def histogram_variables(counts: FlowCounts) -> dict[str, Variable]:
-    """Variables of the histograms of the observable."""
+    """Variables of the histograms of the observable, of each flow that counts."""
     samples = {
         "uncontrolled": "without control",
         "controlled": "with control",
@@ -60,9 +60,10 @@ def histogram_variables(counts: FlowCounts) -> dict[str, Variable]:
     }
     return {
         "edge": Variable(("edge",), counts.edges, OBSERVABLE, "edges of the bins"),
+        "row": Variable(("flow",), counts.row, NUMBER, "row of the flow among those given"),
         **{
             name: Variable(
-                ("bin",), getattr(counts, f"histogram_{name}"), NUMBER, f"steps, {meaning}"
+                ("flow", "bin"), getattr(counts, f"histogram_{name}"), NUMBER, f"steps, {meaning}"
             )
             for name, meaning in samples.items()
         },

@@ -9,10 +9,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from burstcast.figures.parts.alarm_scores import alarms_shown, draw_alarms
+from burstcast.figures.parts.alarm_scores import OVER_SERIES, alarms_shown, draw_alarms
 from burstcast.figures.parts.percentile_curves import require_single_case, say_where_empty
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
+    band_handle,
     legend_above,
     letter_panels,
     new_figure,
@@ -64,7 +65,7 @@ def draw(lead_times: pd.DataFrame, neurons: float, validation: str) -> Figure:
         axes.margins(x=0.02)
     panels[0].set_ylim(bottom=0.0)
     panels[1].set_yscale("log")  # baselines raise orders of magnitude more
-    legend_above(figure, panels, columns=4)
+    legend_above(figure, panels, [band_handle(OVER_SERIES)], columns=4)
     say_where_empty(panels)
     letter_panels(list(panels))
     return figure

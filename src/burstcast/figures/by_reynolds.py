@@ -20,6 +20,7 @@ from burstcast.figures.parts.percentile_curves import (
     published_handles,
     say_where_empty,
     select,
+    spread_handles,
 )
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
@@ -177,7 +178,12 @@ def by_reynolds(
         panel.sharey(lower[0])
         if panel.has_data():
             panel.legend(title="Re", loc="best")
-    legend_above(figure, upper, published_handles([*upper, *lower]))
+    # panels that share an axis have the limits of the last one that was drawn
+    drawn = [panel.dataLim for panel in lower if panel.has_data()]
+    if drawn:
+        low, high = min(box.y0 for box in drawn), max(box.y1 for box in drawn)
+        lower[0].set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
+    legend_above(figure, upper, [*spread_handles(upper), *published_handles([*upper, *lower])])
     say_where_empty([*upper, *lower])
     letter_panels([*upper, *lower])
     return figure

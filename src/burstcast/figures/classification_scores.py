@@ -21,6 +21,7 @@ from burstcast.figures.parts.percentile_curves import (
     require_single_case,
     say_where_empty,
     select,
+    spread_handles,
 )
 from burstcast.figures.parts.reference_forecasters import draw_references
 from burstcast.figures.parts.style import (
@@ -173,7 +174,11 @@ def _finish(
     # a metric that is undefined everywhere leaves its panel without curves
     drawn = [panel.get_legend_handles_labels() for panel in panels[:, 0]]
     entries = {label: handle for panel in drawn for handle, label in zip(*panel, strict=True)}
-    handles = [*entries.values(), *published_handles(panels.flat)]
+    handles = [
+        *entries.values(),
+        *spread_handles(panels.flat),
+        *published_handles(panels.flat),
+    ]
     if len(handles) > 3:  # more would hide the curves
         columns = min(len(handles), 4) if panels.shape[1] > 1 else 2
         panels[0, 0].get_figure().legend(handles=handles, loc="outside upper center", ncols=columns)

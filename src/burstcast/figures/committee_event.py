@@ -18,7 +18,6 @@ from matplotlib.figure import Figure
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.observable_axis import axis_floor
-from burstcast.figures.parts.reference_forecasters import forecaster_label
 from burstcast.figures.parts.style import (
     BLUE,
     DOUBLE_COLUMN,
@@ -34,6 +33,7 @@ from burstcast.figures.parts.style import (
     styled,
 )
 from burstcast.figures.registry import Declaration
+from burstcast.forecasters._labels import forecaster_label
 
 FIGURE = Declaration(
     section="probabilities",
@@ -187,7 +187,10 @@ def committee_event(
     panels[0, 0].set_ylabel(observable_label(symbol, observable_name))
     panels[1, 0].set_ylim(-0.06, 1.06)
     panels[1, 0].set_ylabel(f"Probability of an event\nwithin {window_lt:g} LT from then")
-    legend_above(figure, panels.flat, columns=2 if len(committees) == 1 else 4)
+    columns = 2 if len(committees) == 1 else 4
+    legend_above(figure, panels[0], columns=columns)
+    lower, _ = panels[1, 0].get_legend_handles_labels()
+    figure.legend(handles=lower, loc="outside lower center", ncols=columns)
     letter_panels(list(panels.flat), inside=True)
     return figure
 
@@ -201,7 +204,7 @@ def _draw_fan(axes: Axes, event: SeenEvent, committee: CommitteeForecast, symbol
             color=_FAN,
             linewidth=0.5,
             zorder=1.6,
-            label="" if number else "members",
+            label="" if number else "forecasts of the members",
         )
     axes.plot(
         event.time_lt[shown],
@@ -209,7 +212,7 @@ def _draw_fan(axes: Axes, event: SeenEvent, committee: CommitteeForecast, symbol
         color=BLUE,
         linestyle=(0.0, (3.5, 1.2)),
         linewidth=1.2,
-        label="median of the members",
+        label="their median",
     )
     axes.plot(event.time_lt, event.true, label="truth", **TRUTH)
     axes.plot(
@@ -219,7 +222,7 @@ def _draw_fan(axes: Axes, event: SeenEvent, committee: CommitteeForecast, symbol
         marker=".",
         markersize=2.0,
         color=GREY,
-        label="observed",
+        label="observation",
         zorder=3,
     )
     axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1.2)
@@ -233,13 +236,20 @@ def _draw_probabilities(axes: Axes, event: SeenEvent, committee: CommitteeForeca
         color=GREY,
         linestyle=(0.0, (1.0, 1.2)),
         linewidth=1.0,
-        label="alarm from here on",
+        label="alarm threshold",
     )
-    axes.plot(times, committee.votes, color=ORANGE, linestyle="--", linewidth=0.9, label="votes")
-    axes.plot(times, committee.probability, color=BLUE, linewidth=1.2, label="calibrated")
+    axes.plot(
+        times,
+        committee.votes,
+        color=ORANGE,
+        linestyle="--",
+        linewidth=0.9,
+        label="share of votes",
+    )
+    axes.plot(times, committee.probability, color=BLUE, linewidth=1.2, label="probability")
     for which, face, label in (
-        (happened, BLUE, "an event begins within"),
-        (~happened, "white", "no event does"),
+        (happened, BLUE, "an event begins then"),
+        (~happened, "white", ""),
     ):
         axes.plot(
             times[which],

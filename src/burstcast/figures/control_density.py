@@ -1,7 +1,7 @@
-"""Density of the observable with and without control: means (lines) and quartiles (bands) over the
-networks of an ensemble. Both flows start from the same states and are compared over the same
-times. The table control_density.csv has these densities, and those without the time under
-actuation.
+"""Density of the observable with and without control: means over the networks of an ensemble
+(lines), and their bootstrap intervals over flows (bands). Both flows start from the same states and
+are compared over the same times. The table control_density.csv has these densities, and those
+without the time under actuation.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,11 +17,14 @@ from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.style import (
     BLUE,
     DOUBLE_COLUMN,
+    GREY,
     PURPLE,
     SINGLE_COLUMN,
     THRESHOLD,
     TRUTH,
     VERMILLION,
+    band_handle,
+    density_label,
     legend_above,
     new_figure,
     observable_label,
@@ -59,8 +62,10 @@ class ControlledDensity:
         Density without control, ``(bins,)``.
     controlled
         Density with control by prediction time in Lyapunov times, ``(bins,)`` each.
+    uncontrolled_band
+        Interval of the density without control, ``(2, bins)``; None: it is not shown.
     bands
-        Quartiles over networks of those densities, ``(2, bins)`` each.
+        Intervals of the densities with control, ``(2, bins)`` each.
     """
 
     title: str
@@ -68,6 +73,7 @@ class ControlledDensity:
     threshold: float
     uncontrolled: FloatArray
     controlled: Mapping[float, FloatArray]
+    uncontrolled_band: FloatArray | None = None
     bands: Mapping[float, FloatArray] = field(default_factory=dict)
 
 
@@ -115,14 +121,15 @@ def draw(
                 bin_edges=np.append(bins["low"], bins["high"].iloc[-1]),
                 threshold=panel["event_threshold"],
                 # the flows that count differ a little between prediction times
-                uncontrolled=np.mean(
-                    [group["density_uncontrolled"] for group in by_time.values()], axis=0
+                uncontrolled=_mean(by_time, ["density_uncontrolled"])[0],
+                uncontrolled_band=_mean(
+                    by_time, ["density_uncontrolled_low", "density_uncontrolled_high"]
                 ),
                 controlled={
                     time: group["density_controlled"].to_numpy() for time, group in by_time.items()
                 },
                 bands={
-                    time: group[["density_controlled_p25", "density_controlled_p75"]].to_numpy().T
+                    time: group[["density_controlled_low", "density_controlled_high"]].to_numpy().T
                     for time, group in by_time.items()
                 },
             )
@@ -131,6 +138,11 @@ def draw(
     if any(np.isfinite(panel.uncontrolled).all() for panel in shown):
         return control_density(shown, symbol=symbol, name=observable_name)
     return nothing_to_show("No flow was free of events for long enough to be controlled.")
+
+
+def _mean(by_time: Mapping[float, pd.DataFrame], columns: list[str]) -> FloatArray:
+    """Means of columns over the prediction times, ``(columns, bins)``."""
+    return np.asarray(np.mean([group[columns].to_numpy().T for group in by_time.values()], axis=0))
 
 
 @styled
@@ -182,13 +194,19 @@ def control_density(
             linewidth=TRUTH["linewidth"],
             label="without control",
         )
-        for time, (low, high) in sorted(case.bands.items()):
+        bands = [
+            (colours[times.index(time) % len(colours)], band)
+            for time, band in sorted(case.bands.items())
+        ]
+        if case.uncontrolled_band is not None:
+            bands.insert(0, (GREY, case.uncontrolled_band))
+        for colour, (low, high) in bands:
             panel.stairs(
                 high,
                 case.bin_edges,
                 baseline=np.maximum(low, lowest),
                 fill=True,
-                color=colours[times.index(time) % len(colours)],
+                color=colour,
                 alpha=0.2,
                 linewidth=0,
             )
@@ -220,15 +238,19 @@ def control_density(
     for panel in panels[len(cases) :]:
         panel.set_axis_off()
     for panel in panels[::columns]:
-        panel.set_ylabel("PDF")
+        panel.set_ylabel(density_label(symbol))
     panels[0].set_yscale("log")
     panels[0].set_ylim(0.6 * min(positive), 3 * max(positive))
     panels[0].set_xlim(
         min(float(case.bin_edges[0]) for case in cases),
         max(float(case.bin_edges[-1]) for case in cases),
     )
+    banded = any(case.bands for case in cases)
+    more = [band_handle("interval over flows")] if banded else []
     if columns == 2:
-        legend_above(figure, panels[: len(cases)])
+        legend_above(figure, panels[: len(cases)], more)
     else:
-        panels[0].legend(loc="upper right")
+        panels[0].legend(
+            handles=[*panels[0].get_legend_handles_labels()[0], *more], loc="upper right"
+        )
     return figure

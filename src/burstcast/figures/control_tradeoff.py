@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.percentile_curves import (
@@ -22,8 +23,8 @@ from burstcast.figures.parts.percentile_curves import (
     published_handles,
     require_single_case,
     select,
+    spread_handles,
 )
-from burstcast.figures.parts.reference_forecasters import forecaster_label
 from burstcast.figures.parts.style import (
     BLACK,
     BLUE,
@@ -37,6 +38,7 @@ from burstcast.figures.parts.style import (
     styled,
 )
 from burstcast.figures.registry import Declaration
+from burstcast.forecasters._labels import forecaster_label
 from burstcast.tables.published import published_beside, published_reductions
 
 FIGURE = Declaration(
@@ -172,17 +174,18 @@ def control_tradeoff(
         _draw_both(right, both.sort_values("prediction_time_lt"), style)
         if forecaster == "esn":
             for row in both.to_dict("records"):
-                highest = row["p50_y"] == both["p50_y"].max()
+                # under the left end of its bar, where no other bar of its kind is
                 right.annotate(
                     f"{row['prediction_time_lt']:g} LT",
-                    (row["p50_x"], row["p50_y"]),
-                    # beside both bars: the highest above its marker, the others below theirs
-                    (4, 4 if highest else -4),
+                    (row["p25_x"], row["p50_y"]),
+                    (0, -4),
                     "data",
                     "offset points",
                     ha="left",
-                    va="bottom" if highest else "top",
+                    va="top",
                     color=style["color"],
+                    path_effects=[withStroke(linewidth=2.0, foreground="white")],
+                    zorder=5,
                 )
     if published is not None:
         rows = select(published, metric="reduction")
@@ -200,7 +203,8 @@ def control_tradeoff(
     left.set_ylabel(rf"Reduction of $P({symbol} \geq {symbol}_e)$")
     right.set_xlabel("Fraction of time under control")
     right.margins(x=0.12)
-    legend_above(figure, [left], published_handles([left]))
+    more = [*spread_handles([left], "interval over flows"), *published_handles([left])]
+    legend_above(figure, [left], more)
     letter_panels([left, right])
     return figure
 

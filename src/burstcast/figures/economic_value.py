@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
 from burstcast.figures.parts.alarm_scores import (
+    OVER_SERIES,
     alarms_shown,
     calibrated,
     draw_alarms,
@@ -21,6 +22,7 @@ from burstcast.figures.parts.alarm_scores import (
 from burstcast.figures.parts.percentile_curves import require_single_case, say_where_empty
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
+    band_handle,
     legend_above,
     letter_panels,
     new_figure,
@@ -109,7 +111,7 @@ def draw(
         axes.set_xlabel("Cost-loss ratio")
     panels[0].set_ylabel("Relative economic value")
     panels[0].set_ylim(-0.01, 1.03)
-    legend_above(figure, panels, columns=4)
+    legend_above(figure, panels, [band_handle(OVER_SERIES)], columns=4)
     say_where_empty(panels)
     letter_panels(list(panels))
     return figure

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from burstcast.figures.parts.alarm_scores import alarms_shown, calibrated, draw_alarms
+from burstcast.figures.parts.alarm_scores import OVER_SERIES, alarms_shown, calibrated, draw_alarms
 from burstcast.figures.parts.percentile_curves import (
     METRIC_LABELS,
     PREDICTION_TIME_LABEL,
@@ -17,6 +17,7 @@ from burstcast.figures.parts.percentile_curves import (
 )
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
+    band_handle,
     legend_above,
     letter_panels,
     new_figure,
@@ -65,7 +66,7 @@ def draw(scores: pd.DataFrame, neurons: float, validation: str) -> Figure:
         axes.xaxis.set_major_locator(MultipleLocator(1))
         axes.set_ylim(0.0 if metric == "f_score" else _LOWEST, 1.03)
         axes.margins(x=0.02)
-    legend_above(figure, panels, columns=4)
+    legend_above(figure, panels, [band_handle(OVER_SERIES)], columns=4)
     say_where_empty(panels)
     letter_panels(list(panels))
     return figure

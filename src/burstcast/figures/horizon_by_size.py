@@ -17,6 +17,7 @@ from burstcast.figures.parts.percentile_curves import (
     require_single_case,
     say_where_empty,
     select,
+    spread_handles,
 )
 from burstcast.figures.parts.reference_forecasters import draw_references
 from burstcast.figures.parts.style import (
@@ -94,7 +95,7 @@ def horizon_by_size(
     # a perfect forecaster reaches the longest lead time of the search
     draw_references(axes, percentiles, "mean_horizon_lt", None, leave_out=["equations"])
     handles, _ = axes.get_legend_handles_labels()
-    handles += published_handles([axes])
+    handles += [*spread_handles([axes]), *published_handles([axes])]
     axes.set_xticks(sizes)
     axes.margins(x=0.06)
     axes.set_xlabel(NEURONS_LABEL)

@@ -15,7 +15,11 @@ from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
 from burstcast.figures.parts.best_network import best_of
-from burstcast.figures.parts.percentile_curves import published_handles, require_single_case
+from burstcast.figures.parts.percentile_curves import (
+    published_handles,
+    require_single_case,
+    spread_handles,
+)
 from burstcast.figures.parts.statistics_by_size import draw_statistics_by_size
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
@@ -23,6 +27,7 @@ from burstcast.figures.parts.style import (
     THRESHOLD,
     TRAINING,
     TRUTH,
+    density_label,
     legend_above,
     letter_panels,
     new_figure,
@@ -161,10 +166,10 @@ def long_term_density(
     density.set_ylim(0.5 * true[true > 0].min(), 2.5 * true.max())
     density.set_xlim(float(bin_edges[0]), float(bin_edges[-1]))
     density.set_xlabel(observable_label(symbol, name))
-    density.set_ylabel("PDF")
+    density.set_ylabel(density_label(symbol))
     errors = {metric: panels[metric] for metric in ("kantorovich", "mean_log_error")}
     draw_statistics_by_size(errors, percentiles, intervals, published)
-    more = published_handles(panels.values())
-    legend_above(figure, [density, panels["kantorovich"]], more)
+    more = [*spread_handles(panels.values()), *published_handles(panels.values())]
+    legend_above(figure, [density, panels["kantorovich"]], more, columns=4)
     letter_panels([density, panels["kantorovich"], panels["mean_log_error"]])
     return figure

@@ -14,6 +14,7 @@ from burstcast.figures.parts.style import (
     LIGHT_GREY,
     THRESHOLD,
     TRUTH,
+    density_label,
     draw_threshold,
     letter_panels,
     new_figure,
@@ -148,6 +149,6 @@ def observable_and_density(
     histogram.set_ylim(0.6 * density[filled].min(), 2.5 * density.max())
     histogram.set_xlim(bin_edges[0], bin_edges[-1])
     histogram.set_xlabel(observable_label(symbol, name))
-    histogram.set_ylabel("PDF")
+    histogram.set_ylabel(density_label(symbol))
     letter_panels([evolution, histogram])
     return figure

@@ -13,6 +13,7 @@ from burstcast.figures.parts.percentile_curves import (
     draw_percentiles,
     say_where_empty,
     select,
+    spread_handles,
 )
 from burstcast.figures.parts.reference_forecasters import (
     forecaster_style,
@@ -97,7 +98,7 @@ def draw(
         panel.set_xticks(np.unique(table["observed"].to_numpy()))
         panel.margins(x=0.06)
     panels[0].set_ylabel(METRIC_LABELS["f_score"])
-    legend_above(figure, panels, [])
+    legend_above(figure, panels, spread_handles(panels))
     say_where_empty(panels)
     letter_panels(panels)
     return figure

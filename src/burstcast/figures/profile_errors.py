@@ -19,6 +19,7 @@ from burstcast.figures.parts.best_network import best_of
 from burstcast.figures.parts.percentile_curves import (
     published_handles,
     require_single_case,
+    spread_handles,
 )
 from burstcast.figures.parts.statistics_by_size import draw_statistics_by_size
 from burstcast.figures.parts.style import (
@@ -153,7 +154,7 @@ def profile_errors(
         profile.set_ylabel("$y$")
     errors = dict(zip(PROFILES, panels[1], strict=True))
     draw_statistics_by_size(errors, percentiles, intervals, published)
-    more = published_handles(panels.flat)
-    legend_above(figure, [panels[0, 0], panels[1, 0]], more)
+    more = [*spread_handles(panels.flat), *published_handles(panels.flat)]
+    legend_above(figure, [panels[0, 0], panels[1, 0]], more, columns=4)
     letter_panels(list(panels.flat))
     return figure

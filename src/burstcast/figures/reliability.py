@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from burstcast.figures.parts.alarm_scores import alarms_shown, calibrated, times_shown
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.percentile_curves import require_single_case
-from burstcast.figures.parts.reference_forecasters import forecaster_label, ordered_forecasters
+from burstcast.figures.parts.reference_forecasters import ordered_forecasters
 from burstcast.figures.parts.style import (
     BLUE,
     DOUBLE_COLUMN,
@@ -32,6 +32,7 @@ from burstcast.figures.parts.style import (
     styled,
 )
 from burstcast.figures.registry import Declaration
+from burstcast.forecasters._labels import forecaster_label
 
 FIGURE = Declaration(
     section="probabilities",

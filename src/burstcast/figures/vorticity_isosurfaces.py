@@ -1,6 +1,6 @@
 """Isosurfaces of plus and minus one value of the streamwise vorticity, and velocity vectors, at
 the peak of the event of the midplane figure and after its breakdown. The mean flow is along x,
-sheared in y between the walls.
+sheared in y between the walls at y = -1 and 1. Lengths are in units of half their distance.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -159,13 +159,15 @@ def vorticity_isosurfaces(
         orientation="horizontal",
         alpha=_OPACITY,
     )
-    figure.text(0.345, 0.1175, "$u$", ha="right", va="center")
+    box = ", ".join(f"${name}$: {_extent(axis)}" for name, axis in (("x", x), ("y", y), ("z", z)))
+    figure.text(0.985, 0.04, box, ha="right", va="center")
+    figure.text(0.345, 0.1175, "Velocity along $x$, $u$", ha="right", va="center")
     signs = [1, -1] if any(snapshot.scalar.min() < -level for snapshot in snapshots) else [1]
     for place, sign in enumerate(signs):
         figure.text(
             0.985,
             0.97 - 0.085 * place,
-            rf"${scalar_label} = {sign * level:.2g}$",
+            rf"Vorticity ${scalar_label} = {sign * level:.2g}$",
             color=_COLOURS[sign],
             ha="right",
             va="top",
@@ -200,6 +202,11 @@ def _draw_box(axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray) -> None
     axes.text(middle[0], z[0], y[0] - 0.5, "$x$", ha="center", va="top")
     axes.text(x[-1] + 0.5, middle[2], y[0] - 0.4, "$z$", ha="left", va="top")
     axes.text(x[0] - 0.4, z[0], middle[1], "$y$", ha="right", va="center")
+
+
+def _extent(axis: FloatArray) -> str:
+    """First and last value of an axis, for a text."""
+    return f"${axis[0]:.3g}$ to ${axis[-1]:.3g}$"
 
 
 def _draw_velocity(

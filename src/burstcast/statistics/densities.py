@@ -3,12 +3,14 @@
 Source: section "Statistical prediction of extreme events" of the paper.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
+from burstcast.statistics.resampling import bootstrap_weights
 
 SATURATED_ERROR = 1.0
 """Logarithmic error of a bin that is empty in either density (paper, below the MLE)."""
@@ -160,21 +162,47 @@ def mean_density(histograms: Sequence[Histogram]) -> FloatArray:
     return mean
 
 
-def density_quartiles(histograms: Sequence[Histogram]) -> FloatArray:
-    """First and third quartile of the densities of several histograms, bin by bin, ``(2, bins)``.
+def density_interval(
+    edges: FloatArray,
+    counts: Sequence[IntArray],
+    rows: Sequence[IntArray],
+    *,
+    resamples: int,
+    confidence: float,
+    generator: np.random.Generator,
+) -> FloatArray:
+    """Bootstrap interval of a mean density over what the values were counted in, ``(2, bins)``.
 
-    Histograms are left out as in `mean_density`.
+    Parameters
+    ----------
+    edges
+        Edges of the bins, ``(bins + 1,)``.
+    counts
+        Of each density: values of each flow in each bin, ``(flows, bins)``.
+    rows
+        Row of each of these flows, ``(flows,)``: densities that share a flow are resampled with it.
+    resamples, confidence
+        Number of bootstrap samples; share of them inside the interval.
+    generator
+        Draws the samples.
 
-    Raises
-    ------
-    ValueError
-        If there is no histogram or the bins differ.
+    Returns
+    -------
+    Both ends in each bin; NaN where no sample has a value inside the range.
     """
-    if not np.isfinite(mean := mean_density(histograms)).all():
-        return np.stack([mean, mean])
-    filled = [histogram.density for histogram in histograms if histogram.inside]
-    quartiles: FloatArray = np.percentile(filled, [25.0, 75.0], axis=0)
-    return quartiles
+    drawn, places = np.unique(np.concatenate(rows), return_inverse=True)
+    weights = bootstrap_weights(max(len(drawn), 1), resamples, generator)
+    ends = np.cumsum([len(own) for own in rows])[:-1]
+    densities = []
+    for own, places_of in zip(counts, np.split(places, ends), strict=True):
+        sums = (weights[:, places_of] @ own).astype(np.float64)
+        inside = sums.sum(axis=1, keepdims=True)
+        densities.append(sums / np.where(inside > 0, inside, np.nan) / np.diff(edges))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of means of nothing
+        samples = np.nanmean(densities, axis=0)
+        tail = (1 - confidence) / 2
+        return np.asarray(np.nanquantile(samples, [tail, 1 - tail], axis=0))
 
 
 def kantorovich_metric(first: Histogram, second: Histogram) -> float:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from burstcast.forecasters._labels import forecaster_label
 from burstcast.tables.latex import escape
 from burstcast.tables.typesetting import to_latex, wide_table
 
@@ -117,8 +118,11 @@ def _long_form(rows: pd.DataFrame, metrics: Sequence[str], keys: Sequence[str]) 
 
 
 def _who(row: Mapping[Any, Any]) -> str:
-    parts = (row.get(name) for name in ("forecaster", "neurons", "validation"))
-    return " ".join(str(part) for part in parts if not pd.isna(part))
+    """Forecaster in words: "network, 700 neurons, RV"."""
+    neurons, validation = row.get("neurons"), row.get("validation")
+    parts = [forecaster_label(str(row["forecaster"]))]
+    parts += [] if pd.isna(neurons) else [f"{neurons} neurons"]
+    return ", ".join([*parts, *([] if pd.isna(validation) else [str(validation)])])
 
 
 def _shown(value: Any) -> str:

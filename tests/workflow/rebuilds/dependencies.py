@@ -85,7 +85,7 @@ READS = {
         statistics.duration bootstrap.confidence""",
     "lyapunov_spectrum_table": f"{_KEYS} random_seed bootstrap.*",
     "control_table": _KEYS,
-    "control_density_table": _KEYS,
+    "control_density_table": f"{_KEYS} random_seed bootstrap.*",
     "warnings_table": f"""{_KEYS} case.event_threshold case.training.series case.training.noise
         horizon.events search.spectral_radius search.input_scaling search.tikhonov""",
     "control_strategies_table": f"{_KEYS} random_seed bootstrap.* case.training.noise",

@@ -297,7 +297,8 @@ GATHERED = """classification_table/* horizon_table/* warnings_table/*
     committee_event/* figure/committee_event"""
 GATHERED_CONTROL = """control_table/* control_density_table/* control_strategies_table/*
     all_control_table all_control_density_table all_control_strategies_table
-    figure/control_tradeoff figure/control_density figure/control_frontier"""
+    figure/control_tradeoff figure/control_density figure/control_frontier
+    figure/control_conditions"""
 GATHERED_LONG_RUNS = """statistics_table/* survival_table/* lyapunov_spectrum_table/*
     all_statistics_table all_survival_table all_lyapunov_spectrum_table
     figure/survival figure/lyapunov_spectrum warnings_table/* all_warnings_table"""
@@ -319,7 +320,8 @@ WITH_EFFECT = [
             "experiment.threshold - 2.0 * self.margin",
         ),
         "control/*/receding_horizon-* control_strategies_table/* "
-        "all_control_strategies_table figure/control_frontier figure/control_tradeoff",
+        "all_control_strategies_table figure/control_frontier figure/control_conditions "
+        "figure/control_tradeoff",
     ),
     (
         Edit(

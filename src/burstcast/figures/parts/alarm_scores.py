@@ -37,6 +37,10 @@ def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.Dat
     return table[~networks | chosen]
 
 
+OVER_SERIES = "interval over test series"
+"""What the bands of `draw_alarms` are."""
+
+
 def calibrated(table: pd.DataFrame) -> pd.DataFrame:
     """Rows of calibrated probabilities: shares of votes as they are have rows of their own."""
     return table[table["probability"] == "calibrated"]

@@ -11,6 +11,7 @@ from burstcast.figures.parts.percentile_curves import (
     draw_percentiles,
     require_single_case,
     select,
+    spread_handles,
 )
 from burstcast.figures.parts.reference_forecasters import draw_references
 from burstcast.figures.parts.style import (
@@ -49,7 +50,7 @@ def two_panels(
     panels = figure.subplots(1, 2)
     draw_left(panels[0])
     draw_right(panels[1])
-    legend_above(figure, list(panels))
+    legend_above(figure, list(panels), spread_handles(panels))
     letter_panels(list(panels))
     return figure
 

@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from burstcast.figures.parts.style import GREY, MarkerStyle
+from burstcast.figures.parts.style import GREY, MarkerStyle, band_handle, bar_handle
 
 METRIC_LABELS = {
     "precision": "Precision, $p$",
@@ -28,6 +29,9 @@ NEURONS_LABEL = "Neurons"
 
 _PUBLISHED = "published"
 """Mark of the lines that are published values."""
+
+_BAND, _BARS, _SINGLE = "band", "bars", "single"
+"""Marks of bands and bars over an ensemble, and of bars of one network."""
 
 
 def select(table: pd.DataFrame, **values: object) -> pd.DataFrame:
@@ -111,10 +115,13 @@ def draw_percentiles(
     if x == "neurons" and len(rows) == 2:
         keywords["linestyle"] = "none"  # a line through two sizes would tell of a trend
     if band and len(rows) > 1 and keywords["linestyle"] != "none":
-        axes.fill_between(position, low, high, color=style["color"], alpha=0.22, linewidth=0)
+        filled = axes.fill_between(
+            position, low, high, color=style["color"], alpha=0.22, linewidth=0
+        )
+        filled.set_gid(_BAND)
         axes.plot(position, median, label=label, **keywords)
     else:
-        axes.errorbar(
+        bars = axes.errorbar(
             position,
             median,
             # A published median may come without quartiles: no bar then.
@@ -125,6 +132,7 @@ def draw_percentiles(
             capthick=0.8,
             **keywords,
         )
+        bars[2][0].set_gid(_BARS)
 
 
 def draw_single_intervals(
@@ -150,7 +158,7 @@ def draw_single_intervals(
     rows = intervals[shown].dropna(subset=["low", "high"])
     if not rows.empty:
         ends = rows.groupby("neurons")[["low", "high"]].median()
-        axes.vlines(
+        bars = axes.vlines(
             ends.index.to_numpy(dtype=np.float64),
             ends["low"],
             ends["high"],
@@ -159,6 +167,7 @@ def draw_single_intervals(
             alpha=0.8,
             zorder=1.8,
         )
+        bars.set_gid(_SINGLE)
 
 
 def draw_published(
@@ -217,6 +226,19 @@ def draw_published_level(axes: Axes, rows: pd.DataFrame, color: str) -> None:
             clip_on=False,
             zorder=3,
         )
+
+
+def spread_handles(panels: Iterable[Axes], over: str = "quartiles over networks") -> list[Artist]:
+    """Entries of a legend that say what bands and bars of the panels are, if there are any."""
+    drawn = {shown.get_gid() for panel in panels for shown in panel.collections}
+    handles: list[Artist] = []
+    if _BAND in drawn:
+        handles.append(band_handle(over))
+    elif _BARS in drawn:
+        handles.append(bar_handle(over))
+    if _SINGLE in drawn:
+        handles.append(bar_handle("interval of one network", caps=False))
+    return handles
 
 
 def published_handles(panels: Iterable[Axes]) -> list[Line2D]:

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 
 from burstcast.figures.parts.percentile_curves import select
 from burstcast.figures.parts.style import BLUE, GREEN, GREY, PURPLE, VERMILLION
+from burstcast.forecasters._labels import forecaster_label
 
 _MAUVE = "#8A5A83"
 _PALE = "#A0A0A0"
@@ -16,7 +17,6 @@ _CHAIN = (0.0, (9.0, 2.0, 1.5, 2.0))
 
 
 class _Look(NamedTuple):
-    label: str
     color: str
     linestyle: str | tuple[float, tuple[float, ...]]
 
@@ -25,48 +25,37 @@ class _Look(NamedTuple):
 # do as well: solid or with wide gaps where a filter comes first, dashed where they start from one
 # observation; chained where members of an ensemble vote.
 _LOOKS = {
-    "esn_committee": _Look("committee of networks", BLUE, "-"),
-    "esn": _Look("single network", VERMILLION, (0.0, (3.5, 1.2))),
-    "esn_aware": _Look("parameter-aware network", GREEN, "-"),
-    "equations": _Look("equations, true state", GREY, _DOTS),
-    "equations_filtered": _Look("equations, filtered", GREY, "-"),
-    "equations_filtered_committee": _Look("equations, filter's members", GREY, _CHAIN),
-    "equations_noisy": _Look("equations, noisy state", GREY, _DASHES),
-    "quadratic": _Look("learnt equations, noisy state", _MAUVE, (2.0, (1.5, 4.0))),
-    "quadratic_filtered": _Look("learnt equations, filtered", _MAUVE, (0.0, (4.0, 4.0))),
-    "quadratic_filtered_committee": _Look(
-        "learnt equations, filter's members", _MAUVE, (6.0, (9.0, 2.0, 1.5, 5.5))
-    ),
-    "quadratic_aware": _Look("parameter-aware equations, noisy state", PURPLE, (0.0, (4.0, 1.5))),
-    "quadratic_aware_filtered": _Look("parameter-aware equations, filtered", PURPLE, "-"),
-    "analogues": _Look("analogues", _PALE, _DASHES),
-    "analogues_committee": _Look("analogues, one by one", _PALE, _CHAIN),
-    "linear_inverse": _Look("linear inverse model", _PALE, _DOTS),
-    "persistence": _Look("persistence", _PALE, _LONG),
-    "observable_now": _Look("observable now", _PALE, (0.0, (6.0, 1.5, 1.0, 1.5))),
-    "climatology": _Look("climatology", _PALE, "-"),
-    "permanent_alarm": _Look("permanent alarm", _PALE, "-"),
+    "esn_committee": _Look(BLUE, "-"),
+    "esn": _Look(VERMILLION, (0.0, (3.5, 1.2))),
+    "esn_aware": _Look(GREEN, "-"),
+    "equations": _Look(GREY, _DOTS),
+    "equations_filtered": _Look(GREY, "-"),
+    "equations_filtered_committee": _Look(GREY, _CHAIN),
+    "equations_noisy": _Look(GREY, _DASHES),
+    "quadratic": _Look(_MAUVE, (2.0, (1.5, 4.0))),
+    "quadratic_filtered": _Look(_MAUVE, (0.0, (4.0, 4.0))),
+    "quadratic_filtered_committee": _Look(_MAUVE, (6.0, (9.0, 2.0, 1.5, 5.5))),
+    "quadratic_aware": _Look(PURPLE, (0.0, (4.0, 1.5))),
+    "quadratic_aware_filtered": _Look(PURPLE, "-"),
+    "analogues": _Look(_PALE, _DASHES),
+    "analogues_committee": _Look(_PALE, _CHAIN),
+    "linear_inverse": _Look(_PALE, _DOTS),
+    "persistence": _Look(_PALE, _LONG),
+    "observable_now": _Look(_PALE, (0.0, (6.0, 1.5, 1.0, 1.5))),
+    "climatology": _Look(_PALE, "-"),
+    "permanent_alarm": _Look(_PALE, "-"),
 }
-
-
-def forecaster_label(kind: str) -> str:
-    """Label of a kind of forecaster in figures."""
-    return _look(kind).label
 
 
 def forecaster_style(kind: str) -> dict[str, Any]:
     """Label, colour and line style of a kind of forecaster, as keywords of a line."""
-    return _look(kind)._asdict()
+    return {"label": forecaster_label(kind), **_LOOKS.get(kind, _Look(GREY, _LONG))._asdict()}
 
 
 def ordered_forecasters(kinds: Collection[str]) -> list[str]:
     """Kinds as legends list them; unknown ones last, by name."""
     known = [kind for kind in _LOOKS if kind in kinds]
     return [*known, *sorted(set(kinds) - set(known))]
-
-
-def _look(kind: str) -> _Look:
-    return _LOOKS.get(kind, _Look(kind.replace("_", " "), GREY, _LONG))
 
 
 def draw_references(

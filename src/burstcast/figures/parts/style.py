@@ -17,6 +17,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from burstcast.arrays import BoolArray
@@ -238,6 +240,31 @@ def draw_threshold(
             path_effects=[withStroke(linewidth=2.0, foreground="white")],
             zorder=5,
         )
+
+
+def density_label(symbol: str) -> str:
+    """Label of an axis that shows a probability density of an observable."""
+    return rf"PDF of ${symbol}$"
+
+
+def band_handle(label: str) -> Patch:
+    """Entry of a legend that says what bands are."""
+    return Patch(facecolor=GREY, alpha=0.3, linewidth=0, label=label)
+
+
+def bar_handle(label: str, *, caps: bool = True) -> Line2D:
+    """Entry of a legend that says what bars are, with caps or without."""
+    marker = r"$\mathrm{I}$" if caps else "|"
+    return Line2D(
+        [],
+        [],
+        linestyle="none",
+        color=GREY,
+        marker=marker,
+        markersize=7.0,
+        markeredgewidth=0.6,
+        label=label,
+    )
 
 
 def legend_above(

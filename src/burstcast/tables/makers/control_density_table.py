@@ -5,16 +5,33 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
+from burstcast import random_streams
 from burstcast.forecasters._names import ForecasterName
-from burstcast.statistics.densities import Histogram, density_quartiles, mean_density
+from burstcast.statistics.densities import Histogram, density_interval, mean_density
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
-TABLES = Declaration(gathered={"histograms": "edge uncontrolled controlled free"})
+TABLES = Declaration(
+    gathered={"histograms": "edge row uncontrolled controlled free"},
+    settings={
+        "case": "case",
+        "root_seed": "random_seed",
+        "resamples": "bootstrap.resamples",
+        "confidence": "bootstrap.confidence",
+    },
+)
 
 SAMPLES = ("uncontrolled", "controlled", "free")
+WITH_INTERVAL = SAMPLES[:2]
 
 
-def make(*, histograms: Sequence[Gathered]) -> dict[str, Rows]:
+def make(
+    *,
+    histograms: Sequence[Gathered],
+    case: str,
+    root_seed: int,
+    resamples: int,
+    confidence: float,
+) -> dict[str, Rows]:
     """Densities of each group of networks that differ by their seed only."""
     groups: dict[tuple[ForecasterName, float], list[Mapping[str, Any]]] = {}
     for one in histograms:
@@ -23,11 +40,22 @@ def make(*, histograms: Sequence[Gathered]) -> dict[str, Rows]:
     rows: Rows = []
     for (name, time), found in groups.items():
         edges = found[0]["edge"]
-        histograms_of = {
-            sample: [Histogram(data["edge"], data[sample]) for data in found] for sample in SAMPLES
+        densities = {
+            sample: mean_density([Histogram(edges, data[sample].sum(axis=0)) for data in found])
+            for sample in SAMPLES
         }
-        densities = {sample: mean_density(these) for sample, these in histograms_of.items()}
-        ends = density_quartiles(histograms_of["controlled"])
+        ends = {
+            sample: density_interval(
+                edges,
+                [data[sample] for data in found],
+                [data["row"] for data in found],
+                resamples=resamples,
+                confidence=confidence,
+                # flows with and without control are resampled alike
+                generator=random_streams.stream(root_seed, "control density", case),
+            )
+            for sample in WITH_INTERVAL
+        }
         rows += [
             {
                 **{key: value for key, value in name.keys.items() if key != "seed"},
@@ -35,8 +63,11 @@ def make(*, histograms: Sequence[Gathered]) -> dict[str, Rows]:
                 "low": low,
                 "high": high,
                 **{f"density_{sample}": density[index] for sample, density in densities.items()},
-                "density_controlled_p25": ends[0][index],
-                "density_controlled_p75": ends[1][index],
+                **{
+                    f"density_{sample}_{end}": values[index]
+                    for sample, both in ends.items()
+                    for end, values in zip(("low", "high"), both, strict=True)
+                },
             }
             for index, (low, high) in enumerate(pairwise(edges))
         ]

@@ -1,0 +1,30 @@
+"""What tables and figures call kinds of forecasters in words."""
+
+_LABELS = {
+    "esn": "network",
+    "esn_committee": "committee of networks",
+    "esn_aware": "parameter-aware network",
+    "equations": "equations, true state",
+    "equations_filtered": "equations, filtered",
+    "equations_filtered_committee": "equations, filter's members",
+    "equations_noisy": "equations, noisy state",
+    "quadratic": "learnt equations, noisy state",
+    "quadratic_filtered": "learnt equations, filtered",
+    "quadratic_filtered_committee": "learnt equations, filter's members",
+    "quadratic_aware": "parameter-aware equations, noisy state",
+    "quadratic_aware_filtered": "parameter-aware equations, filtered",
+    "analogues_committee": "analogues, one by one",
+    "linear_inverse": "linear inverse model",
+    "random": "random alarms",
+}
+
+
+def forecaster_label(kind: str) -> str:
+    """Words for a kind of forecaster, a committee or a baseline; its name if there are no others.
+
+    Examples
+    --------
+    >>> forecaster_label("quadratic_filtered"), forecaster_label("permanent_alarm")
+    ('learnt equations, filtered', 'permanent alarm')
+    """
+    return _LABELS.get(kind, kind.replace("_", " "))
