@@ -22,7 +22,7 @@ BUDGET = {
     "src/burstcast_workflow/jobs": 1140,
     "src/burstcast_workflow/stages": 362,
     "src/burstcast_workflow/tables": 226,
-    "src/snakemake_logger_plugin_burstcast": 208,
+    "src/snakemake_logger_plugin_burstcast": 257,
     "src/snakemake_report_plugin_burstcast": 6,
     "src/snaketrust": 2062,
     "workflow/rules": 886,

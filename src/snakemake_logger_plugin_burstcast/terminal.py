@@ -11,11 +11,14 @@ import sys
 import threading
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TextIO
 
 from snakemake.logging import DefaultFormatter
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
+
+from snakemake_logger_plugin_burstcast.config_files import unreadable_config
 
 SHARE_OF_A_LINE = 0.04
 """Without a terminal, a line of progress is written when this share more is done."""
@@ -120,7 +123,9 @@ class TerminalHandler(LogHandlerBase):
     needs_rulegraph = False
 
     def __post_init__(self) -> None:
-        """Begin without a plan."""
+        """Begin without a plan; Snakemake reads config files next."""
+        if Path(sys.argv[0]).stem == "snakemake" and (wrong := unreadable_config(sys.argv[1:])):
+            raise SystemExit(wrong)
         self.setFormatter(DefaultFormatter(self.common_settings.quiet, False))
         self._stream: TextIO = sys.stdout if self.common_settings.stdout else sys.stderr
         self._live = self._stream.isatty()

@@ -69,9 +69,11 @@ def test_the_paper_has_all_figures_and_those_of_other_cases():
     names = figure_names(PAPER)
     # of other strategies than the paper's, and of parts of a state
     assert set(FIGURES) - set(names) == {
+        "control_choices",
         "control_conditions",
         "control_frontier",
         "observed_components",
+        "skill_by_parameter",
     }
     for case in ("Re600", "Re800", "Re1000"):
         assert f"classification_scores_{case}" in names

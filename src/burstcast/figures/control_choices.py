@@ -17,7 +17,7 @@ from matplotlib.ticker import MaxNLocator
 
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.percentile_curves import require_single_case
-from burstcast.figures.parts.reference_forecasters import forecaster_label, ordered_forecasters
+from burstcast.figures.parts.reference_forecasters import ordered_forecasters
 from burstcast.figures.parts.style import (
     BLACK,
     BLUE,
@@ -33,6 +33,7 @@ from burstcast.figures.parts.style import (
     styled,
 )
 from burstcast.figures.registry import Declaration
+from burstcast.forecasters._labels import forecaster_label
 
 FIGURE = Declaration(
     section="control",

@@ -1,0 +1,44 @@
+"""Config files that Snakemake cannot read, told in one line before it tries to.
+
+Of a missing file it prints a traceback, of a mistake in YAML neither the file nor the line.
+"""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+import yaml
+
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+def unreadable_config(arguments: Sequence[str], own: Path = Path("config.yaml")) -> str | None:
+    """Say what is wrong with the first config file that cannot be read; None where all can be.
+
+    Parameters
+    ----------
+    arguments
+        Of snakemake, without its name.
+    own
+        The config file of the workflow, if it is there.
+    """
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--configfile", "--configfiles", nargs="+", default=[], type=Path)
+    files = parser.parse_known_args(list(arguments))[0].configfile
+    for number, file in enumerate(files):
+        if not file.is_file():
+            what = "a directory" if file.is_dir() else "no file"
+            hint = (
+                "; --configfile takes all words after it: put targets before it" if number else ""
+            )
+            return f"--configfile {file}: there is {what} of this name{hint}"
+    for file in [*([own] if own.is_file() else []), *files]:
+        try:
+            yaml.load(file.read_text(encoding="utf-8"), _LOADER)
+        except yaml.MarkedYAMLError as error:
+            mark = error.problem_mark or error.context_mark
+            place = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+            return f"{file}{place}: no valid YAML: {error.problem or error.context}"
+        except (yaml.YAMLError, OSError, UnicodeDecodeError) as error:
+            return f"{file}: cannot be read: {error}".replace("\n", " ")
+    return None
