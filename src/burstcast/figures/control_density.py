@@ -231,7 +231,8 @@ def control_density(
             va="top",
             color=THRESHOLD["color"],
         )
-        panel.set_title(f"({chr(ord('a') + index)}) {case.title}", loc="left")
+        letter = f"({chr(ord('a') + index)}) " if len(cases) > 1 else ""
+        panel.set_title(f"{letter}{case.title}", loc="left")
         if index + columns >= len(cases):
             panel.set_xlabel(observable_label(symbol, name))
             panel.xaxis.set_tick_params(labelbottom=True)

@@ -174,11 +174,11 @@ def control_tradeoff(
         _draw_both(right, both.sort_values("prediction_time_lt"), style)
         if forecaster == "esn":
             for row in both.to_dict("records"):
-                # under the left end of its bar, where no other bar of its kind is
+                # at the right end of its bar
                 right.annotate(
                     f"{row['prediction_time_lt']:g} LT",
-                    (row["p25_x"], row["p50_y"]),
-                    (0, -4),
+                    (row["p75_x"], row["p50_y"]),
+                    (3, 0),
                     "data",
                     "offset points",
                     ha="left",

@@ -15,8 +15,10 @@ from burstcast.figures.parts.percentile_curves import (
 )
 from burstcast.figures.parts.reference_forecasters import draw_references
 from burstcast.figures.parts.style import (
+    BLUE,
     DOUBLE_COLUMN,
     TRUTH,
+    band_handle,
     legend_above,
     letter_panels,
     new_figure,
@@ -50,7 +52,8 @@ def two_panels(
     panels = figure.subplots(1, 2)
     draw_left(panels[0])
     draw_right(panels[1])
-    legend_above(figure, list(panels), spread_handles(panels))
+    more = [band_handle("interval of the data"), *spread_handles(panels, color=BLUE)]
+    legend_above(figure, list(panels), more)
     letter_panels(list(panels))
     return figure
 

@@ -228,12 +228,14 @@ def draw_published_level(axes: Axes, rows: pd.DataFrame, color: str) -> None:
         )
 
 
-def spread_handles(panels: Iterable[Axes], over: str = "quartiles over networks") -> list[Artist]:
+def spread_handles(
+    panels: Iterable[Axes], over: str = "quartiles over networks", color: str = GREY
+) -> list[Artist]:
     """Entries of a legend that say what bands and bars of the panels are, if there are any."""
     drawn = {shown.get_gid() for panel in panels for shown in panel.collections}
     handles: list[Artist] = []
     if _BAND in drawn:
-        handles.append(band_handle(over))
+        handles.append(band_handle(over, color))
     elif _BARS in drawn:
         handles.append(bar_handle(over))
     if _SINGLE in drawn:

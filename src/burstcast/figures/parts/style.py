@@ -247,9 +247,9 @@ def density_label(symbol: str) -> str:
     return rf"PDF of ${symbol}$"
 
 
-def band_handle(label: str) -> Patch:
+def band_handle(label: str, color: str = GREY) -> Patch:
     """Entry of a legend that says what bands are."""
-    return Patch(facecolor=GREY, alpha=0.3, linewidth=0, label=label)
+    return Patch(facecolor=color, alpha=0.3, linewidth=0, label=label)
 
 
 def bar_handle(label: str, *, caps: bool = True) -> Line2D:
