@@ -130,7 +130,15 @@ def test_settings_that_set_off_the_same_share_a_line():
         ({"code": [*CODE, "file:my.flows:a.csv@1"]}, "file my.flows:a.csv changed"),
         ({"changed_files": ["a.csv"]}, "file a.csv changed"),
         ({"incomplete": ["a.nc"]}, "interrupted before it was complete"),
-        ({"missing": ["a.nc"]}, "results were deleted"),
+        (
+            {"changed_files": ["a.csv"], "inputs": ["a.csv"], "recorded_inputs": {"a.csv": True}},
+            "file a.csv has a later time and the same content (cp -a keeps times)",
+        ),
+        (
+            {"changed_files": ["a.csv"], "inputs": ["a.csv"], "recorded_inputs": {"a.csv": False}},
+            "file a.csv changed; made from another a.csv",
+        ),
+        ({"missing": ["a.nc"]}, "results are missing"),
         ({"forced": True}, "asked for by an option"),
         ({"recorded_inputs": {}}, "made from other files"),
         ({"recorded_inputs": {"ensemble.nc": False}}, "made from another ensemble.nc"),

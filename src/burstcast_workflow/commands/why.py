@@ -234,7 +234,9 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
     if job.forced:
         yield "", "asked for by an option"
     for path in job.changed_files:
-        yield "", f"file {path} changed"
+        same = (job.recorded_inputs or {}).get(path, False)
+        what = "has a later time and the same content (cp -a keeps times)" if same else "changed"
+        yield "", f"file {path} {what}"
     if job.incomplete:
         yield "", "interrupted before it was complete"
     for problem in job.problems:
@@ -255,7 +257,7 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
             settled, read = True, module.partition("file:")[2]
             yield "", f"file {read} changed" if read else f"code of {module} changed"
     if job.missing and not settled:
-        yield "", "results were deleted"
+        yield "", "results are missing"
     recorded = job.recorded_inputs
     if not settled and recorded is not None:
         former = sorted(path for path, same in recorded.items() if not same)
