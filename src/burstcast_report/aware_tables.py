@@ -27,7 +27,8 @@ def scores_by_reynolds(tables: Tables, time: float) -> str:
     rows = []
     for who, part in found.groupby([*SCORED], dropna=False, sort=False):
         cells = {row["case"]: with_ends(row) for row in part.to_dict("records")}
-        rows.append([_name(who), *(cells.get(case, "") for case in cases.values())])
+        if not cells.keys().isdisjoint(cases.values()):
+            rows.append([_name(who), *(cells.get(case, "") for case in cases.values())])
     heads = [f"{value:g}" if value in TRAINED else f"**{value:g}**" for value in cases]
     return markdown(["Re", *heads], rows)
 
