@@ -75,6 +75,16 @@ def test_few_positives():
     assert texts(signs.few_positives([1.0], [0])) == ["0 positives at 1 LT"]
 
 
+def test_nothing_to_calibrate_with():
+    maxima = np.array([0.3, 0.1, 0.2])
+    assert signs.nothing_to_calibrate_with(maxima, 0.11) == []
+    assert texts(signs.nothing_to_calibrate_with(maxima, 0.1)) == [
+        "no calibration of probabilities: events are under way in the washouts of all 3 starting "
+        "points in the training series"
+    ]
+    assert len(signs.nothing_to_calibrate_with(np.empty(0), 0.1)) == 1
+
+
 def test_lost_long_runs():
     assert signs.lost_long_runs([0.1, 0.5], [0.0, 0.01]) == []
     assert texts(signs.lost_long_runs([0.1, 0.6], [0.0, 0.2])) == [

@@ -103,5 +103,7 @@ def test_a_campaign_that_is_too_small_for_its_stages_ends(tmp_path, job_server):
     assert len(undefined) > 3
     assert undefined["value"].isna().all()
     warnings = read_table(results / "tables/warnings.csv")
-    assert {"few_events", "few_positives"} <= set(warnings[warnings["case"] == "Re1000"]["warning"])
+    told = {"few_events", "few_positives", "nothing_to_calibrate_with"}
+    assert told <= set(warnings[warnings["case"] == "Re1000"]["warning"])
+    assert "nothing_to_calibrate_with" not in set(warnings[warnings["case"] == "Re400"]["warning"])
     assert (results / "figures/forecast_skill_Re1000.png").stat().st_size > 5000

@@ -102,7 +102,7 @@ table_stage(
     "warnings_table",
     "look for warning signs",
     inputs={
-        **files("ensemble data events_summary"),
+        **files("ensemble data events_summary calibration_set"),
         **stages.tables_of_case("dataset classification hyperparameters statistics"),
         # where the unit of time is an estimate that it may contradict
         "lyapunov_spectrum": stages.file_of_case(

@@ -128,6 +128,25 @@ def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]
     return [Finding("few_positives", f"{counted} positives at {times} LT")]
 
 
+def nothing_to_calibrate_with(washout_maxima: FloatArray, threshold: float) -> list[Finding]:
+    """No starting point in the training series from which a forecast counts.
+
+    Parameters
+    ----------
+    washout_maxima
+        Largest observable of the washout of each starting point, ``(points,)``.
+    threshold
+        Event threshold; a washout that reaches it is of no use for a forecast.
+    """
+    if (washout_maxima < threshold).any():
+        return []
+    text = (
+        f"no calibration of probabilities: events are under way in the washouts of all "
+        f"{len(washout_maxima)} starting points in the training series"
+    )
+    return [Finding("nothing_to_calibrate_with", text)]
+
+
 def no_better_than_permanent_alarm(
     prediction_times_lt: Sequence[float], f_scores: Sequence[float], permanent: Sequence[float]
 ) -> list[Finding]:

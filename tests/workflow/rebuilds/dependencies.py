@@ -150,8 +150,8 @@ COMES_FROM = {
     "lyapunov_spectrum_table": "lyapunov lyapunov_spectrum/esn",
     "control_table": "control/esn control/equations control/esn-random",
     "control_density_table": "control/esn control/equations control/esn-random",
-    "warnings_table": """simulate events reference_statistics dataset_table classification_table
-        hyperparameters_table statistics_table""",
+    "warnings_table": """simulate events reference_statistics calibration_set dataset_table
+        classification_table hyperparameters_table statistics_table""",
     "control_strategies_table": """control/esn control/esn/receding_horizon control/equations
         control/esn-random control/none control/esn-committee
         control/quadratic_filtered-committee""",

@@ -16,6 +16,7 @@ from burstcast.tuning.negligible_ridge import negligible_ridge
 TABLES = Declaration(
     inputs={
         "ensemble": PATH,
+        "calibration_set": "washout_maximum",
         **dict.fromkeys(("data", "events_summary", "dataset", "classification"), ""),
         **dict.fromkeys(("hyperparameters", "statistics", "lyapunov_spectrum"), ""),
     },
@@ -36,6 +37,8 @@ ADVICE = {
     "few_events": "lower event_threshold, or raise ensemble.series or ensemble.duration",
     "few_positives": "raise test_series (and ensemble.series); read F with its interval "
     "in classification_intervals.csv",
+    "nothing_to_calibrate_with": "raise training.series, ensemble.duration or event_threshold, or "
+    "shorten washout_lt; calibrated probabilities and their scores are empty until then",
     "lost_long_runs": "try other seeds, more neurons or more noise (training.noise); read the "
     "statistics beside survival.csv",
     "ill_conditioned_readout": "leave out the smallest values of search.tikhonov",
@@ -57,6 +60,7 @@ def make(
     *,
     ensemble: str,
     data: Mapping[str, Any],
+    calibration_set: Mapping[str, Any],
     events_summary: Mapping[str, Any],
     dataset: pd.DataFrame,
     classification: pd.DataFrame,
@@ -79,6 +83,9 @@ def make(
             wanted_events,
             event_threshold,
             events_summary["largest_observable"],
+        ),
+        *warning_signs.nothing_to_calibrate_with(
+            calibration_set["washout_maximum"], event_threshold
         ),
         *warning_signs.outside_bins(histogram.below, histogram.above, int(histogram.counts.sum())),
         *warning_signs.noise_drowns_components(states, noise),
