@@ -44,7 +44,9 @@ FIGURE = Declaration(
     cases="several_parameters",
 )
 
-_MARKERS = ("o", "s", "^", "D", "v", "P")
+# markers that look different when they are open
+_MARKERS = ("o", "s", "^", "D", "v", ">", "<")
+_RATE_UNIT = 1e-4
 
 
 def draw(
@@ -105,6 +107,7 @@ def skill_by_parameter(
     escapes = survival.rename(
         columns={"escape_rate": "value", "escape_rate_low": "low", "escape_rate_high": "high"}
     )
+    escapes = escapes.assign(**(escapes[["value", "low", "high"]] / _RATE_UNIT))
     of_panels = [*(found[found["prediction_time_lt"] == time] for time in times), escapes]
     kinds = ["data", *ordered_forecasters({*scores["forecaster"]} - {"permanent_alarm"})]
     figure = new_figure(DOUBLE_COLUMN, 3.0)
@@ -122,7 +125,7 @@ def skill_by_parameter(
         axes.set_ylim(0, 1)
         axes.set_ylabel(f"{METRIC_LABELS['f_score']}, {time:g} LT ahead")
     panels[-1].set_ylim(bottom=0)
-    panels[-1].set_ylabel("Escape rate [1 / time unit]")
+    panels[-1].set_ylabel(r"Escape rate [$10^{-4}$ / time unit]")
     say_where_empty(panels)
     legend_above(figure, [panels[-1], *panels[:-1]], columns=3)
     letter_panels(panels)
