@@ -81,6 +81,29 @@ def training(**changes):
             block(settings={"horizon_lt": [2], "decision_interval_lt": [0.5]}),
             ["plans are longer than the horizon"],
         ),
+        (  # also where the Lyapunov time is computed
+            block(
+                settings={"horizon_lt": [2], "decision_interval_lt": [0.5]},
+                cases=["Re400switched"],
+                forecasters={"quadratic_aware_filtered": {}},
+            ),
+            ["case Re400switched", "plans are longer than the horizon"],
+        ),
+        (
+            block(
+                settings={"horizon_lt": [3], "decision_interval_lt": [0.5], "reversible": [True]},
+            ),
+            ["only a force can be reversed"],
+        ),
+        (
+            block(
+                strategy="receding_horizon",
+                settings={"horizon_lt": [2], "decision_interval_lt": [0.5]},
+                forecasters={"esn": {}},
+                observed=["Re800"],
+            ),
+            ["Re800 is no part of another case", "modes_4"],
+        ),
         (
             block(
                 strategy="receding_horizon",

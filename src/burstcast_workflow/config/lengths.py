@@ -4,8 +4,8 @@ The checks are the library's, which refuses the same in a job and in a notebook.
 """
 
 import math
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from operator import attrgetter
 
 from burstcast import durations
@@ -22,6 +22,9 @@ from burstcast_workflow.config.measured_cases import space_of
 from burstcast_workflow.config.model import Configuration, Simulated
 from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, VALIDATION
 
+FINE = 1000
+"""Steps per Lyapunov time where it is unknown: no duration is too short then."""
+
 
 def misfits(
     config: Configuration,
@@ -30,7 +33,9 @@ def misfits(
     kinds: Iterable[str],
     validations: Iterable[str],
 ) -> list[str]:
-    """What does not fit into the series of a case; nothing where its Lyapunov time is computed.
+    """What does not fit into the series of a case, as far as its Lyapunov time is known.
+
+    Where it is computed, only the durations of control are compared with each other.
 
     Parameters
     ----------
@@ -42,8 +47,6 @@ def misfits(
         Kinds of its forecasters, and validation strategies of its networks.
     """
     ensemble, exponent = case.ensemble, case.lyapunov.known_exponent
-    if exponent is None:
-        return []
     problems: list[str] = []
 
     @contextmanager
@@ -53,6 +56,9 @@ def misfits(
         except ValueError as error:
             problems.append(f"{settings}: {error}".removeprefix(": "))
 
+    if exponent is None:
+        _control(config, name, case, FINE, telling)
+        return list(dict.fromkeys(problems))
     steps = 0
     with telling("lyapunov.published_exponent"):
         steps = durations.steps_per_lyapunov_time(exponent, ensemble.sampling_interval)
@@ -80,6 +86,19 @@ def misfits(
     if any("quadratic" in sections_of_kind(kind) for kind in kinds):
         with telling(""):
             window_steps(config.forecasters.quadratic.window_lt, steps, samples)
+    _control(config, name, case, steps, telling)
+    return list(dict.fromkeys(problems))
+
+
+def _control(
+    config: Configuration,
+    name: str,
+    case: Simulated,
+    steps: int,
+    telling: Callable[[str], AbstractContextManager[None]],
+) -> None:
+    """Check the strategies that control a case, at so many steps per Lyapunov time."""
+    ensemble = case.ensemble
     for index, block in enumerate(config.control.strategies):
         if case.actuation is None or (block.cases and name not in block.cases):
             continue
@@ -104,7 +123,6 @@ def misfits(
                 strategy.check(schedule)
                 if (space := space_of(seen)) is not None:
                     strategy.check_system(space, case.actuation.force is not None)
-    return list(dict.fromkeys(problems))
 
 
 _DURATIONS = (
