@@ -510,6 +510,8 @@ def _setting(setting: dict[str, Any], conditions: dict[str, Any]) -> str:
 
 def _words(name: str, value: Any) -> str:
     text = name.removesuffix("_lt").replace("_", " ")
+    if name == "options":
+        return str(value).replace("=", " ")
     if isinstance(value, str):
         return f"{text} {value}"
     return f"{text} {value:g}" + (" LT" if name.endswith("_lt") else "")
