@@ -32,6 +32,7 @@ from burstcast_workflow.config.loading import load
 from burstcast_workflow.figures.registry import FIGURES, cases_of, files_of, settings_of
 from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.tables.declarations import SECTIONS
+from burstcast_workflow.tables.registry import OPTIONAL, table_of
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -163,7 +164,10 @@ def _toctree(title: str, names: list[str]) -> str:
 
 
 def _kept(place: str | list[str]) -> Any:
-    """Rows of a case, or of each of several, of a kept table; None if it is not kept."""
+    """Rows of a case, or of each of several, of a kept table.
+
+    None if it is not kept, or lacks a column that the table has by now.
+    """
     if not isinstance(place, str):
         found = [_kept(one) for one in place]
         return found if found and all(one is not None for one in found) else None
@@ -171,7 +175,10 @@ def _kept(place: str | list[str]) -> Any:
     path = DOCS / "results" / CAMPAIGN / name
     if not name or not path.exists():
         return None
-    table = read_table(path)
+    table, declared = read_table(path), table_of(path.stem)
+    needed = {one for one in (*declared.keys, *declared.columns) if not one.endswith(OPTIONAL)}
+    if not needed <= {*table.columns}:
+        return None
     return table[table["case"] == case].reset_index(drop=True)
 
 
