@@ -120,7 +120,7 @@ class Target:
 TARGETS = (
     Target("Re400", "esn_aware", 0.006, 0.022, strength=0.25),
     Target("Re400", "esn_aware", 0.0, 0.02),
-    Target("Re400large", "quadratic_aware_filtered", 0.0, 0.02),
+    Target("Re400large", "quadratic_aware_filtered", 0.001, 0.02),
     Target("Re400", "esn_aware", 0.006, 0.025, delay_lt=1),
     Target("Re800", "quadratic_aware_filtered", 0.01, 0.012, delay_lt=1),
     Target("Re800", "esn_aware", 0.02, 0.035, delay_lt=1),
