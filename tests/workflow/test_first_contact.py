@@ -106,4 +106,26 @@ def test_a_campaign_that_is_too_small_for_its_stages_ends(tmp_path, job_server):
     told = {"few_events", "few_positives", "nothing_to_calibrate_with"}
     assert told <= set(warnings[warnings["case"] == "Re1000"]["warning"])
     assert "nothing_to_calibrate_with" not in set(warnings[warnings["case"] == "Re400"]["warning"])
+    assert "no calibration of probabilities" in outcome.text
     assert (results / "figures/forecast_skill_Re1000.png").stat().st_size > 5000
+
+
+@pytest.mark.long
+def test_a_campaign_without_any_event_ends(tmp_path, job_server):
+    """No stage finds an event: scores, horizons, probabilities and control have nothing to count."""
+    project = Project.create(tmp_path / "project", job_server, "quiet.yaml")
+    config = yaml.safe_load((project.directory / "workflow/presets/tiny.yaml").read_text())
+    config["results"] = "results/quiet"
+    config["case_defaults"]["event_threshold"] = 0.47
+    (project.directory / "quiet.yaml").write_text(yaml.safe_dump(config))
+    outcome = project.snakemake()
+    assert outcome.status == 0, outcome.text[-3000:]
+    results = project.directory / "results/quiet"
+    assert read_table(results / "tables/classification.csv")["recall"].isna().all()
+    assert set(read_table(results / "tables/dataset.csv")["events_per_series"]) == {0}
+    strategies = read_table(results / "tables/control_strategies.csv")
+    left = strategies[strategies["metric"] == "relative_exceedance"]
+    assert left["value"].isna().all()
+    assert "few_events" in set(read_table(results / "tables/warnings.csv")["warning"])
+    drawn = {path.stem for path in (results / "figures").glob("*.png")}
+    assert {"forecast_skill", "control_tradeoff", "reliability", "horizon_by_size"} <= drawn

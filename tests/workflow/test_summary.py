@@ -120,6 +120,21 @@ def test_many_warnings_are_cut_and_none_are_nothing(tmp_path):
     assert lines[-1].strip() == "... and 3 more"
 
 
+def test_the_first_warning_of_each_kind_is_shown(tmp_path):
+    often = [
+        (f"c{n}", None, None, None, None, "few_events", f"{n} events", "x")
+        for n in range(MOST_WARNINGS + 3)
+    ]
+    rare = ("c99", None, None, None, None, "nothing_to_calibrate_with", "no point counts", "y")
+    warnings(*often, rare).to_csv(tmp_path / "warnings.csv", index=False)
+    lines = warnings_summary(tmp_path).splitlines()[1:]
+    assert lines[:3] == [
+        "  c0: 0 events. Try: x.",
+        "  c99: no point counts. Try: y.",
+        "  c1: 1 events. Try: x.",
+    ]
+
+
 def test_the_end_names_only_what_there_is(tmp_path):
     assert where_results_lie(tmp_path) == f"Results: {tmp_path}"
     (tmp_path / "tables").mkdir()

@@ -134,6 +134,8 @@ class FoundWarning:
 def found_warnings(tables: Path) -> list[FoundWarning]:
     """Signs that results are less than they seem; what is said of several is one.
 
+    The first of each kind come first, so that no kind is missing where not all are shown.
+
     Parameters
     ----------
     tables
@@ -146,12 +148,15 @@ def found_warnings(tables: Path) -> list[FoundWarning]:
     whose: dict[tuple[str, ...], list[str]] = {}
     for row in table.astype(object).to_dict("records"):
         whose.setdefault(tuple(row[name] for name in names), []).append(_who(row))
-    return [
+    kinds = [kind for kind, *_ in whose]
+    repeated = [kinds[:number].count(kind) > 0 for number, kind in enumerate(kinds)]
+    found = [
         FoundWarning(
             ", ".join([case, *filter(None, ["; ".join(filter(None, whom))])]), finding, advice
         )
         for (_, finding, advice, case), whom in whose.items()
     ]
+    return [found[number] for number in np.argsort(repeated, kind="stable")]
 
 
 def _read(path: Path) -> pd.DataFrame | None:
