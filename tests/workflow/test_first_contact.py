@@ -112,7 +112,7 @@ def test_a_campaign_that_is_too_small_for_its_stages_ends(tmp_path, job_server):
 
 @pytest.mark.long
 def test_a_campaign_without_any_event_ends(tmp_path, job_server):
-    """No stage finds an event: scores, horizons, probabilities and control have nothing to count."""
+    """Scores, horizons, probabilities and control have nothing to count."""
     project = Project.create(tmp_path / "project", job_server, "quiet.yaml")
     config = yaml.safe_load((project.directory / "workflow/presets/tiny.yaml").read_text())
     config["results"] = "results/quiet"
