@@ -117,6 +117,7 @@ def test_a_campaign_without_any_event_ends(tmp_path, job_server):
     config = yaml.safe_load((project.directory / "workflow/presets/tiny.yaml").read_text())
     config["results"] = "results/quiet"
     config["case_defaults"]["event_threshold"] = 0.47
+    config["figures"] = {"flow_event": {"peak": 0.475}}
     (project.directory / "quiet.yaml").write_text(yaml.safe_dump(config))
     outcome = project.snakemake()
     assert outcome.status == 0, outcome.text[-3000:]
