@@ -33,7 +33,7 @@ def _parser() -> argparse.ArgumentParser:
         return added
 
     init = command("init", "commands.study", "lay out a study: Snakefile, config, README")
-    init.add_argument("directory", type=Path, help="where; it is made")
+    init.add_argument("directory", type=Path, help="directory of the study; it is created")
     init.add_argument(
         "--preset",
         choices=list(presets()),
@@ -71,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     benchmark = command("benchmark", "commands.benchmark", "cases for forecasters of others")
     tasks = benchmark.add_subparsers(dest="task", required=True, metavar="TASK")
     export = tasks.add_parser("export", help="write the cases, and a page that explains them")
-    export.add_argument("directory", type=Path, help="where; it is made")
+    export.add_argument("directory", type=Path, help="directory for the cases; it is created")
     export.add_argument("--case", action="append", help="only this case; may be repeated")
     export.add_argument("--seed", type=int, help="of other data; the leaderboard's if left out")
     score = tasks.add_parser("score", help="score the forecasts of one forecaster for one case")

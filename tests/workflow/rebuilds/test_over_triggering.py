@@ -189,7 +189,7 @@ WITHOUT_EFFECT = [
     Edit(
         "help of the command line",
         f"{WORKFLOW}/commands/command_line.py",
-        'help="where; it is made"',
+        'help="directory of the study; it is created"',
         'help="a directory, which is made"',
     ),
     Edit(
