@@ -21,13 +21,12 @@ def calibration_set_of_case(
     test, more = test_series(settings, kept), settings["probability.calibration_series"]
     needs = {"training.series": training, "test_series": test}
     check_kept_series(kept, {**needs, "probability.calibration_series": more} if more else needs)
-    spacing = "probability.start_spacing_lt"
     write_point_set(
         calibration_set,
         settings,
         ensemble,
         range(training + test, training + test + more) if more else range(training),
-        (spacing, settings[spacing]),
+        ("probability.start_spacing_lt", settings["probability.start_spacing_lt"]),
         lyapunov_time(settings, time_unit),
         provenance,
     )

@@ -16,13 +16,12 @@ def evaluation_set_of_case(
     provenance: Provenance,
 ) -> None:
     """Write points in the test series."""
-    spacing = "classification.start_spacing_lt"
     write_point_set(
         evaluation_set,
         settings,
         ensemble,
         test_rows(settings, ensemble),
-        (spacing, settings[spacing]),
+        ("classification.start_spacing_lt", settings["classification.start_spacing_lt"]),
         lyapunov_time(settings, time_unit),
         provenance,
     )

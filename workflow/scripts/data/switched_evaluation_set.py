@@ -22,12 +22,11 @@ def switched_evaluation_set_of_case(
     rows = test_rows(settings, ensemble)
     series, observed = switched_series(settings, ensemble, rows, steps, "test")
     observable = system_of(settings).observable(series.states.transpose(2, 0, 1))
-    spacing = "classification.start_spacing_lt"
     write_points(
         evaluation_set,
         settings,
         (series.states, observed, observable),
-        (spacing, settings[spacing]),
+        ("classification.start_spacing_lt", settings["classification.start_spacing_lt"]),
         steps,
         provenance,
         series.schedules,
