@@ -91,8 +91,7 @@ def test_a_module_without_a_declaration_is_no_figure():
 
 def test_captions_are_read_from_the_text():
     assert (
-        caption("horizon_schematic")
-        == "How the prediction horizon of an extreme event is measured."
+        caption("horizon_schematic") == "Measurement of the prediction horizon of an extreme event."
     )
 
 

@@ -37,7 +37,7 @@ from burstcast.forecasters._labels import forecaster_label
 
 FIGURE = Declaration(
     section="control",
-    position=60,
+    position=70,
     inputs={"choices": "case/tables/control_choices.csv"},
     settings={"tolerance": "control.tolerated_exceedance", "noise": "case.training.noise"},
     cases="chosen_control",

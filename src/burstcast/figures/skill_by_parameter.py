@@ -30,7 +30,7 @@ from burstcast.figures.registry import Declaration
 
 FIGURE = Declaration(
     section="forecasts",
-    position=60,
+    position=70,
     inputs={
         "scores": "aware_cases/tables/classification.csv",
         "intervals": "aware_cases/tables/classification_intervals.csv",
