@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[3]
 
 @cache
 def workflow():
-    """The rules by name, and the campaign of the paper, with choices of control, so that all exist."""
+    """The rules by name, and the campaign of the paper, with choices of control as well."""
     with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
         loaded = api.workflow(
             resource_settings=ResourceSettings(cores=1),
