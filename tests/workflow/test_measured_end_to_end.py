@@ -153,7 +153,10 @@ def test_tables_are_the_same(project):
     for name in compared:
         # where other rows have nothing, whole numbers are written as others are
         exactly = {"check_dtype": False, "check_exact": True, "obj": name}
-        assert_frame_equal(of_lorenz(simulated / name), of_lorenz(measured / name), **exactly)
+        one, other = of_lorenz(simulated / name), of_lorenz(measured / name)
+        if name == "warnings.csv":  # an estimate of the exponent is doubted, a known one is not
+            other = other[other["warning"] != "exponents_differ"].reset_index(drop=True)
+        assert_frame_equal(one, other, **exactly)
     one, other = of_lorenz(simulated / "dataset.csv"), of_lorenz(measured / "dataset.csv")
     by_equations = [name for name in one if name.startswith("lyapunov_exponent")]
     assert one.drop(columns=by_equations).equals(other.drop(columns=by_equations, errors="ignore"))
