@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from burstcast.figures.parts.control_runs import linear_below
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.percentile_curves import require_single_case
 from burstcast.figures.parts.reference_forecasters import ordered_forecasters
@@ -240,8 +241,6 @@ def _mark_conditions(
 
 def _with_nothing(axes: Axes, rows: pd.DataFrame) -> None:
     """Make the horizontal axis logarithmic, and linear near zero: "nothing left" has a place."""
-    positive = rows.loc[rows["value"] > 0, "value"]
-    least = float(positive.min()) if len(positive) else 0.1
-    end = 10.0 ** np.clip(np.floor(np.log10(least)), -4, -1)
+    end = linear_below(rows["value"], -4)
     axes.set_xscale("symlog", linthresh=end, linscale=0.6)
     axes.set_xlim(-0.25 * end, 1.5 * max(1.0, float(rows["high"].max())))

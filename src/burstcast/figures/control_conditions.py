@@ -23,6 +23,7 @@ from burstcast.figures.parts.control_runs import (
     draw_curve,
     forecaster_handles,
     kind_handles,
+    left_label,
     linestyles_of,
     logarithmic_with_nothing,
     of_network,
@@ -130,9 +131,7 @@ def control_conditions(
     colours.append(bar_handle("interval over flows"))
     figure.legend(handles=colours, loc="outside upper center", ncols=4)
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
-    panels[0].set_ylabel(
-        rf"Exceedance left: $P({symbol} \geq {symbol}_e)$" + "\nwith control / without it"
-    )
+    panels[0].set_ylabel(left_label(symbol))
     logarithmic_with_nothing(panels, runs)
     letter_panels(panels)
     return figure

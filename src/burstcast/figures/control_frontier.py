@@ -26,6 +26,7 @@ from burstcast.figures.parts.control_runs import (
     forecasters_in_order,
     interval_lengths,
     kind_handles,
+    left_label,
     linestyles_of,
     logarithmic_with_nothing,
     of_network,
@@ -125,9 +126,7 @@ def control_frontier(
     handles = [*forecaster_handles(runs), *_draw_frontier(axes, runs, symbol)]
     handles.append(bar_handle("interval over flows"))
     figure.legend(handles=handles, loc="outside right center")
-    axes.set_ylabel(
-        rf"Exceedance left: $P({symbol} \geq {symbol}_e)$" + "\nwith control / without it"
-    )
+    axes.set_ylabel(left_label(symbol))
     logarithmic_with_nothing([axes], runs)
     return figure
 

@@ -60,7 +60,9 @@ def density_edges(settings: Settings, ensemble: str) -> FloatArray:
     return edges_over(read_netcdf(ensemble, "observable")["observable"], density["bins"])
 
 
-def observed_rows(settings: Settings, ensemble: str, first: int, states: FloatArray) -> FloatArray:
+def observed_rows(
+    settings: Settings, ensemble: str, first: int, states: FloatArray, kind: str = ""
+) -> FloatArray:
     """What is observed of kept series: their states with noise.
 
     Parameters
@@ -73,6 +75,8 @@ def observed_rows(settings: Settings, ensemble: str, first: int, states: FloatAr
         Row of the first of the series.
     states
         Of the series, ``(series, time, dimension)``.
+    kind
+        What the series are, if not those of the ensemble: they have noise of their own.
     """
     training = read_rows(ensemble, "state", 0, settings["case.training.series"])
     return observed_series(
@@ -81,7 +85,7 @@ def observed_rows(settings: Settings, ensemble: str, first: int, states: FloatAr
         settings["case.training.noise"],
         component_scales(training),
         settings["random_seed"],
-        settings["case"],
+        f"{settings['case']} {kind}".rstrip(),
     )
 
 

@@ -5,11 +5,11 @@ import numpy as np
 from burstcast import durations, random_streams
 from burstcast.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues, actuated_system
-from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.scheduled_series import RandomActuation, ScheduledSeries, simulated_series
 from burstcast.files.netcdf import read_rows
 from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.data import observed_rows
 from burstcast_workflow.jobs.systems import equations_of, parameters_of
 
 CANDIDATES = 8
@@ -68,13 +68,4 @@ def switched_series(
         sampling_stride=settings["case.ensemble.sampling_stride"],
         laminarisation_threshold=settings["case.laminarisation_threshold"],
     )
-    training = read_rows(ensemble, "state", 0, settings["case.training.series"])
-    observed = observed_series(
-        found.states,
-        rows.start,
-        settings["case.training.noise"],
-        component_scales(training),
-        root,
-        f"{case} actuated",
-    )
-    return found, observed
+    return found, observed_rows(settings, ensemble, rows.start, found.states, "actuated")

@@ -268,11 +268,24 @@ def draw_curve(
     )
 
 
+def linear_below(shares: "pd.Series[Any]", smallest: float) -> float:
+    """Power of ten below which an axis of shares is linear: that of the least positive share.
+
+    ``smallest`` is the least exponent.
+    """
+    least = float(shares[shares > 0].min()) if (shares > 0).any() else 0.1
+    return float(10.0 ** np.clip(np.floor(np.log10(least)), smallest, -1))
+
+
+def left_label(symbol: str) -> str:
+    """Label of an axis of the share of the exceedance that is left."""
+    return rf"Exceedance left: $P({symbol} \geq {symbol}_e)$" + "\nwith control / without it"
+
+
 def logarithmic_with_nothing(panels: Sequence[Axes], runs: pd.DataFrame) -> None:
     """Make the vertical axes logarithmic down to the least share that is left, linear below it."""
     shares = runs[f"value_{LEFT}"]
-    least = float(shares[shares > 0].min()) if (shares > 0).any() else 0.1
-    end = 10.0 ** np.clip(np.floor(np.log10(least)), -5, -1)
+    end = linear_below(shares, -5)
     highest = max(1.0, float(shares.max()), float(runs[f"high_{LEFT}"].max()))
     for axes in panels:
         axes.set_yscale("symlog", linthresh=end, linscale=0.6)

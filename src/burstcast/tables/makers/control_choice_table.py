@@ -4,12 +4,12 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import fields
 
 from burstcast import random_streams
-from burstcast.control.choice import FlowSample, choose
-from burstcast.control.records import COSTS, FlowRecords, Span, flow_intervals, score_flows
+from burstcast.control.choice import choose
+from burstcast.control.records import COSTS, flow_intervals, score_flows
 from burstcast.control.setting_names import as_columns
+from burstcast.tables.makers._control_runs import flows_of, keys_of
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
@@ -52,29 +52,20 @@ def make(
         groups.setdefault((one.name, options, *conditions.items()), []).append(one)
     rows: Rows = []
     for runs in groups.values():
-        halves = [_sample(one).halves() for one in runs]
+        halves = [flows_of(one).halves() for one in runs]
         number = choose([choosing for choosing, _ in halves], tolerance)
         run, (_, scored) = runs[number], halves[number]
-        plan = dict(run.plan)
-        settings = as_columns(plan.pop("settings"))
-        # all are resampled alike; noise is the case's, unless the plan has one of its own
+        # all are resampled alike
         generator = random_streams.stream(root_seed, "control choice", case)
         scores = score_flows(scored.records, scored.span, resamples, generator, scored.costs)
         found = flow_intervals(scores, scored.records, scored.span, confidence)
-        keys = {**run.name.keys, "noise": noise, **settings, **plan}
-        keys |= {"candidates": len(runs), "scored_flows": len(scored.records.row)}
+        keys = keys_of(run, noise) | {
+            "candidates": len(runs),
+            "scored_flows": len(scored.records.row),
+        }
         rows += [
             {**keys, "metric": name, "value": one.value, "low": one.low, "high": one.high}
             for name, one in found.items()
             if name in METRICS
         ]
     return {"control_choices": rows}
-
-
-def _sample(run: Gathered) -> FlowSample:
-    content = run.content
-    return FlowSample(
-        FlowRecords(**{field.name: content[field.name] for field in fields(FlowRecords)}),
-        Span(**{field.name: int(content[field.name]) for field in fields(Span)}),
-        {name: content[name] for name in COSTS if name in content},
-    )

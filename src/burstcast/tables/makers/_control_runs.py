@@ -1,0 +1,28 @@
+"""Runs of control as tables are made of them: their flows, and their key columns."""
+
+from dataclasses import fields
+from typing import Any
+
+from burstcast.control.choice import FlowSample
+from burstcast.control.records import COSTS, FlowRecords, Span
+from burstcast.control.setting_names import as_columns
+from burstcast.tables.makers.registry import Gathered
+
+
+def flows_of(run: Gathered) -> FlowSample:
+    """Flows of a run, from the content of its file."""
+    content = run.content
+    return FlowSample(
+        FlowRecords(**{field.name: content[field.name] for field in fields(FlowRecords)}),
+        Span(**{field.name: int(content[field.name]) for field in fields(Span)}),
+        {name: content[name] for name in COSTS if name in content},
+    )
+
+
+def keys_of(run: Gathered, noise: float) -> dict[str, Any]:
+    """Key columns of a run: its controller, settings and conditions.
+
+    ``noise`` is that of the case, unless the plan has one of its own: equations are given none.
+    """
+    conditions = {name: value for name, value in run.plan.items() if name != "settings"}
+    return {**run.name.keys, "noise": noise, **as_columns(run.plan["settings"]), **conditions}
