@@ -123,8 +123,10 @@ TARGETS = (
     Target("Re400large", "quadratic_aware_filtered", 0.001, 0.02),
     Target("Re400", "esn_aware", 0.006, 0.025, delay_lt=1),
     Target("Re800", "quadratic_aware_filtered", 0.01, 0.012, delay_lt=1),
+    Target("Re800", "quadratic_aware_filtered_committee", 0.01, 0.012, delay_lt=1),
     Target("Re800", "esn_aware", 0.02, 0.035, delay_lt=1),
     Target("Re1000", "quadratic_aware_filtered", 0.015, 0.01, delay_lt=1),
+    Target("Re1000", "quadratic_aware_filtered_committee", 0.015, 0.01, delay_lt=1),
 )
 
 
