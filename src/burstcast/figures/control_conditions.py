@@ -126,7 +126,7 @@ def control_conditions(
         return nothing_to_show("No strategy was tried under several conditions.")
     figure = new_figure(DOUBLE_COLUMN, 3.0)
     panels = list(figure.subplots(1, len(tried), sharey=True, squeeze=False)[0])
-    handles = _draw_conditions(panels, tried, symbol)
+    handles = _draw_conditions(panels, tried)
     colours = forecaster_handles(pd.concat(tried.values()))
     colours.append(bar_handle("interval over flows"))
     figure.legend(handles=colours, loc="outside upper center", ncols=4)
@@ -138,10 +138,10 @@ def control_conditions(
 
 
 def _draw_conditions(
-    panels: Sequence[Axes], tried: Mapping[Condition, pd.DataFrame], symbol: str
+    panels: Sequence[Axes], tried: Mapping[Condition, pd.DataFrame]
 ) -> list[Line2D]:
     """Draw the share left against each condition; returns what tells curves apart."""
-    together = with_kinds(pd.concat(tried, names=["condition"]), symbol, along=True)
+    together = with_kinds(pd.concat(tried, names=["condition"]), along=True)
     linestyles = linestyles_of(together)
     for axes, condition in zip(panels, tried, strict=True):
         runs = together.loc[[condition]].sort_values(condition.column, kind="stable")

@@ -123,7 +123,7 @@ def control_frontier(
         return nothing_to_show("Without control no event occurred that control could prevent.")
     figure = new_figure(DOUBLE_COLUMN, 3.4)
     axes = figure.subplots()
-    handles = [*forecaster_handles(runs), *_draw_frontier(axes, runs, symbol)]
+    handles = [*forecaster_handles(runs), *_draw_frontier(axes, runs)]
     handles.append(bar_handle("interval over flows"))
     figure.legend(handles=handles, loc="outside right center")
     axes.set_ylabel(left_label(symbol))
@@ -131,9 +131,9 @@ def control_frontier(
     return figure
 
 
-def _draw_frontier(axes: Axes, runs: pd.DataFrame, symbol: str) -> list[Line2D]:
+def _draw_frontier(axes: Axes, runs: pd.DataFrame) -> list[Line2D]:
     """Draw the share left against the time under actuation; returns what tells curves apart."""
-    runs = with_kinds(runs, symbol, along=False)
+    runs = with_kinds(runs, along=False)
     linestyles = linestyles_of(runs)
     for strategy, own in runs.groupby("strategy", sort=False):
         along = strategy_look(str(strategy)).along

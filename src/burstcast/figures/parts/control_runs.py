@@ -28,7 +28,15 @@ from burstcast.forecasters._labels import forecaster_label
 LEFT, ACTING = "relative_exceedance", "control_fraction"
 _RESULTS = [f"{name}_{metric}" for metric in (LEFT, ACTING) for name in ("value", "low", "high")]
 _IDENTITY = ["case", "reynolds", "forecaster", "neurons", "validation", "seed", "strategy"]
-_DASHES: tuple[Any, ...] = ("-", (0, (4.0, 1.5)), (0, (1.0, 1.0)), (0, (6.0, 1.2, 1.2, 1.2)))
+_DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (4.0, 1.5)),
+    (0, (1.0, 1.0)),
+    (0, (6.0, 1.2, 1.2, 1.2)),
+    (0, (8.0, 2.0)),
+    (0, (2.5, 1.0)),
+    (0, (4.0, 1.0, 1.0, 1.0, 1.0, 1.0)),
+)
 
 
 @dataclass(frozen=True)
@@ -47,12 +55,14 @@ _STRATEGIES = {
     "prediction_triggered": _Strategy(
         "the paper's strategy", "prediction_time_lt", "{} LT ahead", "s"
     ),
-    "reactive": _Strategy("reactive", "level", "{symbol} = {}", "^", ORANGE),
+    "reactive": _Strategy("reactive", "level", "level {}", "^", ORANGE),
+    "planned": _Strategy("planned", "horizon_lt", "{} LT", "D"),
     "random_decisions": _Strategy("random", "probability", "{}", "X", GREY),
 }
 _OTHER_SETTINGS = {
     "decision_interval_lt": "every {} LT",
     "window_lt": "window of {} LT",
+    "margin": "margin {}",
     "vote_share": "{} of the votes",
     "options": "{}",
 }
@@ -61,11 +71,16 @@ _OTHER_SETTINGS = {
 _FORECASTERS = {
     "esn": (BLUE, "full"),
     "esn_committee": (BLUE, "bottom"),
+    "esn_aware": (GREEN, "full"),
+    "esn_aware_committee": (GREEN, "bottom"),
     "equations": (BLACK, "none"),
     "equations_noisy": (GREEN, "left"),
     "equations_filtered": (VERMILLION, "bottom"),
     "quadratic_filtered": (PURPLE, "top"),
     "quadratic_filtered_committee": (PURPLE, "left"),
+    "quadratic": (PURPLE, "right"),
+    "quadratic_aware_filtered": (PURPLE, "full"),
+    "quadratic_aware_filtered_committee": (PURPLE, "none"),
 }
 _OTHER_FORECASTER = (GREY, "right")
 
@@ -157,7 +172,7 @@ def strategy_look(name: str) -> _Strategy:
     return _STRATEGIES.get(name, _Strategy(name.replace("_", " ")))
 
 
-def with_kinds(runs: pd.DataFrame, symbol: str, *, along: bool) -> pd.DataFrame:
+def with_kinds(runs: pd.DataFrame, *, along: bool) -> pd.DataFrame:
     """Runs in the order of the legend, each with what is written there.
 
     That is its strategy, and those settings that tell runs of that strategy apart; also the one
@@ -173,19 +188,15 @@ def with_kinds(runs: pd.DataFrame, symbol: str, *, along: bool) -> pd.DataFrame:
         if along and look.along is not None:
             texts = {look.along: look.told, **texts}
         own = own.sort_values(list(texts)) if texts else own
-        kinds = [_kind(look, texts, row, symbol) for _, row in own.iterrows()]
+        kinds = [_kind(look, texts, row) for _, row in own.iterrows()]
         parts.append(own.assign(kind=kinds))
     named: pd.DataFrame = pd.concat(parts)
     return named
 
 
-def _kind(
-    look: _Strategy, texts: Mapping[str, str], row: "pd.Series[Any]", symbol: str
-) -> str:  # fmt: skip
+def _kind(look: _Strategy, texts: Mapping[str, str], row: "pd.Series[Any]") -> str:
     values = [
-        text.format(
-            row[name] if isinstance(row[name], str) else f"{row[name]:g}", symbol=f"${symbol}$"
-        )
+        text.format(row[name] if isinstance(row[name], str) else f"{row[name]:g}")
         for name, text in texts.items()
         if pd.notna(row[name])
     ]
