@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 BUDGET = {
     "src/burstcast_workflow": 224,
     "src/burstcast_workflow/campaign": 1154,
-    "src/burstcast_workflow/commands": 1368,
+    "src/burstcast_workflow/commands": 1373,
     "src/burstcast_workflow/config": 2801,
     "src/burstcast_workflow/costs": 522,
     "src/burstcast_workflow/figures": 485,

@@ -225,7 +225,8 @@ def results(tmp_path):
         for one in (path, record):
             one.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(name)
-        record.write_text(json.dumps({} if revision is None else {"revision": revision}))
+        known = {"revision": revision, "environment": [f"kernel of {revision}"]}
+        record.write_text(json.dumps({} if revision is None else known))
     (directory / "tables" / ".scores.csv.1.partial").write_text("half")
     return directory
 
@@ -244,6 +245,7 @@ def test_an_archive_has_what_can_be_cited(results, tmp_path):
     assert str(tmp_path) not in b"".join(files.values()).decode()
     told = json.loads(files["quick/versions.json"])
     assert told["files by revision"] == {"a1": 2, "b2-dirty": 1, "unknown": 1}
+    assert told["linear algebra"] == ["kernel of a1", "kernel of b2-dirty"]
     assert {"numpy", "scipy", "snakemake"} <= set(told["libraries"])
 
 

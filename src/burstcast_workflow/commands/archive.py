@@ -17,6 +17,7 @@ import os
 import platform
 import sys
 import zipfile
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -47,7 +48,8 @@ Results of a campaign of burstcast, {revision}.
 
 * `tables/`: CSV and LaTeX. `figures/`: PDF and PNG.
 * `config.yaml`: the whole configuration; `snakemake --configfile config.yaml` makes it all again.
-* `versions.json`: Python, the libraries, and the revisions of burstcast that the results are of.
+* `versions.json`: Python, the libraries, and the revisions of burstcast and the kernels of linear
+  algebra that the results were computed with.
 * `why.txt`: what would run again when this was packed, and why.
 * `ro-crate-metadata.json`: which jobs made the results, from what and when, as a Provenance Run
   Crate; `Snakefile` is the workflow that it names.
@@ -60,7 +62,7 @@ class NothingToArchiveError(ValueError):
 
 
 def versions(results: Path) -> dict[str, Any]:
-    """Versions of Python and of the libraries here, and the revisions that results were made by.
+    """Versions of Python and of the libraries here; revisions and BLAS kernels that made results.
 
     Parameters
     ----------
@@ -68,15 +70,18 @@ def versions(results: Path) -> dict[str, Any]:
         The results directory. Each record says the revision of its job; a campaign that was edited
         while it grew has several.
     """
-    revisions: dict[str, int] = {}
+    revisions: Counter[str] = Counter()
+    kernels: set[str] = set()
     for path in sorted((results / DIRECTORY).rglob("*.json")):
-        revision = json.loads(path.read_bytes()).get("revision") or "unknown"
-        revisions[revision] = revisions.get(revision, 0) + 1
+        record = json.loads(path.read_bytes())
+        revisions[record.get("revision") or "unknown"] += 1
+        kernels.update(record.get("environment", ()))
     return {
         "python": platform.python_version(),
         "libraries": {library: library_version(library) for library in LIBRARIES},
         "revision": source_revision(),
         "files by revision": dict(sorted(revisions.items())),
+        "linear algebra": sorted(kernels),
     }
 
 
