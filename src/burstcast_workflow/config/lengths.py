@@ -58,7 +58,7 @@ def misfits(
 
     if exponent is None:
         _control(config, name, case, FINE, telling)
-        return [*dict.fromkeys(problems)]
+        return list(dict.fromkeys(problems))
     steps = 0
     with telling("lyapunov.published_exponent"):
         steps = durations.steps_per_lyapunov_time(exponent, ensemble.sampling_interval)

@@ -76,7 +76,7 @@ def observed_rows(
     states
         Of the series, ``(series, time, dimension)``.
     kind
-        What the series are, if not those of the ensemble: they have noise of their own.
+        Word that tells other series from those of the ensemble; their noise is drawn separately.
     """
     training = read_rows(ensemble, "state", 0, settings["case.training.series"])
     return observed_series(

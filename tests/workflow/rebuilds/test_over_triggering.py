@@ -226,10 +226,10 @@ WITHOUT_EFFECT = [
     Edit(
         "a check of lengths",
         f"{WORKFLOW}/config/lengths.py",
-        "    return list(dict.fromkeys(problems))\n",
+        "    _control(config, name, case, steps, telling)\n",
         "    if samples < 3:\n"
         '        problems.append("ensemble.duration is too short")\n'
-        "    return list(dict.fromkeys(problems))\n",
+        "    _control(config, name, case, steps, telling)\n",
     ),
     Edit(
         "caption of a figure",

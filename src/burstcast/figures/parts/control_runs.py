@@ -56,13 +56,12 @@ _STRATEGIES = {
         "the paper's strategy", "prediction_time_lt", "{} LT ahead", "s"
     ),
     "reactive": _Strategy("reactive", "level", "level {}", "^", ORANGE),
-    "planned": _Strategy("planned", "horizon_lt", "{} LT", "D"),
+    "planned": _Strategy("planned", "horizon_lt", "{} LT"),
     "random_decisions": _Strategy("random", "probability", "{}", "X", GREY),
 }
 _OTHER_SETTINGS = {
     "decision_interval_lt": "every {} LT",
     "window_lt": "window of {} LT",
-    "margin": "margin {}",
     "vote_share": "{} of the votes",
     "options": "{}",
 }
@@ -280,9 +279,9 @@ def draw_curve(
 
 
 def linear_below(shares: "pd.Series[Any]", smallest: float) -> float:
-    """Power of ten below which an axis of shares is linear: that of the least positive share.
+    """Limit of the linear part of an axis of shares: a power of ten, at most 0.1.
 
-    ``smallest`` is the least exponent.
+    It is not above the least positive share, unless its exponent would be below ``smallest``.
     """
     least = float(shares[shares > 0].min()) if (shares > 0).any() else 0.1
     return float(10.0 ** np.clip(np.floor(np.log10(least)), smallest, -1))

@@ -19,10 +19,15 @@ def flows_of(run: Gathered) -> FlowSample:
     )
 
 
+def conditions_of(run: Gathered) -> dict[str, Any]:
+    """Conditions of a run: all of its plan but the settings of its strategy."""
+    return {name: value for name, value in run.plan.items() if name != "settings"}
+
+
 def keys_of(run: Gathered, noise: float) -> dict[str, Any]:
     """Key columns of a run: its controller, settings and conditions.
 
-    ``noise`` is that of the case, unless the plan has one of its own: equations are given none.
+    ``noise`` is that of the case; the noise of a plan replaces it. Equations are given none.
     """
-    conditions = {name: value for name, value in run.plan.items() if name != "settings"}
-    return {**run.name.keys, "noise": noise, **as_columns(run.plan["settings"]), **conditions}
+    settings = as_columns(run.plan["settings"])
+    return {**run.name.keys, "noise": noise, **settings, **conditions_of(run)}

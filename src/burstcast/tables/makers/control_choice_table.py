@@ -9,7 +9,7 @@ from burstcast import random_streams
 from burstcast.control.choice import choose
 from burstcast.control.records import COSTS, flow_intervals, score_flows
 from burstcast.control.setting_names import as_columns
-from burstcast.tables.makers._control_runs import flows_of, keys_of
+from burstcast.tables.makers._control_runs import conditions_of, flows_of, keys_of
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
@@ -47,9 +47,8 @@ def make(
     """A row for each strategy, condition, controller and score."""
     groups: dict[tuple[object, ...], list[Gathered]] = {}
     for one in flows:
-        conditions = {name: value for name, value in one.plan.items() if name != "settings"}
         options = as_columns(one.plan["settings"]).get("options")
-        groups.setdefault((one.name, options, *conditions.items()), []).append(one)
+        groups.setdefault((one.name, options, *conditions_of(one).items()), []).append(one)
     rows: Rows = []
     for runs in groups.values():
         halves = [flows_of(one).halves() for one in runs]
