@@ -15,6 +15,7 @@ from gallery_figures import (
     Y,
     Z,
     alarm_rows,
+    choice_rows,
     committee_forecasts,
     control_rows,
     frontier_rows,
@@ -38,9 +39,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
+from burstcast.figures.alarm_lead_times import draw as alarm_lead_times
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.committee_event import committee_event
+from burstcast.figures.control_choices import control_choices
 from burstcast.figures.control_conditions import control_conditions
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
@@ -53,9 +56,21 @@ from burstcast.figures.long_term_density import long_term_density
 from burstcast.figures.observable_and_density import observable_and_density
 from burstcast.figures.observed_components import draw as observed_components
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
-from burstcast.figures.parts.observable_axis import axis_floor
-from burstcast.figures.parts.percentile_curves import nearest_value, select
-from burstcast.figures.parts.style import BLUE, ordered_validations, render, true_runs
+from burstcast.figures.parts.control_runs import curve_style
+from burstcast.figures.parts.observable_axis import axis_floor, axis_limits
+from burstcast.figures.parts.percentile_curves import (
+    draw_percentiles,
+    nearest_value,
+    select,
+    spread_handles,
+)
+from burstcast.figures.parts.style import (
+    BLUE,
+    ordered_validations,
+    render,
+    true_runs,
+    validation_style,
+)
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.profile_errors import profile_errors
@@ -408,7 +423,7 @@ def test_reliability_is_drawn_of_those_who_tell_probabilities() -> None:
 def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_conditions() -> None:
     table = frontier_rows()
     figure, others = control_frontier(table, USUAL), control_conditions(table, USUAL)
-    (frontier,) = figure.axes
+    rules, frontier = figure.axes
     by_delay, by_strength, by_noise = others.axes
     assert "delay" in by_delay.get_xlabel().lower()
     # of the network, along the horizon, with decisions every 0.25 LT
@@ -416,6 +431,9 @@ def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_cond
     (slow,) = (line for line in curves if line.get_xdata()[0] == 0.125 and line.get_color() == BLUE)
     assert list(slow.get_xdata()) == pytest.approx([0.125, 0.0625, 0.0375])
     assert list(slow.get_ydata()) == pytest.approx([4e-2, 2e-3, 0.0])
+    # rules have a panel of their own
+    assert lines_with(rules, [0.01, 0.06]) > 0
+    assert lines_with(frontier, [0.01, 0.06]) == 0
     # the runs without delay belong to the curve over delays
     assert lines_with(by_delay, [2e-3, 4e-2, 4e-2]) == 1
     assert lines_with(by_strength, [4e-2, 4e-2, 2e-3]) == 1
@@ -547,4 +565,52 @@ def test_negative_observables_are_not_cut_off(name):
 
 def test_observables_that_are_never_negative_are_drawn_from_zero():
     assert axis_floor(burst(TIME, 4.0)) == 0.0
+    # unless they never come near it
+    assert 2.9 < axis_floor(3.0 + burst(TIME, 4.0)) < 3.02
     assert axis_floor(SINKING, FORECAST) < np.nanmin(FORECAST) < 0.0
+
+
+def test_an_axis_has_room_for_the_name_of_the_threshold():
+    curve = np.array([2.0, 3.0])
+    floor, top = axis_limits(2.99, curve)
+    assert floor == pytest.approx(1.94)
+    assert top > 2.99 + 0.13 * (3.0 - floor)
+    assert axis_limits(2.1, curve)[1] == pytest.approx(3.0 + 0.06 * 1.06)
+
+
+def test_quartiles_of_one_network_are_no_band():
+    rows = pd.DataFrame({"neurons": [100.0, 200.0, 300.0], "p50": [0.5, 0.6, 0.7]})
+    style = validation_style("RV")
+    for spread, entries in ((0.1, 1), (0.0, 0)):
+        axes = Figure().subplots()
+        quartiles = rows.assign(p25=rows["p50"] - spread, p75=rows["p50"] + spread)
+        draw_percentiles(axes, quartiles, "neurons", style)
+        assert len(spread_handles([axes])) == entries
+        assert lines_with(axes, [0.5, 0.6, 0.7]) == 1
+
+
+def test_no_false_alarm_has_a_place_on_the_axis():
+    rows = [
+        ("esn", time, metric, value)
+        for time, false in ((1.0, 0.0), (2.0, 0.02))
+        for metric, value in (("warned_fraction", 0.9), ("false_alarms_per_lt", false))
+    ]
+    table = pd.DataFrame(rows, columns=["forecaster", "lead_time_lt", "metric", "value"])
+    table = table.assign(
+        case="Re400", neurons=500.0, validation="RV", seed=0, low=table["value"], high=0.95
+    )
+    _, alarms = alarm_lead_times(table, 500.0, "RV").axes
+    assert lines_with(alarms, [0.0, 0.02]) == 1
+    assert alarms.get_ylim()[0] < 0
+    assert alarms.transData.transform((1.0, 0.0))[1] > alarms.transAxes.transform((0, 0))[1]
+
+
+def test_strategies_have_one_look_in_all_figures_of_control():
+    names = texts(control_choices(choice_rows(), 0.01, usual_noise=0.01))
+    assert {"reactive, on a1", "receding horizon: network"} <= set(names)
+    assert "planned: parameter-aware equations, filtered" in names
+    chosen = control_choices(choice_rows(), 0.01, usual_noise=0.01).axes[0]
+    colors = {line.get_color() for line in chosen.get_lines() if line.get_marker() == "o"}
+    assert colors == {
+        curve_style(kind, "receding_horizon", "")["color"] for kind in ("esn", "esn_aware")
+    }

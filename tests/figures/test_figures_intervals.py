@@ -82,7 +82,7 @@ def test_an_economic_value_ends_where_it_meets_zero():
     cut = from_zero(curve, "ratio")
     assert cut["ratio"].tolist() == pytest.approx([0.01, 0.1, 10**-0.5, 1.0])
     assert cut["value"].tolist()[:3] == [0.5, 0.5, 0.0]
-    assert np.isnan(cut["value"].iloc[3])
+    assert cut["value"].iloc[3] == 0
     assert (cut[["low", "high"]] >= 0).all(axis=None)
     above = from_zero(curve.assign(value=0.2), "ratio")
     assert len(above) == 3

@@ -1,5 +1,5 @@
 """(a) Share of the events that an alarm warned of at least a lead time before they began, and (b)
-false alarms per Lyapunov time (no curve for sources without any), against lead time. Bands:
+false alarms per Lyapunov time, against lead time; the axis is linear in the shaded strip. Bands:
 bootstrap intervals over the test series; of the median network, medians of the scores and of the
 ends of their intervals. The threshold of alarms by the observable now jumps from one lead time to
 the next: they are in the table alone.
@@ -10,9 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from burstcast.figures.parts.alarm_scores import OVER_SERIES, alarms_shown, draw_alarms
+from burstcast.figures.parts.linear_below import linear_below
 from burstcast.figures.parts.percentile_curves import require_single_case, say_where_empty
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
+    LIGHT_GREY,
     band_handle,
     legend_above,
     letter_panels,
@@ -38,8 +40,6 @@ _LABELS = {
 def draw(lead_times: pd.DataFrame, neurons: float, validation: str) -> Figure:
     """Draw the share of events warned of, and false alarms, against lead time.
 
-    A source without false alarms has no curve there: the axis is logarithmic.
-
     Parameters
     ----------
     lead_times
@@ -64,7 +64,12 @@ def draw(lead_times: pd.DataFrame, neurons: float, validation: str) -> Figure:
         axes.xaxis.set_major_locator(MultipleLocator(1))
         axes.margins(x=0.02)
     panels[0].set_ylim(bottom=0.0)
-    panels[1].set_yscale("log")  # baselines raise orders of magnitude more
+    # baselines raise orders of magnitude more than forecasters, some of which raise none
+    found = lead_times.loc[lead_times["metric"] == "false_alarms_per_lt", "value"]
+    end = linear_below(found, -6)
+    panels[1].set_yscale("symlog", linthresh=end, linscale=0.4)
+    panels[1].set_ylim(bottom=-0.1 * end)
+    panels[1].axhspan(-0.1 * end, end, color=LIGHT_GREY, alpha=0.5, linewidth=0, zorder=0.2)
     legend_above(figure, panels, [band_handle(OVER_SERIES)], columns=4)
     say_where_empty(panels)
     letter_panels(list(panels))

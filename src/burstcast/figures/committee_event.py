@@ -182,7 +182,8 @@ def committee_event(
         chances.set_xlabel("Time from the starting point [LT]")
     # an unbounded forecast of a member must not squeeze the event
     highest = max(float(np.nanmax(event.true)), threshold)
-    panels[0, 0].set_ylim(axis_floor(event.true), 1.35 * highest)
+    floor = axis_floor(event.true, np.array(threshold))
+    panels[0, 0].set_ylim(floor, floor + 1.35 * (highest - floor))
     panels[0, 0].set_xlim(event.time_lt[0], event.time_lt[-1])
     panels[0, 0].set_ylabel(observable_label(symbol, observable_name))
     panels[1, 0].set_ylim(-0.06, 1.06)

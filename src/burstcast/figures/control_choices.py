@@ -15,20 +15,20 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from burstcast.figures.parts.control_runs import linear_below
+from burstcast.figures.parts.control_runs import (
+    curve_style,
+    forecasters_in_order,
+    option_words,
+    strategies_in_order,
+    strategy_look,
+)
+from burstcast.figures.parts.linear_below import linear_below
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.parts.percentile_curves import require_single_case
-from burstcast.figures.parts.reference_forecasters import ordered_forecasters
 from burstcast.figures.parts.style import (
-    BLACK,
-    BLUE,
     DOUBLE_COLUMN,
-    GREEN,
     GREY,
     LIGHT_GREY,
-    ORANGE,
-    PURPLE,
-    VERMILLION,
     letter_panels,
     new_figure,
     styled,
@@ -48,17 +48,6 @@ _LEFT, _COSTS = "relative_exceedance", ("effort", "control_fraction")
 _COST_LABELS = {
     "effort": "Mean length of the actuation's force",
     "control_fraction": "Share of the time under actuation",
-}
-_MARKERS = {"reactive": "^", "receding_horizon": "o", "planned": "D", "random_decisions": "X"}
-_COLORS = {
-    "none": ORANGE,
-    "esn": VERMILLION,
-    "esn_committee": BLUE,
-    "esn_aware": GREEN,
-    "esn_aware_committee": BLUE,
-    "quadratic_aware": GREY,
-    "quadratic_aware_filtered": PURPLE,
-    "equations": BLACK,
 }
 _ROW = 0.17
 """Height of a row, inches."""
@@ -118,8 +107,7 @@ def control_choices(choices: pd.DataFrame, tolerance: float, *, usual_noise: flo
     right.xaxis.set_major_locator(MaxNLocator(5))
     right.set_xlabel(_COST_LABELS[cost])
     handles = [
-        Line2D([], [], linestyle="", label=label, **_style(record))
-        for label, record in _legend(rows, kinds)
+        Line2D([], [], label=label, **_style(record)) for label, record in _legend(rows, kinds)
     ]
     figure.legend(handles=handles, loc="outside upper center", ncols=2)
     letter_panels([left, right])
@@ -169,8 +157,8 @@ def _condition(record: Mapping[Any, Any], usual_noise: float) -> str:
 
 
 def _ordered_kinds(rows: pd.DataFrame) -> list[tuple[str, str, str]]:
-    strategies = [*_MARKERS, *sorted(set(rows["strategy"]) - set(_MARKERS))]
-    forecasters = ["none", *ordered_forecasters(set(rows["forecaster"]) - {"none"})]
+    strategies = strategies_in_order(rows["strategy"])
+    forecasters = forecasters_in_order(rows["forecaster"])
     return sorted(
         dict.fromkeys(rows["kind"]),
         key=lambda kind: (strategies.index(kind[0]), kind[1], forecasters.index(kind[2])),
@@ -197,22 +185,19 @@ def _legend(
 ) -> Iterable[tuple[str, Mapping[Any, Any]]]:
     for kind in kinds:
         strategy, options, forecaster = kind
-        # what a rule without forecasts watches; other options are the campaign's
-        said = " ".join(part for part in options.split() if part.startswith(("watch=", "push=")))
-        name = strategy.replace("_", " ") + (f" ({said.replace('=', ' ')})" if said else "")
-        label = name if forecaster == "none" else f"{name}: {forecaster_label(forecaster)}"
+        name = strategy_look(strategy).title
+        if forecaster != "none":  # parameter-aware forecasters are named so
+            label = f"{name}: {forecaster_label(forecaster)}"
+        else:
+            label = ", ".join(filter(None, (name, option_words(options))))
         yield label, rows[rows["kind"] == kind].iloc[0].to_dict()
 
 
 def _style(record: Mapping[Any, Any]) -> dict[str, Any]:
-    color = _COLORS.get(record["forecaster"], GREY)
-    full = record["options"] in ("", "aware=True") or record["strategy"] == "planned"
-    return {
-        "color": color,
-        "marker": _MARKERS.get(record["strategy"], "s"),
-        "markersize": 4.0,
-        "markerfacecolor": color if full else "white",
-    }
+    style = curve_style(record["forecaster"], record["strategy"], "")
+    # a rule that watches something else than the observable
+    is_other = record["forecaster"] == "none" and record["options"]
+    return style | ({"markerfacecolor": "white"} if is_other else {})
 
 
 def _draw_interval(axes: Axes, record: Mapping[Any, Any], place: float) -> None:

@@ -1,10 +1,12 @@
 """Exceedance of the event threshold that control leaves, as a share of that without control,
-against the share of the time under actuation, with confidence intervals over flows. Curves run
-along the horizon, the prediction time, the level or the probability of actuation, which is written
-at the ends of some of them; "every" is the interval between decisions. The axis is linear in the
-shaded strip: a marker on 0 has left nothing, and its bar ends at the bound of the rule of three.
-Colours and fillings distinguish forecasters. One network is shown, and the committee of all
-networks of its size. The figure control_conditions has other conditions.
+against the share of the time under actuation, with confidence intervals over flows: (a) rules,
+random actuation and the paper's strategy, (b) strategies that compare forecasts with and without
+actuation; their horizontal axes differ. Curves run along the horizon, the prediction time, the
+level or the probability of actuation, which is written at the ends of some of them; "every" is the
+interval between decisions. The vertical axis is linear in the shaded strip: a marker on 0 has left
+nothing, and its bar ends at the bound of the rule of three. Colours and fillings distinguish
+forecasters. One network is shown, and the committee of all networks of its size. The figure
+control_conditions has other conditions.
 """
 
 from collections.abc import Mapping
@@ -13,12 +15,12 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter
 
 from burstcast.figures.parts.control_runs import (
     ACTING,
+    COMPARING,
     LEFT,
     curve_style,
     draw_curve,
@@ -42,6 +44,7 @@ from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     GREY,
     bar_handle,
+    letter_panels,
     new_figure,
     styled,
 )
@@ -121,20 +124,26 @@ def control_frontier(
     runs = where(runs_of(scores, usual["span_lt"]), usual_conditions(usual["noise"]))
     if runs.empty:
         return nothing_to_show("Without control no event occurred that control could prevent.")
-    figure = new_figure(DOUBLE_COLUMN, 3.4)
-    axes = figure.subplots()
-    handles = [*forecaster_handles(runs), *_draw_frontier(axes, runs)]
-    handles.append(bar_handle("interval over flows"))
-    figure.legend(handles=handles, loc="outside right center")
-    axes.set_ylabel(left_label(symbol))
-    logarithmic_with_nothing([axes], runs)
+    runs = with_kinds(runs, along=False)
+    linestyles = linestyles_of(runs)
+    comparing = runs["strategy"].isin(COMPARING)
+    groups = [rows for rows in (runs[~comparing], runs[comparing]) if not rows.empty]
+    figure = new_figure(DOUBLE_COLUMN, 3.6)
+    panels = list(figure.subplots(1, len(groups), sharey=True, squeeze=False)[0])
+    for axes, rows in zip(panels, groups, strict=True):
+        _draw_frontier(axes, rows, linestyles)
+    colours = [*forecaster_handles(runs), bar_handle("interval over flows")]
+    figure.legend(handles=colours, loc="outside upper center", ncols=4)
+    kinds = kind_handles(runs, linestyles)
+    figure.legend(handles=kinds, loc="outside lower center", ncols=3)
+    panels[0].set_ylabel(left_label(symbol))
+    logarithmic_with_nothing(panels, runs)
+    letter_panels(panels)
     return figure
 
 
-def _draw_frontier(axes: Axes, runs: pd.DataFrame) -> list[Line2D]:
-    """Draw the share left against the time under actuation; returns what tells curves apart."""
-    runs = with_kinds(runs, along=False)
-    linestyles = linestyles_of(runs)
+def _draw_frontier(axes: Axes, runs: pd.DataFrame, linestyles: Mapping[str, Any]) -> None:
+    """Draw the share left against the time under actuation."""
     for strategy, own in runs.groupby("strategy", sort=False):
         along = strategy_look(str(strategy)).along
         for (kind, forecaster), curve in own.groupby(["kind", "forecaster"], sort=False):
@@ -152,13 +161,14 @@ def _draw_frontier(axes: Axes, runs: pd.DataFrame) -> list[Line2D]:
     axes.set_xscale("log")
     axes.margins(x=0.08)
     low, high = axes.get_xlim()
-    ticks = [tick for tick in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if low <= tick <= high]
+    steps = (1, 2, 5) if high > 5 * low else (1, 1.5, 2, 3, 4, 5, 7)
+    ticks = [step * unit for unit in (0.01, 0.1, 1.0) for step in steps]
+    ticks = [tick for tick in ticks if low <= tick <= high]
     # of a narrow range, at least two that are nice between its ends
     axes.xaxis.set_major_locator(FixedLocator(ticks) if len(ticks) > 1 else MaxNLocator(5))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("Share of the time under actuation")
-    return kind_handles(runs, linestyles)
 
 
 def _label_ends(axes: Axes, rows: pd.DataFrame, along: str) -> None:

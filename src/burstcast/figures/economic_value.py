@@ -1,7 +1,7 @@
 """Economic value of the calibrated probabilities, relative to perfect forecasts (1) and to the base
 rate (0), against the ratio of the cost of protection to the loss that it prevents: who can protect
 themselves does so where the probability exceeds their ratio. Bands: bootstrap intervals over the
-test series. Below 0, where the base rate serves better, nothing is drawn.
+test series. Values below 0, where the base rate serves better, are drawn at 0.
 """
 
 from collections.abc import Sequence
@@ -43,7 +43,7 @@ FIGURE = Declaration(
 
 
 def from_zero(curve: pd.DataFrame, x: str) -> pd.DataFrame:
-    """Cut a curve where it falls below 0: it ends where it meets 0, on a logarithmic axis.
+    """Draw a curve at 0 where it falls below, from where it meets 0 on a logarithmic axis.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def from_zero(curve: pd.DataFrame, x: str) -> pd.DataFrame:
 
     Returns
     -------
-    Rows with the points where the value is 0 among them; NaN as the value below 0, and ends of the
-    interval that are not below 0.
+    Rows with the points where the value is 0 among them; neither values nor ends of intervals are
+    below 0.
     """
     curve = curve.sort_values(x)
     place, value = np.log(curve[x].to_numpy(dtype=float)), curve["value"].to_numpy(dtype=float)
@@ -67,8 +67,7 @@ def from_zero(curve: pd.DataFrame, x: str) -> pd.DataFrame:
     added["value"] = np.zeros(len(zeros))
     whole = pd.concat([curve, pd.DataFrame({x: np.exp(zeros), **added})]).sort_values(x)
     whole["forecaster"] = curve["forecaster"].iloc[0]
-    whole["value"] = whole["value"].where(whole["value"] >= 0)
-    whole[["low", "high"]] = whole[["low", "high"]].clip(lower=0)
+    whole[names] = whole[names].clip(lower=0)
     return whole
 
 
@@ -102,7 +101,7 @@ def draw(
         of_time = values[np.isclose(values["prediction_time_lt"], time)]
         curves = median_network(of_time, "cost_loss_ratio").groupby("forecaster")
         cut = [from_zero(curve, "cost_loss_ratio") for _, curve in curves]
-        draw_alarms(axes, pd.concat(cut), "cost_loss_ratio", with_gaps=True)
+        draw_alarms(axes, pd.concat(cut), "cost_loss_ratio")
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(FixedLocator([0.01, 0.03, 0.1, 0.3, 1.0]))
         axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast.figures.parts.observable_axis import axis_floor
+from burstcast.figures.parts.observable_axis import axis_limits
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
@@ -167,10 +166,8 @@ def horizon_evaluations(
     for panel in panels[len(evaluations) :]:
         panel.set_axis_off()
     panels[0].set_xlim(float(time_lt[0]), float(time_lt[-1]))
-    floor = axis_floor(true)
-    floor -= allowed_error if floor < 0.0 else 0.0
-    highest = float(np.nanmax(true + allowed_error))
-    panels[0].set_ylim(floor, floor + 1.08 * (highest - floor))
+    floor, top = axis_limits(threshold, true, true + allowed_error)
+    panels[0].set_ylim(floor - (allowed_error if floor else 0.0), top)
     for panel in panels[: len(evaluations)][-2:]:
         panel.set_xlabel(r"$t - t^{(e)}$ [LT]")
         panel.xaxis.set_tick_params(labelbottom=True)

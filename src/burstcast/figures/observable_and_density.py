@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.observable_axis import axis_limits
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
@@ -124,7 +125,7 @@ def observable_and_density(
     evolution.plot(time_lt, observable, **{**TRUTH, "linewidth": 0.8})
     draw_threshold(evolution, threshold, f"${symbol}_e$")
     evolution.set_xlim(time_lt[0], time_lt[-1])
-    evolution.set_ylim(bottom=min(0.0, float(observable.min())))
+    evolution.set_ylim(axis_limits(threshold, observable))
     evolution.set_xlabel("Time [LT]")
     evolution.set_ylabel(observable_label(symbol, name))
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.observable_axis import axis_limits
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     LIGHT_GREY,
@@ -131,10 +132,7 @@ def prediction_examples(
         panel.set_xlabel("Time [LT]")
         panel.set_title(f"({chr(ord('a') + index)}) {example.outcome}", loc="left")
     shown = np.concatenate([[*example.true, *example.forecast] for example in examples])
-    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
-    margin = 0.06 * (high - low)
-    # an observable that is never negative, as an energy, is drawn from zero
-    panels[0].set_ylim(0.0 if 0.0 <= low < high / 4 else low - margin, high + margin)
+    panels[0].set_ylim(axis_limits(threshold, shown))
     panels[0].set_ylabel(observable_label(symbol))
     legend_above(figure, panels)
     return figure

@@ -4,7 +4,8 @@ the one with the smallest Kantorovich metric. (d-f) Errors of the profiles, norm
 range of the true profile, against reservoir size: medians and quartiles over the networks of an
 ensemble. Thin bars: the bootstrap interval of one network over its closed loops, in the median. In
 grey: the same errors between two random halves of the data, in the median. Open markers, if any:
-published values, those of the training set as diamonds on the right edge.
+published values, those of the training set as diamonds on the right edge. U_0: velocity of the
+laminar flow halfway between centre and wall; h: half the distance of the walls.
 """
 
 from collections.abc import Mapping, Sequence
@@ -144,14 +145,16 @@ def profile_errors(
     require_single_case(percentiles)
     figure = new_figure(DOUBLE_COLUMN, 4.0)
     panels = figure.subplots(2, 3)
-    for index, (profile, label) in enumerate(zip(panels[0], PROFILES.values(), strict=True)):
+    units = ("$U_0$", "$U_0^2$", "$U_0^2$")
+    labels = zip(panels[0], PROFILES.values(), units, strict=True)
+    for index, (profile, label, unit) in enumerate(labels):
         profile.plot(true[index], y, label="True", **TRUTH)
         profile.plot(training[index], y, label="Train", **TRAINING)
         if network is not None:
             profile.plot(network[index], y, label=network_label, **NETWORK)
-        profile.set_xlabel(label)
+        profile.set_xlabel(f"{label} [{unit}]")
         profile.set_ylim(float(y[0]), float(y[-1]))
-        profile.set_ylabel("$y$")
+        profile.set_ylabel("$y$ [$h$]")
     errors = dict(zip(PROFILES, panels[1], strict=True))
     draw_statistics_by_size(errors, percentiles, intervals, published)
     more = [*spread_handles(panels.flat), *published_handles(panels.flat)]

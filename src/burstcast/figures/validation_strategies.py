@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from burstcast.arrays import FloatArray
 from burstcast.durations import steps
-from burstcast.figures.parts.observable_axis import axis_floor
+from burstcast.figures.parts.observable_axis import axis_limits
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     GREY,
@@ -161,9 +161,8 @@ def validation_strategies(
     """
     figure = new_figure(DOUBLE_COLUMN, 1.55 * len(layouts) + 0.15)
     panels = figure.subplots(len(layouts), 1, sharex=True, squeeze=False)[:, 0]
-    floor = axis_floor(observable)
-    height = 1.12 * (float(observable.max()) - floor)
-    top, row = floor + height, 0.15 * height
+    floor, top = axis_limits(threshold, observable)
+    row = 0.15 * (top - floor)
     for panel, layout in zip(panels, layouts, strict=True):
         colour = validation_style(layout.validation)["color"]
         panel.plot(time_lt, observable, **{**TRUTH, "linewidth": 0.7})

@@ -1,6 +1,7 @@
 """Isosurfaces of plus and minus one value of the streamwise vorticity, and velocity vectors, at
 the peak of the event of the midplane figure and after its breakdown. The mean flow is along x,
-sheared in y between the walls at y = -1 and 1. Lengths are in units of half their distance.
+sheared in y between the walls. Lengths are in units of h, half the distance of the walls,
+velocities in units of U_0, that of the laminar flow halfway between centre and wall.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -159,15 +160,15 @@ def vorticity_isosurfaces(
         orientation="horizontal",
         alpha=_OPACITY,
     )
-    box = ", ".join(f"${name}$: {_extent(axis)}" for name, axis in (("x", x), ("y", y), ("z", z)))
+    box = ", ".join(f"${name}/h$: {_extent(axis)}" for name, axis in (("x", x), ("y", y), ("z", z)))
     figure.text(0.985, 0.04, box, ha="right", va="center")
-    figure.text(0.345, 0.1175, "Velocity along $x$, $u$", ha="right", va="center")
+    figure.text(0.345, 0.1175, "Velocity along $x$, $u$ [$U_0$]", ha="right", va="center")
     signs = [1, -1] if any(snapshot.scalar.min() < -level for snapshot in snapshots) else [1]
     for place, sign in enumerate(signs):
         figure.text(
             0.985,
             0.97 - 0.085 * place,
-            rf"Vorticity ${scalar_label} = {sign * level:.2g}$",
+            rf"Vorticity ${scalar_label} = {sign * level:.2g}\,U_0/h$",
             color=_COLOURS[sign],
             ha="right",
             va="top",
@@ -205,8 +206,13 @@ def _draw_box(axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray) -> None
 
 
 def _extent(axis: FloatArray) -> str:
-    """First and last value of an axis, for a text."""
-    return f"${axis[0]:.3g}$ to ${axis[-1]:.3g}$"
+    """First and last value of an axis, for a text; multiples of pi as such."""
+    ends = []
+    for end in (float(axis[0]), float(axis[-1])):
+        number = round(end / np.pi)
+        is_multiple = number and np.isclose(end, number * np.pi)
+        ends.append(rf"${number if number != 1 else ''}\pi$" if is_multiple else f"${end:.3g}$")
+    return " to ".join(ends)
 
 
 def _draw_velocity(

@@ -70,7 +70,7 @@ def median_network(table: pd.DataFrame, x: str) -> pd.DataFrame:
     return pd.concat([table[~single], median], ignore_index=True)
 
 
-def draw_alarms(axes: Axes, table: pd.DataFrame, x: str, *, with_gaps: bool = False) -> None:
+def draw_alarms(axes: Axes, table: pd.DataFrame, x: str) -> None:
     """Draw a curve for each kind of forecaster, with a band from ``low`` to ``high``.
 
     Parameters
@@ -82,16 +82,12 @@ def draw_alarms(axes: Axes, table: pd.DataFrame, x: str, *, with_gaps: bool = Fa
         networks are drawn as `median_network`.
     x
         Name of the column on the horizontal axis.
-    with_gaps
-        Whether a line is interrupted where it has no value.
     """
     table = median_network(table, x)
     for kind in ordered_forecasters(set(table["forecaster"])):
-        rows = table[table["forecaster"] == kind].sort_values(x)
-        if not rows["value"].notna().any():
+        rows = table[(table["forecaster"] == kind) & table["value"].notna()].sort_values(x)
+        if rows.empty:
             continue
-        if not with_gaps:
-            rows = rows[rows["value"].notna()]
         style = forecaster_style(kind)
         if kind == "esn":
             style["label"] = "median network"

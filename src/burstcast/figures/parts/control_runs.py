@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.linear_below import linear_below
 from burstcast.figures.parts.style import (
     BLACK,
     BLUE,
@@ -59,12 +60,16 @@ _STRATEGIES = {
     "planned": _Strategy("planned", "horizon_lt", "{} LT"),
     "random_decisions": _Strategy("random", "probability", "{}", "X", GREY),
 }
+COMPARING = ("receding_horizon", "planned")
+"""Strategies that compare forecasts with and without actuation."""
+
 _OTHER_SETTINGS = {
     "decision_interval_lt": "every {} LT",
     "window_lt": "window of {} LT",
     "vote_share": "{} of the votes",
-    "options": "{}",
 }
+
+_OPTIONS = {"watch": "on", "push": "push"}
 
 # Colours and fillings of forecasters: full, open, half.
 _FORECASTERS = {
@@ -171,6 +176,12 @@ def strategy_look(name: str) -> _Strategy:
     return _STRATEGIES.get(name, _Strategy(name.replace("_", " ")))
 
 
+def strategies_in_order(names: Iterable[str]) -> list[str]:
+    """In the order of legends; strategies without a look of their own last."""
+    found = sorted(set(names))
+    return sorted(found, key=[*_STRATEGIES, *found].index)
+
+
 def with_kinds(runs: pd.DataFrame, *, along: bool) -> pd.DataFrame:
     """Runs in the order of the legend, each with what is written there.
 
@@ -178,8 +189,7 @@ def with_kinds(runs: pd.DataFrame, *, along: bool) -> pd.DataFrame:
     along which curves run, if that is wanted.
     """
     parts = []
-    names = sorted(set(runs["strategy"]))
-    for name in sorted(names, key=[*_STRATEGIES, *names].index):
+    for name in strategies_in_order(runs["strategy"]):
         look, own = strategy_look(name), runs[runs["strategy"] == name]
         told = [one for one in _settings(own) if own[one].nunique(dropna=False) > 1]
         told = [one for one in told if one != look.along]
@@ -195,11 +205,31 @@ def with_kinds(runs: pd.DataFrame, *, along: bool) -> pd.DataFrame:
 
 def _kind(look: _Strategy, texts: Mapping[str, str], row: "pd.Series[Any]") -> str:
     values = [
-        text.format(row[name] if isinstance(row[name], str) else f"{row[name]:g}")
+        option_words(row[name]) if name == "options" else text.format(f"{row[name]:g}")
         for name, text in texts.items()
         if pd.notna(row[name])
     ]
-    return ", ".join([look.title, *values])
+    return ", ".join([look.title, *filter(None, values)])
+
+
+def option_words(options: str) -> str:
+    """Words for options of a strategy, such as ``watch=a1``.
+
+    Examples
+    --------
+    >>> option_words("watch=a1 push=a2"), option_words("aware=True reversible=False")
+    ('on a1, push a2', 'aware')
+    """
+    words = []
+    for option in options.split():
+        name, _, value = option.partition("=")
+        if name in _OPTIONS:
+            words.append(f"{_OPTIONS[name]} {value}")
+        elif value == "True":
+            words.append(name.replace("_", " "))
+        elif value != "False":
+            words.append(f"{name.replace('_', ' ')} {value}")
+    return ", ".join(words)
 
 
 # -- drawing ---------------------------------------------------------------------------------------
@@ -276,15 +306,6 @@ def draw_curve(
     axes.errorbar(
         rows[x], rows[f"value_{LEFT}"], capsize=1.5, elinewidth=0.5, capthick=0.5, **keywords
     )
-
-
-def linear_below(shares: "pd.Series[Any]", smallest: float) -> float:
-    """Limit of the linear part of an axis of shares: a power of ten, at most 0.1.
-
-    It is not above the least positive share, unless its exponent would be below ``smallest``.
-    """
-    least = float(shares[shares > 0].min()) if (shares > 0).any() else 0.1
-    return float(10.0 ** np.clip(np.floor(np.log10(least)), smallest, -1))
 
 
 def left_label(symbol: str) -> str:

@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.transforms import offset_copy
 
 from burstcast.figures.parts.style import GREY, MarkerStyle, band_handle, bar_handle
 
@@ -86,8 +87,8 @@ def draw_percentiles(
 ) -> None:
     """Draw the median of a metric against a column: a line, and the quartiles as a band.
 
-    A single point, two sizes, or ``band=False`` show the quartiles as error bars. Nothing is drawn
-    for no rows.
+    A single point, two sizes, or ``band=False`` show the quartiles as error bars. The quartiles of
+    one network are its median: no band or bar then. Nothing is drawn for no rows.
 
     Parameters
     ----------
@@ -114,7 +115,9 @@ def draw_percentiles(
     keywords: dict[str, Any] = {**style}
     if x == "neurons" and len(rows) == 2:
         keywords["linestyle"] = "none"  # a line through two sizes would tell of a trend
-    if band and len(rows) > 1 and keywords["linestyle"] != "none":
+    if not (low < high).any():
+        axes.plot(position, median, label=label, **keywords)
+    elif band and len(rows) > 1 and keywords["linestyle"] != "none":
         filled = axes.fill_between(
             position, low, high, color=style["color"], alpha=0.22, linewidth=0
         )
@@ -158,6 +161,7 @@ def draw_single_intervals(
     rows = intervals[shown].dropna(subset=["low", "high"])
     if not rows.empty:
         ends = rows.groupby("neurons")[["low", "high"]].median()
+        figure = axes.get_figure(root=True)
         bars = axes.vlines(
             ends.index.to_numpy(dtype=np.float64),
             ends["low"],
@@ -166,6 +170,8 @@ def draw_single_intervals(
             linewidth=0.8,
             alpha=0.8,
             zorder=1.8,
+            # beside quartiles that are bars themselves
+            transform=offset_copy(axes.transData, figure, x=3, units="points"),
         )
         bars.set_gid(_SINGLE)
 
