@@ -11,9 +11,11 @@ from snakemake.exceptions import WorkflowError
 
 from burstcast_workflow.config.aware_checks import extrapolations
 from burstcast_workflow.config.cases import own_modules
+from burstcast_workflow.config.lengths import few_points
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
 from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.costs.excess import with_costs
 from burstcast_workflow.project import code_of
 from snaketrust import start as trust
 from snaketrust.modules import UnlikeCodeError
@@ -59,7 +61,7 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Star
         workflow,
         code_of(project),
         results=lambda whole: str(whole["results"]),
-        load=lambda: load(config, workflow.configfiles, defaults=project / "config.yaml"),
+        load=lambda: _load(config, workflow.configfiles, project / "config.yaml"),
         own_modules=own_modules,
     )
     if undeclared := started.sources.undeclared():
@@ -73,14 +75,22 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Star
     return started
 
 
+def _load(config: Mapping[str, Any], files: Sequence[str], defaults: Path) -> dict[str, Any]:
+    """Load the config; mistakes are told with the cost of what is too large."""
+    try:
+        return load(config, files, defaults=defaults)
+    except ConfigError as error:
+        raise with_costs(error, config) from None
+
+
 def tell_what_is_off(cases: Sequence[str], config: Configuration, *, has_networks: bool) -> None:
-    """Say to a person what the campaign does without, and which parameters are extrapolated."""
+    """Say to a person what the campaign does without, has little of, and extrapolates."""
     if not has_networks:
         print(f"no networks in the campaign; off: {OFF_WITHOUT_NETWORKS}", file=sys.stderr)
     if cases:
         print(f"{', '.join(cases)}: measured series; off: {OFF}", file=sys.stderr)
-    for extrapolation in extrapolations(config):
-        print(extrapolation, file=sys.stderr)
+    for text in filter(None, [few_points(config), *extrapolations(config)]):
+        print(text, file=sys.stderr)
 
 
 def names_of_rules(workflow: Any) -> Mapping[str, Any]:

@@ -14,6 +14,7 @@ from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config import reference
 from burstcast_workflow.config.cases import block_cases, case_name, case_of
+from burstcast_workflow.config.lengths import few_points
 from burstcast_workflow.config.loading import ConfigError, load, misread
 from burstcast_workflow.config.model import Block, Configuration
 from burstcast_workflow.config.places import Place
@@ -752,6 +753,7 @@ def test_all_mistakes_are_told_at_once(config):
         ("cases.Re400.parameters", {"reynolds": 300}, ["Re400", "contradicts the name"]),
         ("cases.Re400.lyapunov.published_exponent", 2, ["Re400", "published_exponent", "step"]),
         ("cases.Re400.recycle_validation.intervals_per_series", 33, ["33 validation", "only 32"]),
+        ("statistics.duration", 100, ["Re400", "statistics.duration", "loop of 100", "last 610"]),
     ],
 )
 def test_mistake_between_settings(config, name, value, parts):
@@ -869,6 +871,8 @@ def test_an_actuation_that_the_case_has_to_complete(config):
         ({"cases.Re400.recycle_validation.intervals_per_series": 4}, 30 + 4 * 122),
         ({"classification.longest_prediction_time_lt": 19}, 30 + 20 * 61),
         ({"horizon.longest_lead_time_lt": 30}, 30 + 30 * 61),
+        # a closed loop as long as a series, at whose end it is seen to be at rest
+        ({"statistics.fixed_point_interval_lt": 25}, 25 * 61 + 1),
     ],
 )
 def test_least_length_of_a_series(config, changes, least):
@@ -876,6 +880,8 @@ def test_least_length_of_a_series(config, changes, least):
     put(config, "cases.Re400.recycle_validation", {"series": 3, "intervals_per_series": 1})
     put(config, "horizon.longest_lead_time_lt", 1)
     put(config, "figures.reynolds_prediction_times_lt", [2])
+    put(config, "statistics", {**config["statistics"], "duration": None})
+    put(config, "statistics.fixed_point_interval_lt", 1)
     for name, value in changes.items():
         put(config, name, value)
     # both ends of a series are sampled, one time unit apart
@@ -917,6 +923,28 @@ def test_series_are_counted_together():
     check_kept_series(10, {"training.series": 4, "test_series": 6})
     with pytest.raises(ValueError, match=r"training.series is 4 and test_series is 7, but only 10"):
         check_kept_series(10, {"training.series": 4, "test_series": 7})
+
+
+def test_too_few_starting_points_are_told_of_cases_that_the_campaign_uses(config):
+    assert few_points(Configuration.model_validate(load(config))) == ""
+    put(config, "campaign", [{"reynolds": [400, 600], "forecasters": networks(2000)}])
+    put(config, "figures.reynolds_prediction_times_lt", [2])
+    put(config, "statistics.fixed_point_interval_lt", 1)
+    put(config, "cases.Re400.ensemble", {"duration": 1500})
+    put(config, "cases.Re400.recycle_validation", {"series": 1, "intervals_per_series": 1})
+    put(config, "cases.Re400.test_series", 1)
+    put(config, "probability.start_spacing_lt", 9)
+    told = few_points(Configuration.model_validate(load(config)))
+    # from a washout of 30 steps to 6 LT of 61 steps before the end, in one and in ten series
+    score, calibrate = (len(range(29, 1501 - 6 * 61, step)) for step in (61, 9 * 61))
+    assert (score, 10 * calibrate) == (19, 30)
+    assert told.startswith("fewer than 30 starting points of forecasts: Re400 has 19 to score; ")
+    put(config, "probability.start_spacing_lt", 10)
+    put(config, "cases.Re400.ensemble", {"duration": 1400})
+    told = few_points(Configuration.model_validate(load(config)))
+    assert "Re400 has 17 to score and 20 to calibrate with; raise test_series" in told
+    put(config, "cases.Re400.lyapunov.published_exponent", None)
+    assert few_points(Configuration.model_validate(load(config))) == ""
 
 
 def test_a_series_has_a_sample_at_each_end(config):

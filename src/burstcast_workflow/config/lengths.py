@@ -8,19 +8,23 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from operator import attrgetter
 
+import numpy as np
+
 from burstcast import durations
 from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy as make_control_strategy
 from burstcast.data.starting_points import starting_points, steps_before_events
 from burstcast.forecasters._options import sections_of_kind
 from burstcast.forecasters.quadratic import window_steps
+from burstcast.statistics.long_term import FixedPointCriterion, LongTermSettings
+from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast_workflow.campaign.control_plans import block_plans
-from burstcast_workflow.config.cases import case_of
+from burstcast_workflow.config.cases import campaign_cases, case_of
 from burstcast_workflow.config.measured_cases import space_of
-from burstcast_workflow.config.model import Configuration, Simulated
-from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, VALIDATION
+from burstcast_workflow.config.model import Configuration, Ensemble, Simulated
+from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, LONG_RUNS, VALIDATION
 
 FINE = 1000
 """Steps per Lyapunov time where it is unknown: no duration is too short then."""
@@ -64,8 +68,7 @@ def misfits(
         steps = durations.steps_per_lyapunov_time(exponent, ensemble.sampling_interval)
     if not steps:
         return problems
-    # both ends of a series are sampled
-    samples = math.floor(ensemble.duration / ensemble.sampling_interval + 1e-9) + 1
+    samples = _samples(ensemble)
     counts: dict[str, int] = {}
     for path in _DURATIONS:
         with telling(""):
@@ -83,11 +86,58 @@ def misfits(
             starting_points(1, samples, 1, washout, durations.steps(reach_lt, steps))
         with telling(f"{HORIZON} or ensemble.duration"):
             steps_before_events(samples, counts["horizon.longest_lead_time_lt"], washout)
+        judged = durations.steps(config.statistics.fixed_point_interval_lt, steps)
+        run = config.statistics.duration
+        closed_loop = samples - 1 if run is None else round(run / ensemble.sampling_interval)
+        with telling(f"{LONG_RUNS} or ensemble.duration" if run is None else LONG_RUNS):
+            rest = FixedPointCriterion(variation=0.0, above=0.0, interval=judged)
+            LongTermSettings(closed_loop, np.empty(0), None, rest)
     if any("quadratic" in sections_of_kind(kind) for kind in kinds):
         with telling(""):
             window_steps(config.forecasters.quadratic.window_lt, steps, samples)
     _control(config, name, case, steps, telling)
     return list(dict.fromkeys(problems))
+
+
+def few_points(config: Configuration) -> str:
+    """Say which cases have too few starting points of forecasts for any score; "" if none has.
+
+    That is fewer than the events that a score takes (`FEW_POSITIVES`), as far as Lyapunov times are
+    known.
+    """
+    found = []
+    for name in campaign_cases(config):
+        case, classified = case_of(config, name), config.classification
+        exponent = case.lyapunov.known_exponent if isinstance(case, Simulated) else None
+        if not isinstance(case, Simulated) or exponent is None:
+            continue
+        interval = case.ensemble.sampling_interval
+        steps = durations.steps_per_lyapunov_time(exponent, interval)
+        reach_lt = classified.longest_prediction_time_lt + classified.window_lt
+        room = durations.steps(config.washout_lt, steps), durations.steps(reach_lt, steps)
+        calibration = config.probability.calibration_series or case.training.series
+        few = []
+        for use, series, spacing_lt in (
+            ("score", case.test_series, classified.start_spacing_lt),
+            ("calibrate with", calibration, config.probability.start_spacing_lt),
+        ):
+            spacing = durations.steps(spacing_lt, steps)
+            points = len(starting_points(series, _samples(case.ensemble), spacing, *room))
+            if points < FEW_POSITIVES:
+                few.append(f"{points} to {use}")
+        if few:
+            found.append(f"{name} has {' and '.join(few)}")
+    if not found:
+        return ""
+    return (
+        f"fewer than {FEW_POSITIVES} starting points of forecasts: {', '.join(found)}; raise "
+        "test_series, training.series or ensemble.duration, or lower start_spacing_lt"
+    )
+
+
+def _samples(ensemble: Ensemble) -> int:
+    """Samples of a series, with both of its ends."""
+    return math.floor(ensemble.duration / ensemble.sampling_interval + 1e-9) + 1
 
 
 def _control(

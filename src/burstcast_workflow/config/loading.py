@@ -5,8 +5,9 @@ Everything that can be wrong is told at once, before any job, in messages that n
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,11 +31,26 @@ _NUMBERS = {
 }
 
 
-class ConfigError(ValueError):
-    """A configuration with mistakes; ``problems`` has one message for each."""
+@dataclass(frozen=True)
+class Excess:
+    """A number above the bound of its setting, at a path in the configuration."""
 
-    def __init__(self, problems: list[str]) -> None:
-        self.problems = problems
+    path: tuple[str | int, ...]
+    value: int
+    bound: int
+
+    @property
+    def name(self) -> str:
+        """Name of the setting, as messages have it."""
+        parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in self.path)
+        return "".join(parts).removeprefix(".")
+
+
+class ConfigError(ValueError):
+    """A configuration with mistakes: a message for each, and the numbers above their bounds."""
+
+    def __init__(self, problems: list[str], excesses: Sequence[Excess] = ()) -> None:
+        self.problems, self.excesses = problems, excesses
         if len(problems) == 1:
             text = f"The configuration has a mistake: {problems[0]}"
         else:
@@ -74,14 +90,19 @@ def load(
             whole = yaml.load(file, _LOADER)
         update_config(whole, config)
         config = whole
-    problems = misread(files)
+    problems, excesses = misread(files), []
     try:
         parsed = completed(Configuration.model_validate(config))
         problems += contradictions(parsed)
     except ValidationError as error:
         problems += model_problems(error, Configuration)
+        excesses = [
+            Excess(one["loc"], one["input"], one["ctx"]["le"])
+            for one in error.errors(include_url=False)
+            if one["type"] == "less_than_equal" and isinstance(one["input"], int)
+        ]
     if problems:
-        raise ConfigError(problems)
+        raise ConfigError(problems, excesses)
     return parsed.dump()
 
 
