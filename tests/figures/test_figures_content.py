@@ -60,6 +60,7 @@ from burstcast.figures.parts.control_runs import curve_style
 from burstcast.figures.parts.observable_axis import axis_floor, axis_limits
 from burstcast.figures.parts.percentile_curves import (
     draw_percentiles,
+    draw_single_intervals,
     nearest_value,
     select,
     spread_handles,
@@ -574,7 +575,7 @@ def test_an_axis_has_room_for_the_name_of_the_threshold():
     curve = np.array([2.0, 3.0])
     floor, top = axis_limits(2.99, curve)
     assert floor == pytest.approx(1.94)
-    assert top > 2.99 + 0.13 * (3.0 - floor)
+    assert top > 2.99 + 0.19 * (3.0 - floor)
     assert axis_limits(2.1, curve)[1] == pytest.approx(3.0 + 0.06 * 1.06)
 
 
@@ -614,3 +615,16 @@ def test_strategies_have_one_look_in_all_figures_of_control():
     assert colors == {
         curve_style(kind, "receding_horizon", "")["color"] for kind in ("esn", "esn_aware")
     }
+
+
+def test_an_axis_holds_the_intervals_of_single_networks():
+    axes = Figure().subplots()
+    ends = {"low": [0.1, 0.2], "high": [0.8, 0.9]}
+    keys = {"neurons": [100.0, 200.0], "metric": "f_score", "validation": "RV"}
+    axes.plot([100.0, 200.0], [0.5, 0.5])
+    draw_single_intervals(
+        axes, pd.DataFrame({**keys, **ends}), "f_score", "RV", validation_style("RV")
+    )
+    low, high = axes.get_ylim()
+    assert low < 0.1
+    assert high > 0.9

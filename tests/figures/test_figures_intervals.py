@@ -124,7 +124,12 @@ def test_two_sizes_are_not_joined_by_a_line():
 
 @pytest.mark.parametrize(
     ("symbol", "name", "label"),
-    [("lynx", "Lynx", "$lynx$"), ("k", "kinetic energy", "Kinetic energy, $k$")],
+    [
+        ("lynx", "Lynx", "$lynx$"),
+        (r"\mathrm{n1}", "N1", r"$\mathrm{n1}$"),
+        (r"\mathrm{a\_b}", "a_b", r"$\mathrm{a\_b}$"),
+        ("k", "kinetic energy", "Kinetic energy, $k$"),
+    ],
 )
 def test_an_axis_says_a_name_once(symbol, name, label):
     assert observable_label(symbol, name) == label

@@ -117,6 +117,20 @@ def test_parts_of_a_state_are_shown_beside_the_whole():
     assert flows <= set(figure_names(parts))  # of the whole only
 
 
+def test_measured_series_alone_are_no_parts(tmp_path):
+    path = tmp_path / "own.csv"
+    path.write_text("x,z\n" + "".join(f"{row},{row % 7}\n" for row in range(100)))
+    networks = {"neurons": [30], "validation": ["RV"], "seeds": 1}
+    own = {"files": [str(path)], "observable": "z", "time_step": 0.1, "blocks": {"duration": 1}}
+    overlay = {
+        "campaign": [{"cases": ["own"], "forecasters": {"esn": networks}}],
+        "cases": {"own": {"event_threshold": 5.0, "data": own}},
+    }
+    names = figure_names(campaign(overlay))
+    assert "forecast_skill" in names
+    assert "observed_components" not in names
+
+
 def test_figure_over_reynolds_numbers_takes_each_once():
     block = PAPER.config.dump()["campaign"][1]
     twin = {**block, "reynolds": [400], "cases": ["Twin"]}

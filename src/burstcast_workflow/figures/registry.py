@@ -260,7 +260,7 @@ def _with_committees(campaign: Campaign) -> list[str]:
 
 def _with_parts(campaign: Campaign) -> list[str]:
     """Cases that others are parts of."""
-    return [case for case in _every(campaign) if _observed(campaign, case)]
+    return [case for case in _every(campaign) if len(_observed(campaign, case)) > 1]
 
 
 def _with_long_term(campaign: Campaign) -> list[str]:

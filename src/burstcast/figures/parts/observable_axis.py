@@ -4,7 +4,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 
-_MARGIN, _NAME = 0.06, 0.14
+_MARGIN, _NAME = 0.06, 0.2
 
 
 def axis_floor(*curves: FloatArray) -> float:

@@ -174,6 +174,8 @@ def draw_single_intervals(
             transform=offset_copy(axes.transData, figure, x=3, units="points"),
         )
         bars.set_gid(_SINGLE)
+        low_and_high = ends.reset_index().melt("neurons")
+        axes.update_datalim(low_and_high[["neurons", "value"]].to_numpy(dtype=np.float64))
 
 
 def draw_published(

@@ -8,6 +8,7 @@ so that a figure looks the same on every machine.
 
 import functools
 import io
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, ParamSpec, TypedDict
 
@@ -210,7 +211,8 @@ def letter_panels(axes: Sequence[Axes], *, inside: bool = False, start: int = 0)
 
 def observable_label(symbol: str, name: str | None = None) -> str:
     """Label of an axis that shows the observable: "Kinetic energy, $k$", or the symbol alone."""
-    if name is None or name.lower() == symbol.lower():
+    upright = re.sub(r"\\mathrm\{(.*)\}", r"\1", symbol).replace(r"\_", "_")
+    if name is None or name.lower() == upright.lower():
         return f"${symbol}$"
     return f"{name[:1].upper()}{name[1:]}, ${symbol}$"
 
