@@ -4,7 +4,7 @@ Pages are the Markdown files in ``docs``. Added to them are
 
 * the README of the repository, on the home page, and files of the repository that pages link to;
 * a gallery on the page of figures: each figure with its caption, the command that makes it, and a
-  picture, from ``docs/images`` or drawn from the tables in ``docs/results``;
+  picture, drawn from the tables in ``docs/results``, or of the demo, from ``docs/images``;
 * the API reference, one page for each package of the library.
 
 A broken link, a docstring that cannot be parsed, or a public name without a docstring fails the
@@ -17,7 +17,7 @@ import posixpath
 import re
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +37,6 @@ from burstcast_workflow.tables.registry import OPTIONAL, table_of
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 LIBRARY = ROOT / "src" / "burstcast"
-CAMPAIGN = "paper"
 NAVIGATION = {
     "Run and change": ["installing", "settings", "figures", "tables", "cluster"],
     "Your data, system, model": [
@@ -53,9 +52,7 @@ NAVIGATION = {
     ],
 }
 # Campaigns that figures are taken from, in this order: the paper's, then presets.
-PRESETS = ("", "beyond_the_paper", "partial_observation", "aware")
-# Figures whose kept picture shows another campaign than the paper's.
-_OF_PRESETS = {"forecast_skill": "beyond_the_paper"}
+PRESETS = ("", "beyond_the_paper", "partial_observation", "aware", "quick")
 _LINK = re.compile(r"(?P<before>\]\(|^\[[^\]]+\]: )(?P<path>[^)#\s:]+)(?P<after>[)#\s])", re.M)
 _FENCE = re.compile(r"^ *```.*?^ *```$", re.M | re.S)
 
@@ -163,16 +160,16 @@ def _toctree(title: str, names: list[str]) -> str:
 # -- the gallery -----------------------------------------------------------------------------------
 
 
-def _kept(place: str | list[str]) -> Any:
-    """Rows of a case, or of each of several, of a kept table.
+def _kept(place: str | list[str], preset: str) -> Any:
+    """Rows of a case, or of each of several, of a kept table of a campaign.
 
     None if it is not kept, or lacks a column that the table has by now.
     """
     if not isinstance(place, str):
-        found = [_kept(one) for one in place]
+        found = [_kept(one, preset) for one in place]
         return found if found and all(one is not None for one in found) else None
     case, _, name = place.partition("/tables/")
-    path = DOCS / "results" / CAMPAIGN / name
+    path = DOCS / "results" / (preset or "paper") / name
     if not name or not path.exists():
         return None
     table, declared = read_table(path), table_of(path.stem)
@@ -182,23 +179,24 @@ def _kept(place: str | list[str]) -> Any:
     return table[table["case"] == case].reset_index(drop=True)
 
 
-def pictures() -> dict[str, bytes]:
-    """Figures of the paper's campaign that can be drawn from its kept tables, as PNG."""
-    campaign = _campaign("")
-    found = {}
-    for name, figure in FIGURES.items():
-        cases = cases_of(campaign, figure)
-        if not cases or _is_kept(name):
-            continue
-        places = files_of(campaign, figure, cases[0])
-        inputs = {key: _kept(place) for key, place in places.items()}
-        if not inputs or any(content is None for content in inputs.values()):
-            continue
-        values = settings_of(campaign, figure, cases[0])
-        arguments = {key: values[path] for key, path in figure.settings.items()}
-        if figure.published:
-            inputs["published"] = read_table(ROOT / "resources" / "published_percentiles.csv")
-        found[name] = render(figure_module(name).draw(**inputs, **arguments), "png")
+def pictures() -> dict[str, tuple[str, bytes]]:
+    """Figures that can be drawn from kept tables: the preset whose they are, and the PNG."""
+    found: dict[str, tuple[str, bytes]] = {}
+    for preset in PRESETS:
+        campaign = _campaign(preset)
+        for name, figure in FIGURES.items():
+            cases = cases_of(campaign, figure)
+            if not cases or name in found:
+                continue
+            places = files_of(campaign, figure, cases[0])
+            inputs = {key: _kept(place, preset) for key, place in places.items()}
+            if not inputs or any(content is None for content in inputs.values()):
+                continue
+            values = settings_of(campaign, figure, cases[0])
+            arguments = {key: values[path] for key, path in figure.settings.items()}
+            if figure.published:
+                inputs["published"] = read_table(ROOT / "resources" / "published_percentiles.csv")
+            found[name] = preset, render(figure_module(name).draw(**inputs, **arguments), "png")
     return found
 
 
@@ -215,8 +213,12 @@ def _is_kept(name: str) -> bool:
     return (DOCS / "images" / f"{name}.png").exists()
 
 
-def gallery(drawn: set[str]) -> str:
-    """Each figure with its caption, picture and command, by the sections of the report."""
+def gallery(drawn: Mapping[str, str]) -> str:
+    """Each figure with its caption, picture and command, by the sections of the report.
+
+    ``drawn`` has the presets of figures that were drawn from kept tables; kept pictures are of the
+    demo.
+    """
     campaigns = {preset: _campaign(preset) for preset in PRESETS}
     lines, section = ["\n## Gallery\n"], ""
     for name in FIGURES:
@@ -226,7 +228,7 @@ def gallery(drawn: set[str]) -> str:
         if name in drawn or _is_kept(name):
             lines.append(f"![{name}](images/{name}.png)\n")
         makers = (one for one in PRESETS if cases_of(campaigns[one], FIGURES[name]))
-        preset = _OF_PRESETS.get(name, next(makers))
+        preset = drawn.get(name, "quick" if _is_kept(name) else next(makers))
         option = f" --configfile workflow/presets/{preset}.yaml" if preset else ""
         results = campaigns[preset].config.results
         target = f"{results}/figures/{name}.png"
@@ -237,7 +239,7 @@ def gallery(drawn: set[str]) -> str:
 # -- the site --------------------------------------------------------------------------------------
 
 
-def pages(drawn: set[str]) -> dict[str, str]:
+def pages(drawn: Mapping[str, str]) -> dict[str, str]:
     """Text of all pages by their address in the site."""
     found = api_pages()
     for path in [*DOCS.glob("*.md"), *(one for one in _linked_files() if one.suffix == ".md")]:
@@ -258,14 +260,15 @@ def assemble(source: Path) -> None:
     shutil.rmtree(source, ignore_errors=True)
     drawn = pictures()
     listed = {name for names in NAVIGATION.values() for name in names}
-    for name, text in pages(set(drawn)).items():
+    presets = {name: preset for name, (preset, _) in drawn.items()}
+    for name, text in pages(presets).items():
         path = source / name
         path.parent.mkdir(parents=True, exist_ok=True)
         orphan = name.startswith("repository/") and name.removesuffix(".md") not in listed
         front = "---\norphan: true\n---\n\n" if orphan else ""
         path.write_text(front + text, encoding="utf-8")
     shutil.copytree(DOCS / "images", source / "images")
-    for name, picture in drawn.items():
+    for name, (_, picture) in drawn.items():
         (source / "images" / f"{name}.png").write_bytes(picture)
     for path in [*_linked_files(), DOCS / "event_forecast.ipynb"]:
         if path.suffix != ".md":

@@ -1,14 +1,17 @@
 """The site: what ``docs/site/build.py`` adds to the pages. ``make docs`` builds all of it."""
 
 import ast
+import io
 import re
 import shlex
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers_rebuilds import Project
+from PIL import Image
 
 ROOT = Path(__file__).parents[2]
 pytest.importorskip("sphinx", reason="the site needs requirements-docs.lock (make docs)")
@@ -52,15 +55,27 @@ def test_links_hold_where_their_page_lies(build):
 def test_every_figure_is_in_the_gallery_once(build):
     from burstcast.figures.registry import available_figures
 
-    named = re.findall(r"^#### (\w+)$", build.gallery(set()), re.MULTILINE)
+    named = re.findall(r"^#### (\w+)$", build.gallery({}), re.MULTILINE)
     assert sorted(named) == available_figures()
+
+
+def test_the_readme_shows_the_figure_of_the_kept_tables(build):
+    preset, drawn = build.pictures()["forecast_skill"]
+    assert preset == "beyond_the_paper"
+    kept = ROOT / "docs" / "images" / "forecast_skill.png"
+    now, then = (
+        np.asarray(Image.open(file).convert("L"), dtype=float) for file in (io.BytesIO(drawn), kept)
+    )
+    assert now.shape == then.shape
+    # other libraries may draw edges otherwise
+    assert (np.abs(now - then) > 64).mean() < 1e-3
 
 
 @pytest.mark.long
 def test_the_commands_of_the_gallery_make_their_figures(build, tmp_path):
     project = Project.create(tmp_path / "project")
     targets: dict[tuple[str, ...], list[str]] = {}
-    for block in re.findall(r"```sh\n(.*?)\n```", build.gallery(set())):
+    for block in re.findall(r"```sh\n(.*?)\n```", build.gallery({})):
         program, *options, target = shlex.split(block)
         assert program == ".venv/bin/snakemake"
         targets.setdefault(tuple(options), []).append(target)

@@ -21,6 +21,7 @@ from burstcast.figures.parts.style import (
     BLACK,
     DOUBLE_COLUMN,
     GREY,
+    bar_handle,
     legend_above,
     letter_panels,
     new_figure,
@@ -47,6 +48,12 @@ FIGURE = Declaration(
 # markers that look different when they are open
 _MARKERS = ("o", "s", "^", "D", "v", ">", "<")
 _RATE_UNIT = 1e-4
+_TRAINED: dict[str, Any] = {
+    "color": GREY,
+    "linewidth": 0.6,
+    "linestyle": (0, (4, 3)),
+    "zorder": 0.5,
+}
 
 
 def draw(
@@ -114,7 +121,7 @@ def skill_by_parameter(
     panels: list[Axes] = list(figure.subplots(1, len(of_panels), squeeze=False)[0])
     for axes, rows in zip(panels, of_panels, strict=True):
         for value in parameter["trained"]:
-            axes.axvline(value, color=GREY, linewidth=0.6, linestyle=(0, (4, 3)), zorder=0.5)
+            axes.axvline(value, **_TRAINED)
         for number, kind in enumerate(kinds):
             own = _by_value(rows[rows["forecaster"] == kind], parameter)
             if not own.empty:
@@ -127,7 +134,10 @@ def skill_by_parameter(
     panels[-1].set_ylim(bottom=0)
     panels[-1].set_ylabel(r"Escape rate [$10^{-4}$ / time unit]")
     say_where_empty(panels)
-    legend_above(figure, [panels[-1], *panels[:-1]], columns=3)
+    trained = Line2D([], [], **_TRAINED, label="values trained on")
+    legend_above(
+        figure, [panels[-1], *panels[:-1]], [trained, bar_handle("interval", caps=False)], 3
+    )
     letter_panels(panels)
     return figure
 
