@@ -59,16 +59,19 @@ def test_every_figure_is_in_the_gallery_once(build):
     assert sorted(named) == available_figures()
 
 
-def test_the_readme_shows_the_figure_of_the_kept_tables(build):
-    preset, drawn = build.pictures()["forecast_skill"]
-    assert preset == "beyond_the_paper"
-    kept = ROOT / "docs" / "images" / "forecast_skill.png"
-    now, then = (
-        np.asarray(Image.open(file).convert("L"), dtype=float) for file in (io.BytesIO(drawn), kept)
-    )
-    assert now.shape == then.shape
-    # other libraries may draw edges otherwise
-    assert (np.abs(now - then) > 64).mean() < 1e-3
+def test_pages_show_the_figures_of_the_kept_tables(build):
+    drawn = build.pictures()
+    for name in ("forecast_skill", "control_frontier"):
+        preset, picture = drawn[name]
+        assert preset == "beyond_the_paper"
+        kept = ROOT / "docs" / "images" / f"{name}.png"
+        now, then = (
+            np.asarray(Image.open(file).convert("L"), dtype=float)
+            for file in (io.BytesIO(picture), kept)
+        )
+        assert now.shape == then.shape
+        # other libraries may draw edges otherwise
+        assert (np.abs(now - then) > 64).mean() < 1e-3
 
 
 @pytest.mark.long
