@@ -13,10 +13,10 @@ import pytest
 ROOT = Path(__file__).parents[1]
 BUDGET = {
     "src/burstcast_workflow": 234,
-    "src/burstcast_workflow/campaign": 1154,
+    "src/burstcast_workflow/campaign": 1164,
     "src/burstcast_workflow/commands": 1373,
-    "src/burstcast_workflow/config": 2872,
-    "src/burstcast_workflow/costs": 591,
+    "src/burstcast_workflow/config": 2947,
+    "src/burstcast_workflow/costs": 605,
     "src/burstcast_workflow/figures": 485,
     "src/burstcast_workflow/harness": 675,
     "src/burstcast_workflow/jobs": 1286,
@@ -25,13 +25,13 @@ BUDGET = {
     "src/snakemake_logger_plugin_burstcast": 257,
     "src/snakemake_report_plugin_burstcast": 6,
     "src/snaketrust": 2062,
-    "workflow/rules": 909,
+    "workflow/rules": 945,
     "workflow/scripts/control": 76,
-    "workflow/scripts/data": 557,
-    "workflow/scripts/evaluation": 453,
+    "workflow/scripts/data": 587,
+    "workflow/scripts/evaluation": 507,
     "workflow/scripts/figures": 51,
     "workflow/scripts/forecasters": 244,
-    "workflow/scripts/probabilities": 144,
+    "workflow/scripts/probabilities": 148,
     "workflow/scripts/tables": 161,
 }
 

@@ -14,7 +14,7 @@ from burstcast.data.delay_coordinates import delay_coordinates
 from burstcast.event_forecaster.series_layout import as_series
 from burstcast.forecast.classification import ratio
 from burstcast.forecasters._options import options_of_kind
-from burstcast.forecasters.registry import available_kinds
+from burstcast.forecasters.registry import trajectory_kinds
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
@@ -303,7 +303,7 @@ def test_an_observable_is_a_component_a_function_or_a_system(training, test_seri
         )
 
 
-@pytest.mark.parametrize("kind", sorted(set(available_kinds()) - {"esn"}))
+@pytest.mark.parametrize("kind", sorted(set(trajectory_kinds()) - {"esn"}))
 def test_any_kind_of_forecaster(kind, training, test_series):
     system = Lorenz63() if kind.startswith("equations") else 0
     settings = {**SMALL, "observable": system, "kind": kind, "options": None}

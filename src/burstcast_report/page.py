@@ -21,7 +21,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from burstcast.forecasters._names import KEYS
-from burstcast.forecasters.registry import forecaster_class
+from burstcast.forecasters.registry import kind_class
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.summary import found_warnings, summary_table
 from burstcast_workflow.commands.archive import versions
@@ -226,7 +226,7 @@ def computed(campaign: Campaign, tables: Path) -> list[dict[str, str]]:
 def _kinds(campaign: Campaign) -> dict[str, str]:
     """What forecasters of each kind are: the first sentence of its module."""
     kinds = dict.fromkeys(one.name.kind for one in campaign.forecasters)
-    modules = {kind: inspect.getmodule(forecaster_class(kind)) for kind in kinds}
+    modules = {kind: inspect.getmodule(kind_class(kind)) for kind in kinds}
     found = {
         kind: (inspect.getdoc(module) or "").split("\n")[0] for kind, module in modules.items()
     }

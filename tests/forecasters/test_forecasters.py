@@ -18,7 +18,7 @@ from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
-from burstcast.forecasters.registry import available_kinds, forecaster_class
+from burstcast.forecasters.registry import forecaster_class, trajectory_kinds
 from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -182,7 +182,7 @@ CASE = ForecastingCase(
 
 
 def test_every_kind_is_tested_here():
-    assert sorted(FORECASTERS) == available_kinds()
+    assert sorted(FORECASTERS) == trajectory_kinds()
     for kind, forecaster in FORECASTERS.items():
         assert forecaster_class(kind) is type(forecaster)
 
@@ -195,20 +195,20 @@ def test_a_kind_that_is_not_there_is_named_with_those_that_are():
 
 
 def test_who_integrates_the_equations_needs_them_and_can_be_told_of_actuation():
-    kinds = {kind: forecaster_class(kind) for kind in available_kinds()}
+    kinds = {kind: forecaster_class(kind) for kind in trajectory_kinds()}
     integrating = ["equations", "equations_filtered", "equations_noisy"]
     assert [kind for kind, found in kinds.items() if found.needs_equations] == integrating
     assert [kind for kind, found in kinds.items() if found.aware] == integrating
 
 
 def test_only_the_bound_sees_the_truth():
-    seeing = [kind for kind in available_kinds() if forecaster_class(kind).sees_truth]
+    seeing = [kind for kind in trajectory_kinds() if forecaster_class(kind).sees_truth]
     assert seeing == ["equations"]
     assert not Forecaster.sees_truth
 
 
 def test_kinds_with_an_ensemble_and_with_a_filter():
-    kinds = {kind: forecaster_class(kind) for kind in available_kinds()}
+    kinds = {kind: forecaster_class(kind) for kind in trajectory_kinds()}
     filtered = {kind for kind, found in kinds.items() if found.has_filter}
     assert filtered == {"equations_filtered", "quadratic_filtered"}
     assert {kind for kind, found in kinds.items() if found.provides_ensemble} == {

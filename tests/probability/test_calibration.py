@@ -1,4 +1,4 @@
-"""Isotonic calibration against scikit-learn's, and what its prior does."""
+"""Calibrations against scikit-learn's, and what a prior does."""
 
 import json
 
@@ -7,11 +7,17 @@ import pytest
 from helpers_probability import count_by_series, samples
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sklearn.calibration import _SigmoidCalibration
 from sklearn.isotonic import IsotonicRegression, isotonic_regression
 
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.brier import brier_score, calibration_error
-from burstcast.probability.calibration import UNCALIBRATED, isotonic, pool_adjacent_violators
+from burstcast.probability.calibration import (
+    UNCALIBRATED,
+    isotonic,
+    logistic,
+    pool_adjacent_violators,
+)
 from burstcast.probability.scores import resampled_scores
 
 
@@ -88,3 +94,38 @@ def test_without_any_forecast_no_probability_is_known():
     weights = np.ones((3, len(scored.points)), dtype=np.int64)
     for name, score in resampled_scores(scored, weights, restored.threshold, 11).items():
         assert np.isnan(score.value), name
+
+
+# -- of probabilities that are all different -------------------------------------------------------
+
+
+def drawn(slope, points=2000, seed=1):
+    """Probabilities whose log-odds are those of the truth, times a slope, plus a half."""
+    generator = np.random.default_rng(seed)
+    odds = generator.normal(-2.0, 1.5, size=points)
+    happened = generator.random(points) < 1 / (1 + np.exp(-odds))
+    given = 1 / (1 + np.exp(-(slope * odds + 0.5)))
+    return given, happened, np.zeros(points, dtype=int)
+
+
+@pytest.mark.parametrize("slope", [0.5, 1.0, 3.0])
+def test_logistic_calibration_is_that_of_platt(slope):
+    given, happened, _ = sample = drawn(slope)
+    found = logistic(count_by_series(*sample).total())
+    odds = np.log(given) - np.log1p(-given)
+    oracle = _SigmoidCalibration().fit(odds, happened.astype(float))
+    # between its knots the calibration is linear
+    np.testing.assert_allclose(found(given), oracle.predict(odds), atol=5e-4)
+    assert (np.diff(found(np.sort(given))) > 0).all()
+
+
+def test_logistic_calibration_where_nothing_is_told_or_everything():
+    given, happened, rows = drawn(1.0, 300)
+    reversed_ = count_by_series(1 - given, happened, rows).total()
+    np.testing.assert_allclose(logistic(reversed_)(given), happened.mean(), atol=0.01)
+    apart = count_by_series(np.where(happened, 0.9, 0.1), happened, rows).total()
+    count = int(happened.sum())
+    ends = [1 / (302 - count), (count + 1) / (count + 2)]
+    np.testing.assert_allclose(logistic(apart)(np.array([0.1, 0.9])), ends, rtol=2e-3)
+    none = count_by_series(*(values[:0] for values in (given, happened, rows))).total()
+    assert np.isnan(logistic(none)(given)).all()

@@ -8,7 +8,6 @@ import pytest
 from burstcast.probability.precursor import (
     Precursor,
     PrecursorOptions,
-    out_of_sample_probabilities,
     precursor_features,
 )
 
@@ -58,19 +57,6 @@ def test_a_precursor_is_restored_to_the_same_bits():
         assert np.array_equal(again.probabilities(features), precursor.probabilities(features))
 
 
-def test_a_series_does_not_teach_its_own_probabilities():
-    features, _, happened = points(600, 4)
-    series = np.repeat(np.arange(3), 200)
-    found = out_of_sample_probabilities(features, happened, series, FAST)
-    changed = happened.copy()
-    changed[series == 1] = ~changed[series == 1]
-    other = out_of_sample_probabilities(features, changed, series, FAST)
-    assert np.array_equal(found[series == 1], other[series == 1])
-    assert not np.array_equal(found[series == 0], other[series == 0])
-    alone = Precursor.fit(features[series != 2], happened[series != 2], FAST)
-    assert np.array_equal(found[series == 2], alone.probabilities(features[series == 2]))
-
-
 def test_nothing_to_tell_apart_is_refused():
     features, _, happened = points(100, 5)
     happened[:, 1] = False
@@ -78,8 +64,6 @@ def test_nothing_to_tell_apart_is_refused():
         Precursor.fit(features, happened, FAST)
     with pytest.raises(ValueError, match="each of the 100"):
         Precursor.fit(features, ~happened, FAST)
-    with pytest.raises(ValueError, match="two training series"):
-        out_of_sample_probabilities(features, happened, np.zeros(100, dtype=int), FAST)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.training import train
 from burstcast.files.netcdf import Variable, read_attributes
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
-from burstcast.forecasters.registry import available_kinds, forecaster_class
+from burstcast.forecasters.registry import forecaster_class, trajectory_kinds
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import (
@@ -114,7 +114,7 @@ def network(ensemble):
     )
 
 
-@pytest.mark.parametrize("kind", available_kinds())
+@pytest.mark.parametrize("kind", trajectory_kinds())
 def test_a_forecaster_comes_back_bit_for_bit(kind, network, ensemble, tmp_path):
     identifier = {"esn": IDENTIFIER}.get(kind, kind)
     settings = {**SETTINGS, "forecaster": identifier}
@@ -185,7 +185,7 @@ def test_what_forecasters_may_know_of_their_case():
     assert case.options == {}
 
 
-@pytest.mark.parametrize("kind", available_kinds())
+@pytest.mark.parametrize("kind", trajectory_kinds())
 def test_only_the_bound_is_given_the_truth(kind, network):
     made = network
     if kind != "esn":

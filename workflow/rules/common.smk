@@ -79,6 +79,9 @@ STARTED = time.time()
 # Networks have a search before they are trained; forecasters of other kinds are fitted at once.
 NETWORKS = r"esn(_aware)?-N\d+-[A-Z]+-seed\d+"
 OTHERS = r"(?!esn(_aware)?-)[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*"
+# Kinds that give probabilities without a trajectory have one stage for all that.
+CLASSIFIERS = one_of(sorted({one.name.kind for one in campaign.classifiers}))
+NO_CLASSIFIER = rf"(?!({CLASSIFIERS})(/|$))"
 # Who makes the ensemble of a case.
 SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
 REALISED = one_of(campaign.realised_cases)

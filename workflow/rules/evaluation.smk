@@ -8,6 +8,7 @@ stage(
     settings="FORECASTER forecaster.divergence_bound forecasters.aware WINDOWS",
     cost="forecast",
     cached=True,
+    constraints={"forecaster": f"{NO_CLASSIFIER}[^/]+"},
 )
 stage(
     "evaluation/horizon",

@@ -67,5 +67,5 @@ stage(
     settings="FORECASTER OBSERVED",
     cost="training",
     cached=True,
-    constraints={"forecaster": OTHERS},
+    constraints={"forecaster": NO_CLASSIFIER + OTHERS},
 )

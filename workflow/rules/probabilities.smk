@@ -23,6 +23,31 @@ stage(
     "probability.calibration_series",
     cost="leave_one_out",
     cached=True,
+    constraints={"forecaster": f"{NO_CLASSIFIER}[^/]+"},
+)
+stage(
+    "data/training_set",
+    "starting points that classifiers learn from",
+    inputs=files("ensemble time_unit"),
+    outputs={"training_set": f"{CASE}/training_set.nc"},
+    settings="SYSTEM TIME OBSERVED WINDOWS washout_lt forecasters.classifiers.start_spacing_lt",
+    cost="data",
+)
+stage(
+    "evaluation/event_probabilities",
+    "train a classifier, probabilities of events",
+    inputs=files("training_set evaluation_set calibration_set time_unit"),
+    outputs={
+        "forecaster": f"{FORECASTER}/forecaster.nc",
+        "forecast": f"{FORECASTER}/forecast.nc",
+        "calibration_forecast": f"{FORECASTER}/calibration_forecast.nc",
+    },
+    settings="FORECASTER random_seed case.event_threshold classification.prediction_times_lt "
+    "classification.window_lt classification.resolution_lt probability.calibration_series "
+    "forecasters.classifiers.folds",
+    cost="classifiers",
+    cached=True,
+    constraints={"forecaster": CLASSIFIERS},
 )
 stage(
     "probabilities/calibrate",

@@ -31,14 +31,21 @@ table_stage(
 table_stage(
     "classification_table",
     "score the forecasts",
-    inputs={"forecasts": files_in_case("forecast.nc"), **files("evaluation_set")},
+    inputs={
+        "forecasts": files_in_case("forecast.nc"),
+        **files("evaluation_set"),
+        # the alarm thresholds of classifiers
+        "calibration": stages.file_of_case(
+            "calibration.json", {one.case for one in campaign.classifiers}
+        ),
+    },
     settings="KEYS SCORED case.event_threshold",
     cost="bootstrap",
 )
 table_stage(
     "horizon_table",
     "table of the prediction horizons",
-    inputs={"horizons": files_in_case("horizon.nc")},
+    inputs={"horizons": files_in_case("horizon.nc", campaign.trajectory_forecasters)},
     settings="KEYS random_seed bootstrap",
 )
 table_stage(
@@ -172,7 +179,7 @@ rule forecasters:
         of_forecasters("forecaster.nc"),
         of_forecasters("forecast.nc"),
         of_forecasters("calibration_forecast.nc"),
-        of_forecasters("horizon.nc"),
+        of_forecasters("horizon.nc", campaign.trajectory_forecasters),
         of_forecasters("long_term.nc", campaign.long_term_forecasters),
         of_forecasters("lyapunov_spectrum.nc", campaign.spectrum_forecasters),
         of_forecasters("flows.nc", campaign.strategy_runs),

@@ -10,6 +10,7 @@ from burstcast.arrays import FloatArray, IntArray
 from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.files.netcdf import Variable
 from burstcast.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
+from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecast.observed_points import ObservedPoints
 from burstcast.forecast.windows import WindowForecasts
 
@@ -105,8 +106,13 @@ def forecast_variables(forecasts: WindowForecasts, name: str) -> dict[str, Varia
     return variables
 
 
-def forecasts_from(arrays: Mapping[str, Any]) -> WindowForecasts:
-    """Forecasts from the variables of their file; without an ensemble, of no members."""
+def forecasts_from(arrays: Mapping[str, Any]) -> WindowForecasts | EventProbabilities:
+    """Forecasts from the variables of their file; without an ensemble, of no members.
+
+    Of a kind without trajectories, probabilities of events.
+    """
+    if "probability" in arrays:
+        return EventProbabilities.restore(arrays)
     none = np.empty((len(arrays["first"]), 0, arrays["first"].shape[1]))
     return WindowForecasts(
         **{field.name: arrays.get(field.name, none) for field in fields(WindowForecasts)}

@@ -12,10 +12,16 @@ DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     "filter": {"members": 40, "inflation": 1},
     "quadratic": {"degree": 2, "window_lt": 0.2, "significance": 4},
     "analogues": {"neighbours": 10},
+    "classifiers": {"start_spacing_lt": 0.1, "folds": 10},
+    "precursor": {
+        **{"classifier": "boosting", "lags_lt": [0.1, 0.2, 0.3, 0.4]},
+        **{"trees": 150, "leaves": 12, "learning_rate": 0.08, "degree": 2, "penalty": 1},
+    },
     "aware": {"parameters": ["reynolds"], "transform": "inverse", "parameter_degree": 1},
 }
 """Options by section. Those of ``aware`` say how what is learnt depends on which parameters
-(`burstcast.data.parameter_factors`)."""
+(`burstcast.data.parameter_factors`). Those of ``classifiers`` say which points they learn from, and
+in how many folds of the training series their probabilities are calibrated."""
 
 _SECTIONS: Mapping[str, tuple[str, ...]] = {
     "equations_filtered": ("observation", "filter"),

@@ -68,9 +68,15 @@ class ForecasterRecord:
     attributes: Mapping[str, str | int | float] = field(default_factory=dict)
 
 
-class Forecaster(abc.ABC):
-    """Continues many observed series at once."""
+class ForecasterKind(abc.ABC):
+    """What all kinds of forecasters have: properties of the kind, and a record of what was learnt.
 
+    A kind forecasts trajectories (`Forecaster`), or probabilities of events without them
+    (`burstcast.forecasters._event_classifier.EventClassifier`).
+    """
+
+    has_trajectories: ClassVar[bool] = True
+    """Whether it forecasts states: what prediction horizons, long runs and control need."""
     sees_truth: ClassVar[bool] = False
     """Whether it is given true states instead of observed ones: only as a bound for others."""
     needs_equations: ClassVar[bool] = False
@@ -84,6 +90,19 @@ class Forecaster(abc.ABC):
     case's own values."""
     has_search: ClassVar[bool] = False
     """Whether a search finds its hyperparameters before it is trained."""
+
+    @abc.abstractmethod
+    def record(self) -> ForecasterRecord:
+        """Return the record from which `restore` recreates the forecaster."""
+
+    @classmethod
+    @abc.abstractmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Make a forecaster from its record."""
+
+
+class Forecaster(ForecasterKind):
+    """Continues many observed series at once."""
 
     @classmethod
     @abc.abstractmethod
@@ -138,15 +157,6 @@ class Forecaster(abc.ABC):
         for row in range(len(training)):
             others = None if parameters is None else np.delete(parameters, row, axis=0)
             yield self.fit(np.delete(training, row, axis=0), case, others)
-
-    @abc.abstractmethod
-    def record(self) -> ForecasterRecord:
-        """Return the record from which `restore` recreates the forecaster."""
-
-    @classmethod
-    @abc.abstractmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
-        """Make a forecaster from its record."""
 
     @abc.abstractmethod
     def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:

@@ -1,12 +1,13 @@
 """Forecasters by name: the module ``burstcast.forecasters.<kind>`` holds the kind ``<kind>``.
 
-A new kind is one new module with one concrete subclass of `Forecaster` in it; nothing has to be
-registered. Modules with a leading underscore hold what several kinds share.
+A new kind is one new module with one concrete subclass of `Forecaster`, or of `EventClassifier`, in
+it; nothing has to be registered. Modules with a leading underscore hold what several kinds share.
 """
 
 import burstcast.forecasters
 from burstcast.discovery import concrete_classes, module_names, suggestion
-from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters._event_classifier import EventClassifier
+from burstcast.forecasters.base import Forecaster, ForecasterKind
 
 _OTHERS = ("base", "registry")
 AWARE_KINDS = ("esn_aware", "quadratic_aware", "quadratic_aware_filtered")
@@ -19,19 +20,25 @@ def available_kinds() -> list[str]:
     return [name for name in module_names(burstcast.forecasters) if name not in others]
 
 
+def trajectory_kinds() -> list[str]:
+    """Names of those of `available_kinds` that forecast trajectories, sorted."""
+    return [kind for kind in available_kinds() if kind_class(kind).has_trajectories]
+
+
 def linearises(kind: str) -> bool:
     """Whether a kind linearises its forecasts, so that it has Lyapunov exponents."""
-    return forecaster_class(kind).advance_tangent is not Forecaster.advance_tangent
+    found = kind_class(kind)
+    return issubclass(found, Forecaster) and found.advance_tangent is not Forecaster.advance_tangent
 
 
 def learns_parameters(kind: str) -> bool:
     """Whether a kind learns how the flow depends on parameters; equations need not learn."""
-    found = forecaster_class(kind)
+    found = kind_class(kind)
     return found.aware and not found.needs_equations
 
 
-def forecaster_class(kind: str) -> type[Forecaster]:
-    """Find the class of the forecasters of a kind: "esn", "equations", ...
+def kind_class(kind: str) -> type[ForecasterKind]:
+    """Find the class of the forecasters of a kind: "esn", "equations", "precursor", ...
 
     Raises
     ------
@@ -39,12 +46,6 @@ def forecaster_class(kind: str) -> type[Forecaster]:
         If there is no such kind.
     TypeError
         If its module does not define just one.
-
-    Examples
-    --------
-    >>> from burstcast.forecasters.registry import available_kinds, forecaster_class
-    >>> forecaster_class("analogues").__name__, "esn" in available_kinds()
-    ('Analogues', True)
     """
     available = [*available_kinds(), *AWARE_KINDS]
     if kind not in available:
@@ -52,8 +53,51 @@ def forecaster_class(kind: str) -> type[Forecaster]:
             f"unknown kind of forecaster {kind!r}{suggestion(kind, available)}; "
             f"the available kinds are {', '.join(available)}"
         )
-    classes = concrete_classes(burstcast.forecasters, kind, Forecaster)  # type: ignore[type-abstract]
+    classes = concrete_classes(burstcast.forecasters, kind, ForecasterKind)  # type: ignore[type-abstract]
     if len(classes) != 1:
         names = ", ".join(found.__name__ for found in classes) or "none"
         raise TypeError(f"burstcast.forecasters.{kind} must define one forecaster, not {names}")
     return classes[0]
+
+
+def forecaster_class(kind: str) -> type[Forecaster]:
+    """Find the class of the forecasters of a kind that forecasts trajectories.
+
+    Raises
+    ------
+    ValueError
+        If there is no such kind, or if it gives probabilities without trajectories.
+
+    Examples
+    --------
+    >>> from burstcast.forecasters.registry import available_kinds, forecaster_class
+    >>> forecaster_class("analogues").__name__, "esn" in available_kinds()
+    ('Analogues', True)
+    """
+    found = kind_class(kind)
+    if not issubclass(found, Forecaster):
+        raise ValueError(
+            f"{kind} gives probabilities of events without a trajectory "
+            "(burstcast.forecasters.registry.classifier_class); take a kind that forecasts states"
+        )
+    return found
+
+
+def classifier_class(kind: str) -> type[EventClassifier]:
+    """Find the class of a kind that gives probabilities without trajectories.
+
+    Raises
+    ------
+    ValueError
+        If there is no such kind, or if it forecasts trajectories.
+
+    Examples
+    --------
+    >>> from burstcast.forecasters.registry import classifier_class
+    >>> classifier_class("precursor").has_trajectories
+    False
+    """
+    found = kind_class(kind)
+    if not issubclass(found, EventClassifier):
+        raise ValueError(f"{kind} forecasts trajectories, from which probabilities follow")
+    return found

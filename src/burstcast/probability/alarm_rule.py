@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from burstcast.arrays import BoolArray, FloatArray
 from burstcast.probability.alarms import best_threshold
 from burstcast.probability.calibration import Calibration
 from burstcast.probability.outcomes import Outcomes
@@ -42,6 +43,10 @@ class AlarmRule:
         """
         levels = outcomes.at(calibration(outcomes.levels))
         return cls(calibration, best_threshold(levels.levels, levels.points))
+
+    def alarms(self, values: FloatArray) -> BoolArray:
+        """Whether an alarm is raised, by what is forecast; never without a calibration."""
+        return np.asarray(self.calibration(values) >= self.threshold)
 
     def record(self) -> dict[str, Any]:
         """Lists and numbers from which `restore` recreates the rule."""

@@ -6,7 +6,9 @@ which is one member, or of one forecaster that provides an ensemble (a filter, a
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
+from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecast.windows import WindowForecasts
 from burstcast.forecasters._names import ForecasterName, parsed
 
@@ -46,7 +48,11 @@ class AlarmSource:
         return self.name.seed is None
 
 
-def alarm_sources(forecasts: Mapping[str, WindowForecasts]) -> list[AlarmSource]:
+Forecasts: TypeAlias = Mapping[str, WindowForecasts | EventProbabilities]
+"""Forecasts of a case by the identifier of the forecaster."""
+
+
+def alarm_sources(forecasts: Forecasts) -> list[AlarmSource]:
     """All sources of alarms in a case: baselines, forecasters, then committees.
 
     Parameters
@@ -60,7 +66,7 @@ def alarm_sources(forecasts: Mapping[str, WindowForecasts]) -> list[AlarmSource]
     committees = [
         AlarmSource(replace(common, role="committee"), tuple(voters))
         for common, voters in groups.items()
-        if len(voters) > 1 or forecasts[voters[0]].member_first.size
+        if len(voters) > 1 or _provides_ensemble(forecasts[voters[0]])
     ]
     return [
         *(AlarmSource(ForecasterName(name)) for name in BASELINES),
@@ -68,3 +74,7 @@ def alarm_sources(forecasts: Mapping[str, WindowForecasts]) -> list[AlarmSource]
         # committees of several networks come first
         *sorted(committees, key=lambda source: len(source.forecasters) == 1),
     ]
+
+
+def _provides_ensemble(forecasts: WindowForecasts | EventProbabilities) -> bool:
+    return isinstance(forecasts, WindowForecasts) and forecasts.member_first.size > 0

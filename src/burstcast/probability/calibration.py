@@ -8,6 +8,7 @@ already, it counts as a number of forecasts that came true as it said (a beta pr
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -107,3 +108,54 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     ends = np.concatenate([[True], np.diff(fitted) != 0, [True]])
     knots = ends[:-1] | ends[1:]
     return Calibration(outcomes.levels[knots], fitted[knots])
+
+
+def logistic(outcomes: Outcomes) -> Calibration:
+    """Calibrate probabilities by logistic regression of the outcomes on their log-odds.
+
+    A smooth map with two parameters, which keeps different probabilities apart: for those of a
+    classifier, whose values are all different. Source: Platt, in Advances in Large Margin
+    Classifiers, MIT Press 1999, with his targets, which keep the regression finite where events
+    and quiet points are told apart completely. Where events have no larger probabilities than quiet
+    points, all probabilities become the base rate.
+
+    Parameters
+    ----------
+    outcomes
+        ``(levels,)``, the levels in [0, 1]. Without any forecast the calibration has no knots.
+    """
+    if not outcomes.levels.size:
+        return Calibration(np.empty(0), np.empty(0))
+    points, events = outcomes.points, outcomes.events
+    happened, quiet = int(events.sum()), int((points - events).sum())
+    # targets of events and of quiet points, and their sum at each level
+    high, low = (happened + 1) / (happened + 2), 1 / (quiet + 2)
+    wanted = events * high + (points - events) * low
+    ends = _probability(np.array([-_LARGEST_LOG_ODDS, _LARGEST_LOG_ODDS]))
+    odds = _log_odds(np.clip(outcomes.levels, *ends))
+    design = np.stack([odds, np.ones_like(odds)])
+    parameters = np.array([0.0, _log_odds(wanted.sum() / points.sum())])
+    for _ in range(_NEWTON_STEPS):
+        found = _probability(parameters @ design)
+        gradient = design @ (wanted - points * found)
+        curvature = (design * (points * found * (1 - found))) @ design.T
+        step = np.linalg.lstsq(curvature, gradient, rcond=None)[0]
+        parameters = parameters + step / max(1.0, float(np.abs(step).max()))
+    if parameters[0] <= 0:
+        parameters = np.array([0.0, _log_odds(wanted.sum() / points.sum())])
+    knots = np.linspace(-_LARGEST_LOG_ODDS, _LARGEST_LOG_ODDS, _KNOTS)
+    probabilities = _probability(parameters[0] * knots + parameters[1])
+    return Calibration(_probability(knots), probabilities)
+
+
+_LARGEST_LOG_ODDS, _KNOTS = 25.0, 501
+"""Range and number of the knots of a logistic calibration, evenly spaced in log-odds."""
+_NEWTON_STEPS = 60
+
+
+def _log_odds(probability: Any) -> Any:
+    return np.log(probability) - np.log1p(-probability)
+
+
+def _probability(log_odds: FloatArray) -> FloatArray:
+    return np.asarray(1.0 / (1.0 + np.exp(-log_odds)))

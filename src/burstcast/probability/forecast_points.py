@@ -1,6 +1,6 @@
 """Starting points of a case: sources of alarms, their values, and the outcomes."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
+from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecast.windows import WindowForecasts, WindowSummaries, crosses
-from burstcast.probability.alarm_sources import AlarmSource, alarm_sources
+from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.probability.alarm_sources import AlarmSource, Forecasts, alarm_sources
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
 
@@ -29,7 +31,7 @@ class ForecastPoints:
     """
 
     data: Mapping[str, Any]
-    forecasts: Mapping[str, WindowForecasts]
+    forecasts: Forecasts
     window_lt: float
     resolution_lt: float
 
@@ -47,11 +49,30 @@ class ForecastPoints:
         """Points at which no event is under way."""
         return np.asarray(self.data["washout_maximum"] < event_threshold)
 
+    def classifier(self, alarm: AlarmSource) -> EventProbabilities | None:
+        """Probabilities that a classifier gives; None where alarms come from anything else."""
+        found = [self.forecasts[name] for name in alarm.forecasters]
+        return found[0] if len(found) == 1 and isinstance(found[0], EventProbabilities) else None
+
+    def knows(self, alarm: AlarmSource, event_threshold: float) -> bool:
+        """Whether it forecasts events beyond a threshold: classifiers have learnt one alone."""
+        classifier = self.classifier(alarm)
+        return classifier is None or classifier.event_threshold == event_threshold
+
     def values(
         self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float
     ) -> FloatArray:
-        """Values that raise alarms, ``(points,)``: shares of votes, or scores of a baseline."""
-        forecasts = [self.forecasts[name] for name in alarm.forecasters]
+        """Values that raise alarms, ``(points,)``.
+
+        They are shares of votes, probabilities of a classifier, or scores of a baseline.
+        """
+        if classifier := self.classifier(alarm):
+            return classifier.at(prediction_time_lt, event_threshold)
+        forecasts = [
+            one
+            for name in alarm.forecasters
+            if isinstance(one := self.forecasts[name], WindowForecasts)
+        ]
         if forecasts:
             members = [member for one in forecasts for member in one.members]
             voters = members if alarm.committee else forecasts
@@ -63,6 +84,16 @@ class ForecastPoints:
         """Points that an event follows, ``(points,)``."""
         truth = WindowSummaries(self.data["first"], self.data["largest"])
         return crosses(truth, *self._windows(prediction_time_lt), event_threshold)
+
+    def labelled(
+        self, prediction_times_lt: Sequence[float], event_threshold: float
+    ) -> LabelledPoints:
+        """Points without an event under way, labelled for training a classifier."""
+        times, scored = prediction_times_lt, self.scored(event_threshold)
+        happened = np.stack([self.happened(time, event_threshold) for time in times], axis=1)
+        return LabelledPoints(
+            self.data["washout"][scored], happened[scored], self.data["series"][scored]
+        )
 
     def outcomes(
         self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float

@@ -14,9 +14,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.arrays import BoolArray, FloatArray
 from burstcast.discovery import suggestion
+from burstcast.forecasters._options import DEFAULTS
 
+_DEFAULTS = DEFAULTS["precursor"]
 CLASSIFIERS = ("boosting", "logistic")
 """Gradient boosting of trees; logistic regression on features and their products."""
 
@@ -43,13 +45,13 @@ class PrecursorOptions:
         If an option is out of bounds.
     """
 
-    classifier: str = "boosting"
+    classifier: str = _DEFAULTS["classifier"]
     lags: Sequence[int] = ()
-    trees: int = 150
-    leaves: int = 12
-    learning_rate: float = 0.08
-    degree: int = 2
-    penalty: float = 1.0
+    trees: int = _DEFAULTS["trees"]
+    leaves: int = _DEFAULTS["leaves"]
+    learning_rate: float = _DEFAULTS["learning_rate"]
+    degree: int = _DEFAULTS["degree"]
+    penalty: float = _DEFAULTS["penalty"]
 
     def __post_init__(self) -> None:
         if self.classifier not in CLASSIFIERS:
@@ -172,38 +174,6 @@ class Precursor:
     def restore(cls, record: Mapping[str, FloatArray], options: PrecursorOptions) -> Self:
         """Precursor from its `record`: fitted again, to the same bits."""
         return cls.fit(record["features"], record["happened"] > 0.5, options)
-
-
-def out_of_sample_probabilities(
-    features: FloatArray, happened: BoolArray, series: IntArray, options: PrecursorOptions
-) -> FloatArray:
-    """Probabilities for training points by precursors that have not learnt from their series.
-
-    Parameters
-    ----------
-    features, happened, options
-        As for `Precursor.fit`.
-    series
-        Row of the series of each point, ``(points,)``.
-
-    Returns
-    -------
-    ``(points, windows)``: what probabilities are calibrated with.
-
-    Raises
-    ------
-    ValueError
-        If there is one series only, or all events of a window lie in one series.
-    """
-    rows = np.unique(series)
-    if len(rows) < 2:
-        raise ValueError("leaving one series out takes two training series at least")
-    found = np.empty(happened.shape)
-    for row in rows:
-        here = series == row
-        others = Precursor.fit(features[~here], happened[~here], options)
-        found[here] = others.probabilities(features[here])
-    return found
 
 
 def _classifier(options: PrecursorOptions) -> Any:

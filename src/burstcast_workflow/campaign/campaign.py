@@ -12,8 +12,8 @@ from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters._options import options_of_kind
-from burstcast.forecasters.base import Forecaster
-from burstcast.forecasters.registry import forecaster_class, learns_parameters, linearises
+from burstcast.forecasters.base import ForecasterKind
+from burstcast.forecasters.registry import kind_class, learns_parameters, linearises
 from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_system
@@ -85,9 +85,9 @@ class CaseForecaster:
         return f"{self.case}/{self.name.identifier}"
 
     @property
-    def kind(self) -> type[Forecaster]:
+    def kind(self) -> type[ForecasterKind]:
         """Class of its kind."""
-        return forecaster_class(self.name.kind)
+        return kind_class(self.name.kind)
 
     @property
     def identity(self) -> dict[str, Any]:
@@ -161,6 +161,16 @@ class Campaign:
     def networks(self) -> tuple[CaseForecaster, ...]:
         """Those forecasters that are echo state networks."""
         return tuple(one for one in self.forecasters if one.name.neurons is not None)
+
+    @cached_property
+    def trajectory_forecasters(self) -> tuple[CaseForecaster, ...]:
+        """Those that forecast states, and not only the probability of an event."""
+        return tuple(one for one in self.forecasters if one.kind.has_trajectories)
+
+    @cached_property
+    def classifiers(self) -> tuple[CaseForecaster, ...]:
+        """Those that give probabilities without a trajectory."""
+        return tuple(one for one in self.forecasters if not one.kind.has_trajectories)
 
     @cached_property
     def searched_networks(self) -> tuple[CaseForecaster, ...]:
@@ -613,7 +623,7 @@ def _listed(*names: str) -> tuple[str, ...]:
 
 @cache
 def _sees_truth(name: ForecasterName) -> bool:
-    return name.asks_forecasters and forecaster_class(name.kind).sees_truth
+    return name.asks_forecasters and kind_class(name.kind).sees_truth
 
 
 def _names(kind: str, axes: Section) -> Iterator[ForecasterName]:

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 from pydantic import ValidationError
 
-from burstcast.forecasters.registry import forecaster_class, learns_parameters
+from burstcast.forecasters.registry import kind_class, learns_parameters
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class, system_module
 from burstcast_workflow.config.aware_checks import problems_of_parameters
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.cases import blocks_of, campaign_cases, case_record, data_of
-from burstcast_workflow.config.lengths import misfits
+from burstcast_workflow.config.lengths import lag_misfits, misfits
 from burstcast_workflow.config.measured_cases import (
     own_problems,
     problems_of_data,
@@ -53,7 +53,7 @@ def _simulated(config: Configuration, name: str) -> Iterator[str]:
     kinds = _kinds(config, name)
     yield from out_of_bounds(case)
     yield from _system(name, case)
-    if any(forecaster_class(kind).has_filter for kind in kinds):
+    if any(kind_class(kind).has_filter for kind in kinds):
         yield from _filter(config.forecasters.filter, case, f"the system {case.system}")
     yield from _counts_of_series(config, case)
     yield from _left_out_one_by_one(config, case, "further series (probability.calibration_series)")
@@ -66,6 +66,7 @@ def _simulated(config: Configuration, name: str) -> Iterator[str]:
     networks = [axes for block in blocks_of(config, name) for axes in block.forecasters.networks]
     validations = [one for axes in networks for one in axes.validation]
     yield from misfits(config, name, case, kinds, validations)
+    yield from lag_misfits(config, case, kinds)
     if any(map(learns_parameters, kinds)):
         yield from problems_of_parameters(config, name, case)
 
@@ -210,11 +211,12 @@ def _measured(config: Configuration, name: str) -> Iterator[str]:
     yield from out_of_bounds(case)
     yield from problems_of_data(case)
     kinds = _kinds(config, name)
-    if needing := [kind for kind in kinds if forecaster_class(kind).needs_equations]:
+    if needing := [kind for kind in kinds if kind_class(kind).needs_equations]:
         yield f"there are no equations of measured series to forecast with ({', '.join(needing)})"
     if knowing := [kind for kind in kinds if learns_parameters(kind)]:
         yield f"measured series have no parameters to be known ({', '.join(knowing)})"
-    if any(forecaster_class(kind).has_filter for kind in kinds):
+    yield from lag_misfits(config, case, kinds)
+    if any(kind_class(kind).has_filter for kind in kinds):
         yield from _filter(config.forecasters.filter, case, name)
     for index, block in enumerate(config.control.strategies):
         if name in block.cases:

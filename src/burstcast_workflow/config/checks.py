@@ -13,7 +13,7 @@ from burstcast.control.controllers.committee import VOTE_SHARE, votes
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
-from burstcast.forecasters.registry import forecaster_class
+from burstcast.forecasters.registry import kind_class
 from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.campaign.control_plans import block_plans
@@ -52,6 +52,7 @@ def contradictions(config: Configuration) -> list[str]:
         *out_of_bounds(config),
         *_campaign(config),
         *_strategies(config),
+        *_without_trajectories(config),
         *_figures(config),
     ]
     cases_of: dict[str, list[str]] = {}
@@ -169,6 +170,25 @@ def _strategies(config: Configuration) -> Iterator[str]:
         yield from _votes(block, place)
 
 
+def _without_trajectories(config: Configuration) -> Iterator[str]:
+    """What is asked of kinds that forecast no states."""
+    blocks = enumerate(config.control.strategies)
+    choices = {
+        "statistics.forecasters": config.statistics.forecasters,
+        "control.forecasters": config.control.forecasters,
+        **{
+            f"control.strategies[{index}].forecasters": block.forecasters for index, block in blocks
+        },
+    }
+    for place, choice in choices.items():
+        for kind in choice.kinds if choice else ():
+            if not kind_class(kind).has_trajectories:
+                yield (
+                    f"{place} names {kind}, which gives probabilities of events and forecasts no "
+                    "states; leave it out"
+                )
+
+
 def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterator[str]:
     """What is wrong with the parts of the state that a block of strategies observes."""
     used = campaign_cases(config)
@@ -183,7 +203,7 @@ def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterat
 def _untold(block: StrategyBlock) -> list[str]:
     """Kinds of a block that do not know the parameters in force."""
     kinds = block.forecasters.kinds if block.forecasters else {}
-    return [kind for kind in kinds if not forecaster_class(kind).aware]
+    return [kind for kind in kinds if not kind_class(kind).aware]
 
 
 def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
@@ -209,7 +229,7 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
         yield f"{place}.seeds: all networks of a size and strategy are a committee; leave it out"
     for kind in block.forecasters.kinds if block.forecasters else []:
         several = isinstance(getattr(block.forecasters, kind), NetworkChoice)
-        if not several and not forecaster_class(kind).provides_ensemble:
+        if not several and not kind_class(kind).provides_ensemble:
             yield f"{place}.forecasters names {kind}, which provides no ensemble that could vote"
 
 

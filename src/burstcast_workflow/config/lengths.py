@@ -5,7 +5,7 @@ The checks are the library's, which refuses the same in a job and in a notebook.
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from operator import attrgetter
 
 import numpy as np
@@ -15,6 +15,7 @@ from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy as make_control_strategy
 from burstcast.data.starting_points import starting_points, steps_before_events
 from burstcast.forecasters._options import sections_of_kind
+from burstcast.forecasters.precursor import lag_steps
 from burstcast.forecasters.quadratic import window_steps
 from burstcast.statistics.long_term import FixedPointCriterion, LongTermSettings
 from burstcast.statistics.warning_signs import FEW_POSITIVES
@@ -23,7 +24,7 @@ from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strate
 from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.config.cases import campaign_cases, case_of
 from burstcast_workflow.config.measured_cases import space_of
-from burstcast_workflow.config.model import Configuration, Ensemble, Simulated
+from burstcast_workflow.config.model import Case, Configuration, Ensemble, Simulated
 from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, LONG_RUNS, VALIDATION
 
 FINE = 1000
@@ -138,6 +139,21 @@ def few_points(config: Configuration) -> str:
 def _samples(ensemble: Ensemble) -> int:
     """Samples of a series, with both of its ends."""
     return math.floor(ensemble.duration / ensemble.sampling_interval + 1e-9) + 1
+
+
+def lag_misfits(config: Configuration, case: Case, kinds: Iterable[str]) -> Iterator[str]:
+    """Whether the lags of a precursor do not fit into the washout of a case."""
+    if any("precursor" in sections_of_kind(kind) for kind in kinds):
+        exponent, lags = case.lyapunov.known_exponent, config.forecasters.precursor.lags_lt
+        steps = FINE
+        with suppress(ValueError):  # told with the case
+            if exponent is not None:
+                interval = case.ensemble.sampling_interval
+                steps = durations.steps_per_lyapunov_time(exponent, interval)
+        try:
+            lag_steps(lags, steps, durations.steps(config.washout_lt, steps))
+        except ValueError as error:
+            yield str(error)
 
 
 def _control(

@@ -93,6 +93,10 @@ class SingleKinds(Chosen):
     )
     analogues: Alone = setting("continuations of the most similar states of the past", default=None)
     persistence: Alone = setting("the last observed state for ever", default=None)
+    precursor: Alone = setting(
+        "probabilities by a classifier of the present and the past, without a trajectory",
+        default=None,
+    )
     quadratic_aware: Alone = setting(
         "learnt equations with the parameters in force, from the last observation", default=None
     )
@@ -502,6 +506,37 @@ class AnalogueForecasters(Section):
     neighbours: Count = setting("number of analogues, whose mean is the forecast")
 
 
+@with_defaults(DEFAULTS["classifiers"])
+class Classifiers(Section):
+    """Training of `precursor`, which gives probabilities without a trajectory."""
+
+    start_spacing_lt: Positive = setting("distance of the starting points that are learnt from")
+    folds: Whole = setting(
+        "parts of the training series, each forecast by what has learnt from the others, to "
+        "calibrate the probabilities",
+        ge=2,
+    )
+
+
+@with_defaults(DEFAULTS["precursor"])
+class Precursor(Section):
+    """Learnt precursors, `precursor`."""
+
+    classifier: Literal["boosting", "logistic"] = setting(
+        "gradient boosting of trees, or logistic regression of features and their products"
+    )
+    lags_lt: Distinct[Positive] = setting(
+        "past values that are features beside the present ones, within the washout"
+    )
+    trees: Count = setting("number of boosted trees")
+    leaves: Whole = setting("leaves of each tree", ge=2)
+    learning_rate: Positive = setting("weight of each tree")
+    degree: Whole = setting(
+        "degree of the products of features in the logistic regression", ge=1, le=2
+    )
+    penalty: Positive = setting("strength of the penalty on squared coefficients of it")
+
+
 @with_defaults(DEFAULTS["aware"])
 class Aware(Section):
     """Kinds that know the parameters in force, whose factors what they learn is linear in."""
@@ -523,6 +558,8 @@ class Forecasters(Section):
     filter: Filter = setting("", default_factory=Filter)
     quadratic: Quadratic = setting("", default_factory=Quadratic)
     analogues: AnalogueForecasters = setting("", default_factory=AnalogueForecasters)
+    classifiers: Classifiers = setting("", default_factory=Classifiers)
+    precursor: Precursor = setting("", default_factory=Precursor)
     aware: Aware = setting("", default_factory=Aware)
 
 

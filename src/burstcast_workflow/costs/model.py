@@ -34,6 +34,8 @@ SECONDS_PER = {
     "solve product": 1.0e-11,
     # one fit of the Gaussian process, with the proposal of the next point
     "surrogate fit": 0.2,
+    # of boosted trees: per tree, and feature of a point
+    "tree feature": 6e-9,
     # a number of the ensemble read and reduced, a bootstrap sample of one series, a small file read
     "number": 1.2e-8,
     "resampled series": 1.0e-7,
@@ -252,6 +254,17 @@ def _leave_one_out(job: _Job) -> _Work:
     return forecasts + _training(job, solves=series) + moments
 
 
+def _classifiers(job: _Job) -> _Work:
+    """Classifiers of each window, trained on all points, and on those of all folds but one."""
+    reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
+    spacing, options = "forecasters.classifiers.start_spacing_lt", job("forecasters.precursor")
+    points = job.training_series * job.starts(spacing, reach)
+    features = job.dimension * (1 + len(options["lags_lt"]))
+    fits = len(job("classification.prediction_times_lt")) * job("forecasters.classifiers.folds")
+    held = points * (features + job.steps("washout_lt") * job.dimension)
+    return _Work(_SEARCHING, {"tree feature": fits * options["trees"] * points * features}, held)
+
+
 def _spectrum(job: _Job) -> _Work:
     """Long runs with their perturbations, which no compiled code takes along."""
     steps = job("statistics.lyapunov_runs") * job.long_runs[1]
@@ -318,6 +331,7 @@ CLASSES: Mapping[str, Callable[[_Job], _Work]] = {
     ),
     "forecast": lambda job: _forecasts(job, job.test_series, "classification.start_spacing_lt"),
     "leave_one_out": _leave_one_out,
+    "classifiers": _classifiers,
     "horizon": _horizons,
     "long_term": lambda job: _closed_loops(job, *job.long_runs),
     "spectrum": _spectrum,

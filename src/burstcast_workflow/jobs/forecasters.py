@@ -7,7 +7,12 @@ from typing import Any
 from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import Variable, read_attributes, read_netcdf
 from burstcast.forecasters._names import parsed
-from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.forecasters.base import (
+    Forecaster,
+    ForecasterKind,
+    ForecasterRecord,
+    ForecastingCase,
+)
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.harness.settings import Settings
@@ -45,7 +50,7 @@ def kind_of(identifier: str) -> type[Forecaster]:
     return forecaster_class(parsed(identifier).kind)
 
 
-def write_forecaster(path: str, forecaster: Forecaster, provenance: Mapping[str, str]) -> None:
+def write_forecaster(path: str, forecaster: ForecasterKind, provenance: Mapping[str, str]) -> None:
     """Write what a forecaster is restored from."""
     record = forecaster.record()
     variables = {

@@ -148,6 +148,8 @@ _VALUES: dict[str, Any] = {
     "cases.Re400.recycle_validation.series": 3,
     "cases.Re400.lyapunov.published_exponent": 0.0174,
     "forecasters.esn.backend": "compiled",
+    "forecasters.precursor.classifier": "logistic",
+    "forecasters.precursor.degree": 1,
     "forecasters.aware.parameters": ["length_x"],
     "forecasters.aware.transform": "identity",
     "forecasters.observation.noise": 0.02,
@@ -259,6 +261,8 @@ _WITHOUT_EFFECT = (
     *("figures.", "control.sweep.seeds", "control.sweep.prediction_times_lt"),
     # of forecasters that know the parameters, which the preset does not have
     *("case_defaults.training.actuation", "case_defaults.training.trained_on", "forecasters.aware"),
+    # of classifiers, which it does not have either
+    *("forecasters.precursor", "forecasters.classifiers"),
 )
 
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from burstcast.probability.alarm_rule import CALIBRATED, VOTES, AlarmRule
-from burstcast.probability.calibration import UNCALIBRATED, isotonic
+from burstcast.probability.calibration import UNCALIBRATED, isotonic, logistic
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
@@ -29,12 +29,16 @@ def calibrate(
         factors = settings["probability.threshold_factors"] if alarm.compared else []
         for factor in sorted({1.0, *factors}):
             event_threshold = factor * settings["case.event_threshold"]
+            if not points.knows(alarm, event_threshold):
+                continue
             by_factor = alarms.setdefault(alarm.identifier, {}).setdefault(f"{factor:g}", {})
             for time in settings["classification.prediction_times_lt"]:
                 outcomes = points.outcomes(alarm, time, event_threshold).total()
                 if alarm.forecasters:
                     prior = settings["probability.prior_forecasts"]
-                    maps = {CALIBRATED: isotonic(outcomes, prior), VOTES: UNCALIBRATED}
+                    shares = points.classifier(alarm) is None
+                    calibrated = isotonic(outcomes, prior) if shares else logistic(outcomes)
+                    maps = {CALIBRATED: calibrated, VOTES: UNCALIBRATED}
                 else:  # what a baseline is raised by is no probability
                     maps = {CALIBRATED: isotonic(outcomes)}
                 by_factor[f"{time:g}"] = rules = {}

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from burstcast.figures.parts.percentile_curves import select
-from burstcast.figures.parts.style import BLUE, GREEN, GREY, PURPLE, VERMILLION
+from burstcast.figures.parts.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILLION
 from burstcast.forecasters._labels import forecaster_label
 
 _MAUVE = "#8A5A83"
@@ -23,7 +23,7 @@ class _Look(NamedTuple):
 
 # Networks in colours; the equations in grey, learnt ones in mauve, and in front of them where they
 # do as well: solid or with wide gaps where a filter comes first, dashed where they start from one
-# observation; chained where members of an ensemble vote.
+# observation; chained where members of an ensemble vote. Classifiers are orange.
 _LOOKS = {
     "esn_committee": _Look(BLUE, "-"),
     "esn": _Look(VERMILLION, (0.0, (3.5, 1.2))),
@@ -40,6 +40,7 @@ _LOOKS = {
     "analogues": _Look(_PALE, _DASHES),
     "analogues_committee": _Look(_PALE, _CHAIN),
     "linear_inverse": _Look(_PALE, _DOTS),
+    "precursor": _Look(ORANGE, "-"),
     "persistence": _Look(_PALE, _LONG),
     "observable_now": _Look(_PALE, (0.0, (6.0, 1.5, 1.0, 1.5))),
     "climatology": _Look(_PALE, "-"),

@@ -4,14 +4,23 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast import random_streams
-from burstcast.forecast.classification import SCORES, bootstrap_interval, score_forecasts, total
-from burstcast.forecast.windows import WindowSummaries
+from burstcast.forecast.classification import (
+    SCORES,
+    bootstrap_interval,
+    count_by_series,
+    score_forecasts,
+    total,
+)
+from burstcast.forecast.event_probabilities import EventProbabilities
+from burstcast.forecast.forecast_files import forecasts_from
+from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.forecasters._names import PERMANENT_ALARM, ForecasterName
+from burstcast.probability.alarm_rule import CALIBRATED, rules_of
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
-    inputs={"evaluation_set": "series washout_maximum first largest"},
-    gathered={"forecasts": "first largest"},
+    inputs={"evaluation_set": "series washout_maximum first largest", "calibration": ""},
+    gathered={"forecasts": ""},
     settings={
         "case": "case",
         "root_seed": "random_seed",
@@ -29,6 +38,7 @@ def make(
     *,
     forecasts: Sequence[Gathered],
     evaluation_set: Mapping[str, Any],
+    calibration: Mapping[str, Any] | None,
     case: str,
     root_seed: int,
     event_threshold: float,
@@ -40,27 +50,35 @@ def make(
 ) -> dict[str, Rows]:
     """Counts and scores, and the bootstrap intervals of the scores.
 
-    A permanent alarm is a row like those of forecasters: with a base rate of one half it has an
-    F-score of two thirds.
+    A classifier predicts an event where its calibrated probability reaches the alarm threshold;
+    both are of ``calibration``, which cases without classifiers have not. A permanent alarm is a
+    row like those of forecasters: with a base rate of one half it has an F-score of two thirds.
     """
     truth = WindowSummaries(evaluation_set["first"], evaluation_set["largest"])
-    found = [
-        (one.name, WindowSummaries(one.content["first"], one.content["largest"]))
-        for one in forecasts
-    ]
+    seen, series = evaluation_set["washout_maximum"], evaluation_set["series"]
+    windows = round(window_lt / resolution_lt)
+    found = [(one.name, forecasts_from(one.content)) for one in forecasts]
     always = WindowSummaries.always_crossing(truth.first.shape)
     rows, ends = [], []
     for name, forecast in [*found, (ForecasterName(PERMANENT_ALARM), always)]:
         for prediction_time in prediction_times_lt:
-            counts = score_forecasts(
-                forecast,
-                truth,
-                evaluation_set["washout_maximum"],
-                evaluation_set["series"],
-                first_window=round(prediction_time / resolution_lt) - 1,
-                windows=round(window_lt / resolution_lt),
-                threshold=event_threshold,
-            )
+            first = round(prediction_time / resolution_lt) - 1
+            if isinstance(forecast, EventProbabilities):
+                assert calibration is not None
+                rule = rules_of(calibration, name.identifier, prediction_time)[CALIBRATED]
+                alarms = rule.alarms(forecast.at(prediction_time, event_threshold))
+                happened = crosses(truth, first, windows, event_threshold)
+                counts = count_by_series(alarms, happened, seen < event_threshold, series)
+            else:
+                counts = score_forecasts(
+                    forecast,
+                    truth,
+                    seen,
+                    series,
+                    first_window=first,
+                    windows=windows,
+                    threshold=event_threshold,
+                )
             whole = total(counts)
             row = {**name.keys, "prediction_time_lt": prediction_time}
             rows.append(

@@ -64,7 +64,7 @@ def make(
         for time in times:
             rule = case.rules(alarm, time)[CALIBRATED]
             values = points.values(alarm, time, threshold)
-            raised.append(rule.calibration(values) >= rule.threshold)
+            raised.append(rule.alarms(values))
             happened = points.happened(time, threshold)
             counts = count_by_series(raised[-1], happened, in_scored, rows_of_points)
             false = counts.false_positive.astype(np.float64)

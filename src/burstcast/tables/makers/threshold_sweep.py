@@ -33,12 +33,17 @@ def make(
     factors: Sequence[float],
     **scored: Any,
 ) -> dict[str, Rows]:
-    """Scores by event threshold, of committees and of all others but single networks."""
+    """Scores by event threshold, of committees and of all others but single networks.
+
+    A classifier has rows of the event that it has learnt alone.
+    """
     case = CaseProbabilities.of(forecasts, evaluation_set, calibration, **scored)
     rows: Rows = []
     for time in case.times:
         weights = case.weights(time)
         for alarm, factor in product(case.compared, factors):
+            if not case.points.knows(alarm, factor * case.event_threshold):
+                continue
             outcomes, threshold = case.probabilities(alarm, time, factor)[CALIBRATED]
             scores = resampled_scores(outcomes, weights, threshold, bins)
             keys = {

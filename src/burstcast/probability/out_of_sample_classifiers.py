@@ -1,0 +1,61 @@
+"""Honest probabilities of classifiers in the training series, with which they are calibrated."""
+
+import numpy as np
+
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
+from burstcast.forecasters.base import ForecastingCase
+
+
+def out_of_sample_probabilities(
+    kind: type[EventClassifier],
+    points: LabelledPoints,
+    case: ForecastingCase,
+    folds: int,
+    washouts: FloatArray,
+    series: IntArray,
+) -> FloatArray:
+    """Probabilities at points of training series by classifiers that have not learnt from them.
+
+    The training series are dealt out to folds, and points in a series of one fold get the
+    probabilities of a classifier that has learnt from all other folds. Where no event, or nothing
+    but events, follow the points of those in a window, the probability is 0, or 1.
+
+    Parameters
+    ----------
+    kind, points, case
+        What is fitted, to what, and what it knows (`EventClassifier.fit`).
+    folds
+        Number of folds; with as many as training series, or more, each series is left out alone.
+    washouts
+        Observed states up to the points that are forecast, ``(points, steps, dimension)``.
+    series
+        Row of the training series of each of them, ``(points,)``.
+
+    Returns
+    -------
+    ``(points, windows)``.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two training series or folds.
+    """
+    rows = np.unique(np.concatenate([points.series, series]))
+    count = min(folds, len(rows))
+    if count < 2:
+        raise ValueError(
+            "probabilities of training points by classifiers that have not learnt from them take "
+            f"two training series and two folds at least, not {len(rows)} and {folds}"
+        )
+    found = np.empty((len(washouts), points.happened.shape[1]))
+    for fold in range(count):
+        here = np.isin(series, rows[fold::count])
+        others = ~np.isin(points.series, rows[fold::count])
+        share = points.happened[others].sum(axis=0) / max(1, others.sum())
+        found[here] = share
+        both = (share > 0) & (share < 1)
+        if here.any() and both.any():
+            fitted = kind.fit(points.of(others, both), case)
+            found[np.ix_(here, both)] = fitted.probabilities(washouts[here])
+    return found

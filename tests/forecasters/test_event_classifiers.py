@@ -1,0 +1,98 @@
+"""Kinds that give probabilities of events without a trajectory."""
+
+import numpy as np
+import pytest
+from sklearn.linear_model import LogisticRegression
+from sklearn.preprocessing import PolynomialFeatures, scale
+
+import burstcast
+from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
+from burstcast.forecasters._options import options_of_kind
+from burstcast.forecasters.base import ForecastingCase
+from burstcast.forecasters.precursor import lag_steps
+from burstcast.forecasters.registry import (
+    available_kinds,
+    classifier_class,
+    forecaster_class,
+    kind_class,
+    linearises,
+    trajectory_kinds,
+)
+from burstcast.systems.lorenz63 import Lorenz63
+
+KINDS = sorted(set(available_kinds()) - set(trajectory_kinds()))
+
+
+def case(kind, **options):
+    known = options_of_kind(kind) | {"random_seed": 7, "backend": "scipy"}
+    return ForecastingCase(Lorenz63(), 0.01, 1, 10, known | options)
+
+
+def labelled(points=600):
+    """Points whose event is a function of the present and of two steps before."""
+    washouts = np.random.default_rng(1).normal(size=(points, 5, 3))
+    happened = np.stack([washouts[:, -1, 0] > 1, washouts[:, -1, 1] * washouts[:, -3, 2] > 0.5])
+    return LabelledPoints(washouts, happened.T, np.arange(points) // 100)
+
+
+def test_kinds_say_that_they_have_no_trajectories():
+    assert KINDS == ["precursor"]
+    for kind in KINDS:
+        assert issubclass(classifier_class(kind), EventClassifier)
+        assert not linearises(kind)
+        with pytest.raises(ValueError, match=f"{kind} gives probabilities .* without a trajectory"):
+            forecaster_class(kind)
+        with pytest.raises(ValueError, match="take a kind that forecasts states"):
+            burstcast.EventForecaster(kind=kind).fit(np.zeros((2, 500, 3)))
+    for kind in trajectory_kinds():
+        assert kind_class(kind) is forecaster_class(kind)
+        with pytest.raises(ValueError, match=f"{kind} forecasts trajectories"):
+            classifier_class(kind)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_restored_classifier_gives_the_same_bits(kind):
+    points, of_case = labelled(), case(kind)
+    fitted = classifier_class(kind).fit(points, of_case)
+    restored = classifier_class(kind).restore(fitted.record(), of_case)
+    fresh = np.random.default_rng(2).normal(size=(50, 5, 3))
+    found = fitted.probabilities(fresh)
+    assert found.shape == (50, 2)
+    assert ((found > 0) & (found < 1)).all()
+    np.testing.assert_array_equal(restored.probabilities(fresh), found)
+
+
+def test_a_logistic_precursor_is_that_of_scikit_learn_on_features_cut_by_hand():
+    points = labelled()
+    of_case = case("precursor", classifier="logistic", lags_lt=[0.2], penalty=4.0)
+    found = classifier_class("precursor").fit(points, of_case).probabilities(points.washouts)
+    features = np.hstack([points.washouts[:, 4], points.washouts[:, 2]])
+    products = scale(PolynomialFeatures(2, include_bias=False).fit_transform(scale(features)))
+    for window in range(2):
+        oracle = LogisticRegression(C=0.25, max_iter=1000).fit(products, points.happened[:, window])
+        np.testing.assert_allclose(found[:, window], oracle.predict_proba(products)[:, 1])
+
+
+def test_lags_are_steps_within_the_washout():
+    assert lag_steps([0.1, 0.25], 60, 16) == (6, 15)
+    with pytest.raises(
+        ValueError, match=r"has 0.25, a lag of 15 steps, but washout_lt holds .* 14"
+    ):
+        lag_steps([0.1, 0.25], 60, 15)
+    with pytest.raises(
+        ValueError, match=r"lags_lt is \[0.1, 0.11\], of which several are the same"
+    ):
+        lag_steps([0.1, 0.11], 60)
+    with pytest.raises(ValueError, match="shorter than one step"):
+        lag_steps([0.01], 60)
+
+
+def test_points_say_in_which_window_there_is_nothing_to_learn():
+    points = labelled(50)
+    points.check([1, 2])
+    points.happened[:, 1] = False
+    with pytest.raises(ValueError, match=r"follows 0 of the 50 .* begins 2 Lyapunov times later"):
+        points.check([1, 2])
+    points.happened[:, 0] = True
+    with pytest.raises(ValueError, match=r"follows 50 of the 50 .* begins 0.5 Lyapunov times"):
+        points.check([0.5, 1])

@@ -1,0 +1,295 @@
+"""Campaigns with classifiers, which give probabilities of events without a trajectory."""
+
+import copy
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from helpers_rebuilds import Project
+from sklearn.ensemble import HistGradientBoostingClassifier
+from sklearn.metrics import average_precision_score, f1_score, recall_score
+from snakemake.utils import update_config
+
+from burstcast.data.dataset import component_scales, observed_series
+from burstcast.files.netcdf import read_netcdf
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.harness.tables import read_table
+
+ROOT = Path(__file__).parents[2]
+OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_precursor.yaml").read_text())
+LAGS, WASHOUT, SPACING, UNIT, REACH = (0, 6, 12, 18, 24), 30, 6, 61, 4 * 61
+TRAINING, TIMES, THRESHOLD = 8, (1, 2, 3), 0.07
+
+
+def config(change=None):
+    """The tiny campaign with a change, as Snakemake merges it."""
+    whole = yaml.safe_load((ROOT / "config.yaml").read_text())
+    tiny = yaml.safe_load((ROOT / "workflow" / "presets" / "tiny.yaml").read_text())
+    for overlay in (tiny, OVERLAY, change or {}):
+        update_config(whole, copy.deepcopy(overlay))
+    return whole
+
+
+# -- mistakes, told before any job -----------------------------------------------------------------
+
+STRATEGY = {
+    "strategy": "receding_horizon",
+    "settings": {"horizon_lt": [1], "decision_interval_lt": [0.5]},
+    "forecasters": {"precursor": {}},
+}
+NO_STATES = "names precursor, which gives probabilities of events and forecasts no states"
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"statistics": {"forecasters": {"precursor": {}}}}, f"statistics.forecasters {NO_STATES}"),
+        ({"control": {"forecasters": {"precursor": {}}}}, f"control.forecasters {NO_STATES}"),
+        (
+            {"control": {"strategies": [STRATEGY]}},
+            f"control.strategies[0].forecasters {NO_STATES}; leave it out",
+        ),
+        (
+            {"forecasters": {"precursor": {"lags_lt": [0.2, 0.5]}}},
+            "cases Re400, modes_4: forecasters.precursor.lags_lt has 0.5, a lag of 30 steps, but "
+            "washout_lt holds the present and 29 steps before it",
+        ),
+        ({"forecasters": {"precursor": {"lags_lt": [0.001]}}}, "shorter than one step"),
+        ({"forecasters": {"precursor": {"classifier": "trees"}}}, "boosting or logistic"),
+        ({"forecasters": {"classifiers": {"folds": 1}}}, "folds is 1; it must be a whole number"),
+    ],
+)
+def test_a_mistake_is_told_before_any_job(change, said):
+    with pytest.raises(ConfigError) as caught:
+        load(config(change))
+    assert said in str(caught.value)
+    assert "2 mistakes" not in str(caught.value)
+
+
+def test_lags_count_for_campaigns_with_a_precursor_alone():
+    others = [{"reynolds": [400], "forecasters": {"equations_noisy": {}}}]
+    load(config({"campaign": others, "forecasters": {"precursor": {"lags_lt": [0.5]}}}))
+
+
+def test_lags_are_checked_where_the_lyapunov_time_is_computed():
+    computed = {"case_defaults": {"lyapunov": {"time_unit": "computed"}}}
+    load(config(computed))
+    with pytest.raises(ConfigError, match="washout_lt holds"):
+        load(config({**computed, "forecasters": {"precursor": {"lags_lt": [0.6]}}}))
+
+
+def test_who_has_trajectories():
+    campaign = Campaign(load(config()))
+    assert [one.directory for one in campaign.classifiers] == [
+        "modes_4/precursor",
+        "Re400/precursor",
+    ]
+    assert [one.name.kind for one in campaign.trajectory_forecasters] == ["equations_noisy"]
+
+
+# -- a run -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory, job_server):
+    project = Project.create(tmp_path_factory.mktemp("precursor") / "project", job_server)
+    outcome = project.snakemake(overlay=OVERLAY)
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert project.dry_run(overlay=OVERLAY) == {}
+    return project
+
+
+@pytest.fixture(scope="module")
+def results(project):
+    return project.directory / OVERLAY["results"]
+
+
+def observed_and_true(results, case):
+    """What is observed of all kept series, and their true observable."""
+    ensemble = read_netcdf(results / case / "ensemble.nc")
+    scales = component_scales(ensemble["state"][:TRAINING])
+    seen = observed_series(ensemble["state"], 0, 0.01, scales, 2022, case)
+    return seen, ensemble["observable"]
+
+
+def labelled(observed_energy, truth, row, step):
+    """Whether a point counts, and whether an event follows in each window."""
+    quiet = observed_energy[row, step + 1 - WASHOUT : step + 1].max() < THRESHOLD
+    follows = []
+    for time in TIMES:
+        window = truth[row, step + time * UNIT : step + (time + 1) * UNIT + 1]
+        follows.append(window[0] < THRESHOLD <= window.max())
+    return quiet, follows
+
+
+@pytest.fixture(scope="module")
+def by_hand(results):
+    """Features, labels and rows of points in the training series, point by point; all series."""
+    seen, truth = observed_and_true(results, "Re400")
+    energy = 0.5 * (seen**2).sum(axis=2)
+    features, happened, rows = [], [], []
+    for row in range(TRAINING):
+        for step in range(WASHOUT - 1, truth.shape[1] - REACH, SPACING):
+            quiet, follows = labelled(energy, truth, row, step)
+            if quiet:
+                features.append(np.concatenate([seen[row, step - lag] for lag in LAGS]))
+                happened.append(follows)
+                rows.append(row)
+    return np.array(features), np.array(happened), np.array(rows), seen, truth
+
+
+def classifier(features, happened):
+    return HistGradientBoostingClassifier(
+        max_iter=20, max_leaf_nodes=12, learning_rate=0.08, early_stopping=False, random_state=0
+    ).fit(features, happened)
+
+
+def features_at(seen, points, first):
+    return np.array(
+        [
+            np.concatenate([seen[first + row, step - lag] for lag in LAGS])
+            for row, step in zip(points["series"], points["step"], strict=True)
+        ]
+    )
+
+
+def test_probabilities_are_those_of_a_classifier_of_the_series(results, by_hand):
+    features, happened, _, seen, _ = by_hand
+    points = read_netcdf(results / "Re400" / "evaluation_set.nc")
+    found = read_netcdf(results / "Re400" / "precursor" / "forecast.nc")
+    assert found["prediction_time_lt"].tolist() == list(TIMES)
+    tested = features_at(seen, points, TRAINING)
+    for window in range(len(TIMES)):
+        oracle = classifier(features, happened[:, window]).predict_proba(tested)[:, 1]
+        np.testing.assert_allclose(found["probability"][:, window], oracle, rtol=1e-12)
+    stored = read_netcdf(results / "Re400" / "precursor" / "forecaster.nc")
+    np.testing.assert_allclose(stored["features"], features, rtol=1e-12)
+    np.testing.assert_array_equal(stored["happened"], happened)
+
+
+def test_calibration_has_not_learnt_from_what_it_forecasts(results, by_hand):
+    features, happened, rows, seen, _ = by_hand
+    points = read_netcdf(results / "Re400" / "calibration_set.nc")
+    found = read_netcdf(results / "Re400" / "precursor" / "calibration_forecast.nc")["probability"]
+    asked = features_at(seen, points, 0)
+    for fold in range(3):
+        here, others = points["series"] % 3 == fold, rows % 3 != fold
+        for window in range(len(TIMES)):
+            labels = happened[others, window]
+            if len(set(labels)) == 1:
+                expected = np.full(here.sum(), float(labels[0]))
+            else:
+                oracle = classifier(features[others], labels)
+                expected = oracle.predict_proba(asked[here])[:, 1]
+            np.testing.assert_allclose(found[here, window], expected, rtol=1e-12)
+
+
+def test_its_alarms_are_scored_like_those_of_others(results, by_hand):
+    _, _, _, seen, truth = by_hand
+    energy = 0.5 * (seen**2).sum(axis=2)
+    points = read_netcdf(results / "Re400" / "evaluation_set.nc")
+    raw = read_netcdf(results / "Re400" / "precursor" / "forecast.nc")["probability"]
+    chosen = json.loads((results / "Re400" / "calibration.json").read_text())
+    rules = chosen["alarms"]["precursor"]
+    assert list(rules) == ["1"]
+    pairs = [
+        labelled(energy, truth, TRAINING + row, step)
+        for row, step in zip(points["series"], points["step"], strict=True)
+    ]
+    scored = np.array([quiet for quiet, _ in pairs])
+    happened = np.array([follows for _, follows in pairs])[scored]
+    table, scores = (
+        read_table(results / "tables" / f"{name}.csv")
+        for name in ("classification", "probability_scores")
+    )
+    table, scores = (
+        rows[(rows["case"] == "Re400") & (rows["forecaster"] == "precursor")]
+        for rows in (table, scores)
+    )
+    for window, time in enumerate(TIMES):
+        rule = rules["1"][f"{time}"]["calibrated"]
+        probability = np.interp(raw[scored, window], rule["values"], rule["probabilities"])
+        alarms, events = probability >= rule["threshold"], happened[:, window]
+        (row,) = table[table["prediction_time_lt"] == time].to_dict("records")
+        assert row["true_positive"] + row["false_positive"] == alarms.sum()
+        assert row["true_positive"] + row["false_negative"] == events.sum()
+        assert row["f_score"] == pytest.approx(f1_score(events, alarms))
+        assert row["recall"] == pytest.approx(recall_score(events, alarms))
+        mine = scores[scores["prediction_time_lt"] == time]
+        mine = mine.set_index(["probability", "metric"])["value"]
+        assert mine["calibrated", "f_score"] == pytest.approx(row["f_score"])
+        precision = average_precision_score(events, raw[scored, window])
+        assert mine["votes", "average_precision"] == pytest.approx(precision)
+
+
+def test_every_table_of_probabilities_has_it_and_none_of_trajectories(results):
+    of_kind = {}
+    for path in (results / "tables").glob("*.csv"):
+        table = read_table(path)
+        if "forecaster" in table:
+            of_kind[path.stem] = "precursor" in set(table["forecaster"])
+    having = {
+        *("classification", "classification_intervals", "classification_percentiles"),
+        *("probability_scores", "reliability", "economic_value", "alarm_curves"),
+        *("lead_times", "threshold_sweep", "warnings"),
+    }
+    assert {name for name, has in of_kind.items() if has} == having
+    assert {"horizon", "horizon_intervals"} <= set(of_kind)
+    sweep = read_table(results / "tables" / "threshold_sweep.csv")
+    learnt = sweep[sweep["forecaster"] == "precursor"]
+    assert set(learnt["event_threshold"]) == {THRESHOLD}
+    assert len(set(sweep["event_threshold"])) == 5
+    assert set(learnt["case"]) == {"Re400", "modes_4"}
+    assert {path.stem for path in (results / "figures").glob("*.png")} >= {
+        *("forecast_skill", "forecast_skill_modes_4", "reliability", "economic_value"),
+    }
+
+
+def test_a_part_of_the_state_is_learnt_from_what_is_seen_of_it(results):
+    stored = read_netcdf(results / "modes_4" / "precursor" / "forecaster.nc")
+    # its four components, and the observable, which is none of them
+    assert stored["features"].shape[1] == 5 * len(LAGS)
+    of_whole = read_netcdf(results / "Re400" / "precursor" / "forecaster.nc")
+    # the same events, scored where what is seen of them says that none is under way
+    assert abs(len(stored["happened"]) - len(of_whole["happened"])) < 5
+
+
+# -- what runs again -------------------------------------------------------------------------------
+
+SCORES = {
+    *("calibrate", "classification_table", "probability_scores", "probability_diagrams"),
+    *("lead_times", "threshold_sweep", "warnings_table"),
+}
+
+
+@pytest.mark.parametrize(
+    ("change", "first"),
+    [
+        ({"forecasters": {"precursor": {"trees": 21}}}, {"event_probabilities"}),
+        ({"forecasters": {"classifiers": {"folds": 4}}}, {"event_probabilities"}),
+        (
+            {"forecasters": {"classifiers": {"start_spacing_lt": 0.2}}},
+            {"training_set", "event_probabilities"},
+        ),
+        ({"probability": {"prior_forecasts": 20}}, set()),
+    ],
+)
+def test_what_runs_again_after_an_edit(project, change, first):
+    overlay = copy.deepcopy(OVERLAY)
+    update_config(overlay, change)
+    rules = {rule.removeprefix("all_") for rule in project.dry_run(overlay=overlay)}
+    assert rules - {"all", "figure"} <= first | SCORES
+    assert first | {"calibrate", "classification_table"} <= rules
+
+
+def test_a_window_without_an_event_is_told_by_the_first_job_that_knows(project):
+    overlay = copy.deepcopy(OVERLAY)
+    update_config(overlay, {"case_defaults": {"event_threshold": 0.28}})
+    target = f"{OVERLAY['results']}/Re400/precursor/forecast.nc"
+    outcome = project.snakemake(target, overlay=overlay)
+    assert outcome.status != 0
+    assert "case Re400: an event follows 0 of the" in outcome.text
+    assert "nothing to tell apart; change event_threshold" in outcome.text

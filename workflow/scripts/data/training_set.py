@@ -1,0 +1,33 @@
+"""Lay out the starting points in the training series that classifiers of events learn from."""
+
+from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.jobs.data import check_kept_series, kept_series
+from burstcast_workflow.jobs.forecasts import write_point_set
+from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+
+@job
+def training_set_of_case(
+    *,
+    ensemble: str,
+    time_unit: str | list[str],
+    training_set: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write points in the training series."""
+    training = settings["case.training.series"]
+    check_kept_series(kept_series(ensemble), {"training.series": training})
+    write_point_set(
+        training_set,
+        settings,
+        ensemble,
+        range(training),
+        (
+            "forecasters.classifiers.start_spacing_lt",
+            settings["forecasters.classifiers.start_spacing_lt"],
+        ),
+        lyapunov_time(settings, time_unit),
+        provenance,
+    )

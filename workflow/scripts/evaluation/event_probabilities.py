@@ -1,0 +1,54 @@
+"""Train a classifier of events; give probabilities at the points of test and of calibration."""
+
+import dataclasses
+
+import numpy as np
+
+from burstcast.files.netcdf import read_netcdf
+from burstcast.forecast.event_probabilities import EventProbabilities
+from burstcast.forecasters.registry import classifier_class
+from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
+from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.settings import Settings, concerning
+from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.jobs.forecasters import forecasting_case, write_forecaster
+from burstcast_workflow.jobs.probabilities import forecast_points
+
+
+@job
+def event_probabilities(
+    *,
+    training_set: str,
+    evaluation_set: str,
+    calibration_set: str,
+    time_unit: str | list[str],
+    forecaster: str,
+    forecast: str,
+    calibration_forecast: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Learn from the training set; what was learnt from is forecast out of sample."""
+    times = settings["classification.prediction_times_lt"]
+    threshold = settings["case.event_threshold"]
+    kind = classifier_class(settings["forecaster"])
+    case = forecasting_case(settings, time_unit)
+    options = {**case.options, "random_seed": settings["random_seed"]}
+    case = dataclasses.replace(case, options=options)
+    learnt = forecast_points(settings, training_set, []).labelled(times, threshold)
+    with concerning(f"case {settings['case']}"):
+        learnt.check(times)
+    fitted = kind.fit(learnt, case)
+    tested = fitted.probabilities(read_netcdf(evaluation_set, "washout")["washout"])
+    kept = read_netcdf(calibration_set, "washout", "series")
+    if settings["probability.calibration_series"]:
+        calibrating = fitted.probabilities(kept["washout"])
+    else:
+        folds = settings["forecasters.classifiers.folds"]
+        calibrating = out_of_sample_probabilities(
+            kind, learnt, case, folds, kept["washout"], kept["series"]
+        )
+    write_forecaster(forecaster, fitted, provenance)
+    for path, found in ((forecast, tested), (calibration_forecast, calibrating)):
+        probabilities = EventProbabilities(found, np.array(times, dtype=np.float64), threshold)
+        write_netcdf(path, probabilities.variables(), provenance)
