@@ -25,7 +25,7 @@ import pandas as pd
 
 from burstcast.tables.published import compare
 from burstcast_report import aware_tables, results_tables
-from burstcast_report.claims import findings
+from burstcast_report.claims import NOT_KEPT, findings
 from burstcast_report.results_tables import (
     OF_SINGLE_NETWORKS,
     PUBLISHED,
@@ -177,6 +177,12 @@ def claims_table(tables: Tables) -> str:
     )
 
 
+def unjudged_table() -> str:
+    """Claims of the paper that the kept tables cannot judge, and what that would take."""
+    rows = [[one.text, one.section, one.missing] for one in NOT_KEPT]
+    return markdown(["claim", "section", "what would judge it"], rows)
+
+
 def comparison(tables: Tables) -> pd.DataFrame:
     """What of a campaign is published, too: `burstcast.tables.published.compare`."""
     names = ("classification", "horizon", "hyperparameters", "statistics", "control")
@@ -247,6 +253,7 @@ def page(kept: Path = KEPT) -> str:
         vars(results_tables),
         aware_tables=aware_tables,
         claims_table=claims_table,
+        unjudged_table=unjudged_table,
         outside_table=outside_table,
         agreement_table=agreement_table,
         comparison=comparison,
