@@ -234,6 +234,41 @@ def agreement_table(compared: pd.DataFrame) -> str:
     return markdown(["", "published values", "inside our interval"], rows)
 
 
+_HIGHER_IS_BETTER = ("precision", "recall", "f_score", "mean_horizon_lt")
+_NO_SCORES = ("spectral_radius", "input_scaling", "tikhonov")
+
+
+def sides_table(compared: pd.DataFrame) -> str:
+    """On which side of published values ours lie, by groups of them.
+
+    Objectives, errors and the exceedance under control are better where they are smaller.
+    """
+    known = compared[compared["inside"].notna() & ~compared["metric"].isin(_NO_SCORES)]
+    scores, time = known["kind"] == "classification", known["prediction_time_lt"]
+    small, edge = known["neurons"] < 1000, time.isin([time.min(), time.max()])
+    groups = {
+        "scores of fewer than 1000 neurons": scores & small,
+        f"scores of 1000 or more, {time.min():g} LT ahead": scores & ~small & (time == time.min()),
+        "scores of 1000 or more, in between": scores & ~small & ~edge,
+        f"scores of 1000 or more, {time.max():g} LT ahead": scores & ~small & (time == time.max()),
+        "prediction horizons": known["kind"] == "horizon",
+        "objectives": known["metric"] == "objective",
+        "long-term statistics": known["kind"] == "statistics",
+        "exceedance under control": known["kind"] == "control",
+    }
+    rows = []
+    for name, chosen in groups.items():
+        part = known[chosen]
+        higher = part["p50"] > part["published_p50"]
+        better = higher == part["metric"].isin(_HIGHER_IS_BETTER)
+        outside = part["inside"].eq(False)
+        counts = (len(part), better.sum(), (outside & better).sum(), (outside & ~better).sum())
+        if len(part):
+            rows.append([name, *map(str, counts)])
+    head = ["", "published values", "ours better", "better, outside", "worse, outside"]
+    return markdown(head, rows)
+
+
 def page(kept: Path = KEPT) -> str:
     """The text of docs/results.md.
 
@@ -254,6 +289,7 @@ def page(kept: Path = KEPT) -> str:
         aware_tables=aware_tables,
         claims_table=claims_table,
         unjudged_table=unjudged_table,
+        sides_table=sides_table,
         outside_table=outside_table,
         agreement_table=agreement_table,
         comparison=comparison,

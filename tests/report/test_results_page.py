@@ -246,6 +246,35 @@ def test_published_values_outside_are_listed(like_the_paper):
     assert agreement[-1] == f"| all | {known} | {known - 1} |"
 
 
+def test_sides_of_published_values_are_counted(like_the_paper):
+    compared = results_page.comparison(Tables(like_the_paper))
+    compared = compared[compared["inside"].notna()].copy()
+    theirs, metric = compared["published_p50"], compared["metric"]
+    compared["p50"], compared["inside"] = theirs + 1e-6, True
+    small = (compared["kind"] == "classification") & (compared["neurons"] == 500)
+    compared.loc[small, "p50"] = theirs[small] + 0.1
+    compared.loc[small & (metric == "recall"), "inside"] = False
+    objectives = metric == "objective"
+    compared.loc[objectives, ["p50", "inside"]] = [-9.0, False]
+    late = (compared["prediction_time_lt"] == 5) & (compared["kind"] == "classification") & ~small
+    compared.loc[late, ["p50", "inside"]] = [0.0, False]
+    _, _, *lines = results_page.sides_table(compared).splitlines()
+    rows = {
+        name: [int(count) for count in counts]
+        for name, *counts in (line.strip("| ").split(" | ") for line in lines)
+    }
+    recalls = int((small & (metric == "recall")).sum())
+    assert rows["scores of fewer than 1000 neurons"] == [small.sum(), small.sum(), recalls, 0]
+    assert rows["objectives"] == [objectives.sum(), objectives.sum(), objectives.sum(), 0]
+    assert rows["scores of 1000 or more, 5 LT ahead"] == [late.sum(), 0, 0, late.sum()]
+    between = rows["scores of 1000 or more, in between"]
+    assert between[0] == between[1] > 0 == between[2]
+    errors = compared["kind"] == "statistics"
+    assert rows["long-term statistics"] == [errors.sum(), 0, 0, 0]
+    counted = sum(counts[0] for counts in rows.values())
+    assert counted == len(compared) - (metric == "spectral_radius").sum()
+
+
 # -- tables ----------------------------------------------------------------------------------------
 
 
