@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from burstcast.data.training_realisations import realisation_of
 from burstcast.tables.published import intervals_of_control, published_percentiles
 from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.project import project_root
@@ -679,28 +680,70 @@ def _by_network(tables: Tables, case: str) -> pd.DataFrame:
 
 
 def scatter(tables: Tables, case: str) -> str:
-    """Means of scores, and their scatter over training sets and over seeds that share one."""
+    """Means of scores, and their scatter over training sets, seeds and test data.
+
+    The last is the standard error of one network: half of its 95 % interval over test series,
+    events or runs, divided by 1.96, in the median over networks and training sets.
+    """
     found = tables.rows("training_realisations", case=case)
     rows = []
     for row in found.to_dict("records"):
         time = row["prediction_time_lt"]
         if row["metric"] not in _SCATTERED or not (pd.isna(time) or time in TIMES_LT):
             continue
-        title, unit, digits = _SCATTERED[row["metric"]]
+        title, unit, digits, intervals = _SCATTERED[row["metric"]]
         ahead = "" if pd.isna(time) else f", {time:g} LT ahead"
-        values = (unit * row[name] for name in _SCATTER)
-        who = name_of(**{key: row[key] for key in ("forecaster", "neurons", "validation")})
-        rows.append([who, f"{title}{ahead}", *(fixed(value, digits) for value in values)])
-    return markdown(["", "", "mean", "over training sets", "over seeds"], rows)
+        values = [unit * row[name] for name in _SCATTER]
+        who = {key: row[key] for key in ("forecaster", "neurons", "validation")}
+        where = {"metric": row["metric"]} | {k: v for k, v in who.items() if pd.notna(v)}
+        if intervals:
+            ends = tables.rows(intervals, **where, **({} if pd.isna(time) else {_TIME: time}))
+            ends = ends[[realisation_of(name)[0] == case for name in ends["case"]]]
+            values.append(unit * float((ends["high"] - ends["low"]).median()) / (2 * 1.96))
+        else:
+            values.append(np.nan)
+        texts = (fixed(value, digits) for value in values)
+        rows.append([name_of(**who), f"{title}{ahead}", *texts])
+    return markdown(["", "", "mean", "over training sets", "over seeds", "over test data"], rows)
 
 
+def own_training_set(tables: Tables, case: str) -> str:
+    """Whether a case's own training set is the best or the worst of all that were chosen.
+
+    A line for each forecaster, about F-scores; networks of a training set by their means.
+    """
+    found = tables.rows("classification").dropna(subset="f_score")
+    found = found[[realisation_of(name)[0] == case for name in found["case"]]]
+    sentences = []
+    keys = ["forecaster", "neurons", "validation"]
+    shown = found[found[_TIME].isin(TIMES_LT)]
+    for (kind, *_), rows in shown.groupby(keys, sort=False, dropna=False):
+        highest, lowest, sets = [], [], rows["case"].nunique()
+        for time, of_time in rows.groupby(_TIME):
+            scores = of_time.groupby("case")["f_score"].mean()
+            own, others = scores[case], scores.drop(index=case)
+            highest += [f"{time:g}"] if own > others.max() else []
+            lowest += [f"{time:g}"] if own < others.min() else []
+        told = [
+            f"the {word} of {sets} F-scores {', '.join(times)} LT ahead"
+            for word, times in (("highest", highest), ("lowest", lowest))
+            if times
+        ]
+        told = told or [f"neither the highest nor the lowest of {sets} F-scores"]
+        neurons, validation = (rows[key].dropna().unique() for key in keys[1:])
+        name = name_of(str(kind), *neurons[:1], *validation[:1])
+        sentences.append(f"* {name}: {' and '.join(told)}.")
+    return "\n".join(sentences)
+
+
+_TIME = "prediction_time_lt"
 _SCATTER = ("mean", "standard_deviation_over_training_sets", "standard_deviation_over_seeds")
 _SCATTERED = {
-    "f_score": ("F-score", 1, 3),
-    **{
-        name: _COMPARED[name]
-        for name in ("mean_horizon_lt", "kantorovich", "mean_log_error", "escape_rate")
-    },
+    "f_score": ("F-score", 1, 3, "classification_intervals"),
+    "mean_horizon_lt": (*_COMPARED["mean_horizon_lt"], "horizon_intervals"),
+    "kantorovich": (*_COMPARED["kantorovich"], "statistics_intervals"),
+    "mean_log_error": (*_COMPARED["mean_log_error"], "statistics_intervals"),
+    "escape_rate": (*_COMPARED["escape_rate"], ""),
 }
 
 

@@ -13,7 +13,15 @@ import yaml
 from burstcast.tables.published import published_percentiles
 from burstcast_report import results_page
 from burstcast_report.claims import CLAIMS, NOT_KEPT, RV, all_of, findings, verdict
-from burstcast_report.results_tables import PUBLISHED, Tables, forecasters_apart, quartiles, sweep
+from burstcast_report.results_tables import (
+    PUBLISHED,
+    Tables,
+    forecasters_apart,
+    own_training_set,
+    quartiles,
+    scatter,
+    sweep,
+)
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.tables.registry import table_names
@@ -417,3 +425,43 @@ def test_numbers_that_are_not_there(tmp_path):
     assert quartiles(None) == ""
     with pytest.raises(LookupError, match="0 rows"):
         tables.number("dataset", "series_kept", case="Re400")
+
+
+def test_sources_of_scatter_stand_beside_each_other(tmp_path):
+    keys = {"forecaster": "esn", "neurons": 500, "validation": "RV", "prediction_time_lt": 3.0}
+    spread = {"mean": 0.5, "networks": 4, "training_sets": 2}
+    spread |= {"standard_deviation_over_training_sets": 0.02}
+    spread |= {"standard_deviation_over_seeds": 0.03}
+    row = {"case": "Re400", **keys, "metric": "f_score", **spread}
+    pd.DataFrame([row]).to_csv(tmp_path / "training_realisations.csv", index=False)
+    cases = ("Re400", "Re400-training1", "Re600")
+    pd.DataFrame(
+        [
+            {"case": case, **keys, "seed": 0, "metric": "f_score", "low": 0.4, "high": high}
+            for case, high in zip(cases, (0.5, 0.7, 0.99), strict=True)
+        ]
+    ).to_csv(tmp_path / "classification_intervals.csv", index=False)
+    text = scatter(Tables(tmp_path), "Re400")
+    # half of the median width, 0.2, over 1.96; another Reynolds number does not count
+    assert text.splitlines()[-1].endswith(f"| 0.500 | 0.020 | 0.030 | {0.1 / 1.96:.3f} |")
+    widths = {"Re400": (0.9, 0.4, 0.5), "Re400-training1": (0.8, 0.6, 0.6), "Re600": (1, 0, 1)}
+    rows = [
+        {"case": case, **keys, "seed": seed, "prediction_time_lt": time, "f_score": score + shift}
+        for case, scores in widths.items()
+        for time, score in zip((1.0, 2.0, 3.0), scores, strict=True)
+        for seed, shift in ((0, -0.05), (1, 0.05))
+    ]
+    table = pd.DataFrame(rows)
+    third = table["case"].eq("Re400-training1").to_numpy()
+    last = table[third].assign(case="Re400-training2", f_score=lambda rows: rows["f_score"] - 0.2)
+    single = {"forecaster": "quadratic_filtered", "neurons": np.nan, "validation": np.nan}
+    learnt = [
+        {**rows[0], **single, "seed": np.nan, "case": case, "f_score": score}
+        for case, score in (("Re400", 0.7), ("Re400-training1", 0.8))
+    ]
+    whole = pd.concat([table, last, pd.DataFrame(learnt)])
+    whole.to_csv(tmp_path / "classification.csv", index=False)
+    assert own_training_set(Tables(tmp_path), "Re400").splitlines() == [
+        "* 500 neurons, RV: the highest of 3 F-scores 1 LT ahead.",
+        "* learnt equations, filtered: the lowest of 2 F-scores 1 LT ahead.",
+    ]
