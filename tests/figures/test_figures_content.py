@@ -79,6 +79,7 @@ from burstcast.figures.reliability import draw as reliability
 from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
+from burstcast.forecasters._labels import forecaster_label
 
 
 def lines_with(axes: Axes, y: list[float]) -> int:
@@ -628,3 +629,17 @@ def test_an_axis_holds_the_intervals_of_single_networks():
     low, high = axes.get_ylim()
     assert low < 0.1
     assert high > 0.9
+
+
+def test_references_have_a_column_of_the_legend_for_their_long_names():
+    kinds = ("esn_aware", "quadratic", "quadratic_aware", "quadratic_aware_filtered")
+    metric = {"metric": "mean_horizon_lt", "p25": 4.4, "p50": 4.4, "p75": 4.4}
+    rows = [{"forecaster": kind, "neurons": np.nan, "validation": None, **metric} for kind in kinds]
+    rows.append({"forecaster": "esn", "neurons": 1000.0, "validation": "RV", **metric})
+    percentiles = pd.DataFrame(rows).assign(case="Re400")
+    ends = percentiles.tail(1).assign(low=4.0, high=4.8)
+    frames = {text.words: text.frame for text in drawn_texts(horizon_by_size(percentiles, ends))}
+    columns = [frames[forecaster_label(kind)].x0 for kind in kinds]
+    assert columns == pytest.approx([columns[0]] * 4)
+    assert frames["RV"].x0 == pytest.approx(frames["interval of one network"].x0)
+    assert frames["RV"].x0 > max(frames[forecaster_label(kind)].x1 for kind in kinds)

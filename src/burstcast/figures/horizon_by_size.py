@@ -6,6 +6,7 @@ over the events, in the median. In grey: forecasters to compare with.
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from burstcast.figures.parts.percentile_curves import (
     METRIC_LABELS,
@@ -85,6 +86,9 @@ def horizon_by_size(
     many = percentiles["forecaster"].nunique() > 4
     figure = new_figure(SINGLE_COLUMN, 3.2 if many else 2.8)
     axes = figure.subplots()
+    # a perfect forecaster reaches the longest lead time of the search
+    draw_references(axes, percentiles, "mean_horizon_lt", None, leave_out=["equations"])
+    references = len(axes.get_legend_handles_labels()[0])
     for validation in ordered_validations(networks["validation"].dropna()):
         style = validation_style(validation)
         chosen = {"validation": validation, "metric": "mean_horizon_lt"}
@@ -92,15 +96,15 @@ def horizon_by_size(
         draw_single_intervals(axes, intervals, "mean_horizon_lt", validation, style)
         if published is not None:
             draw_published(axes, select(published, **chosen), "neurons", style)
-    # a perfect forecaster reaches the longest lead time of the search
-    draw_references(axes, percentiles, "mean_horizon_lt", None, leave_out=["equations"])
     handles, _ = axes.get_legend_handles_labels()
     handles += [*spread_handles([axes]), *published_handles([axes])]
+    # references, whose names are long, have the first column of the legend
+    handles += [Line2D([], [], linestyle="", label=" ")] * (2 * references - len(handles))
     axes.set_xticks(sizes)
     axes.margins(x=0.06)
     axes.set_xlabel(NEURONS_LABEL)
     axes.set_ylabel(METRIC_LABELS["mean_horizon_lt"])
     if handles:  # among references at any height there is no room for them
-        figure.legend(handles=handles, loc="outside upper center", ncols=2)
+        figure.legend(handles=handles, loc="outside upper center", ncols=2, columnspacing=1.0)
     say_where_empty([axes])
     return figure
