@@ -1,11 +1,15 @@
 """Kinds that give probabilities of events without a trajectory."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from sklearn.linear_model import LogisticRegression
+from sklearn.metrics import average_precision_score
 from sklearn.preprocessing import PolynomialFeatures, scale
 
 import burstcast
+from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
@@ -18,13 +22,17 @@ from burstcast.forecasters.registry import (
     linearises,
     trajectory_kinds,
 )
+from burstcast.probability.logistic_readout import event_probability, fit_logistic
 from burstcast.systems.lorenz63 import Lorenz63
 
 KINDS = sorted(set(available_kinds()) - set(trajectory_kinds()))
 
+SMALL = {"neurons": 40, "connectivity": 6, "spectral_radius": [0.8], "input_scaling": [5.0]}
+
 
 def case(kind, **options):
     known = options_of_kind(kind) | {"random_seed": 7, "backend": "scipy"}
+    known |= SMALL if kind == "esn_direct" else {}
     return ForecastingCase(Lorenz63(), 0.01, 1, 10, known | options)
 
 
@@ -36,7 +44,7 @@ def labelled(points=600):
 
 
 def test_kinds_say_that_they_have_no_trajectories():
-    assert KINDS == ["precursor"]
+    assert KINDS == ["esn_direct", "precursor"]
     for kind in KINDS:
         assert issubclass(classifier_class(kind), EventClassifier)
         assert not linearises(kind)
@@ -71,6 +79,75 @@ def test_a_logistic_precursor_is_that_of_scikit_learn_on_features_cut_by_hand():
     for window in range(2):
         oracle = LogisticRegression(C=0.25, max_iter=1000).fit(products, points.happened[:, window])
         np.testing.assert_allclose(found[:, window], oracle.predict_proba(products)[:, 1])
+
+
+def test_a_reservoir_is_read_out_by_the_logistic_regression_of_scikit_learn():
+    points = labelled()
+    of_case = case("esn_direct", penalty=[2.0])
+    fitted = classifier_class("esn_direct").fit(points, of_case)
+    fresh = np.random.default_rng(2).normal(size=(50, 5, 3))
+    # states by the plainest means: a dense matrix, step by step
+    reservoir = ReservoirSeed(7, 40, 0, 6, 0.1).reservoir(3)
+    recurrent, bias = 0.8 * reservoir.recurrent.toarray(), reservoir.input_bias
+    ranges = np.ptp(points.washouts, axis=(0, 1))
+
+    def states(washouts):
+        state = np.zeros((len(washouts), 40))
+        for step in range(washouts.shape[1]):
+            inputs = np.hstack([washouts[:, step] / ranges, np.full((len(washouts), 1), bias)])
+            driven = inputs[:, reservoir.input_column] * reservoir.input_weight
+            state = np.tanh(5.0 * driven + state @ recurrent.T)
+        return state
+
+    known = states(points.washouts)
+    mean, deviation = known.mean(axis=0), known.std(axis=0)
+    found = fitted.probabilities(fresh)
+    for window in range(2):
+        oracle = LogisticRegression(C=0.5, tol=1e-10, max_iter=10_000).fit(
+            (known - mean) / deviation, points.happened[:, window]
+        )
+        expected = oracle.predict_proba((states(fresh) - mean) / deviation)[:, 1]
+        np.testing.assert_allclose(found[:, window], expected, atol=1e-5)
+
+
+def test_hyperparameters_are_those_that_rank_the_events_of_held_out_series_best():
+    points, kind = labelled(), classifier_class("esn_direct")
+    grid = list(product([0.3, 0.9], [0.5, 5.0], [1.0, 100.0]))
+    held_out = np.isin(points.series, [0, 3])
+    every = np.array([True, True])
+    scores = []
+    for radius, scaling, penalty in grid:
+        one = SMALL | {"spectral_radius": [radius], "input_scaling": [scaling]}
+        fitted = kind.fit(points, case("esn_direct", **one, penalty=[penalty]))
+        states = event_states(fitted, points.washouts)
+        weights = fit_logistic(states[~held_out], points.happened[~held_out], penalty)
+        chance = event_probability(weights, states[held_out])
+        scores.append(mean_precision(points.of(held_out, every).happened, chance))
+    best = grid[int(np.argmax(scores))]
+    assert best != grid[0]
+    many = SMALL | {"spectral_radius": [0.3, 0.9], "input_scaling": [0.5, 5.0]}
+    of_case = case("esn_direct", **many, penalty=[1.0, 100.0])
+    fitted = kind.fit(points, of_case)
+    dynamics = fitted.dynamics
+    assert (dynamics.spectral_radius, dynamics.input_scaling, fitted.penalty) == best
+    # and calibration takes them as they are
+    options = fitted.tuned(of_case).options
+    names = ("spectral_radius", "input_scaling", "penalty")
+    assert tuple(options[name] for name in names) == tuple([value] for value in best)
+    assert options["neurons"] == 40
+
+
+def event_states(fitted, washouts):
+    """States of a fitted reservoir after washouts."""
+    inputs = (washouts / fitted.input_range).transpose(1, 2, 0)
+    return fitted.dynamics.open_loop(np.ascontiguousarray(inputs), None).T
+
+
+def mean_precision(happened, chance):
+    """Mean over windows of scikit-learn's average precision."""
+    return np.mean(
+        [average_precision_score(*pair) for pair in zip(happened.T, chance.T, strict=True)]
+    )
 
 
 def test_lags_are_steps_within_the_washout():

@@ -13,7 +13,12 @@ from sklearn.metrics import average_precision_score, f1_score, recall_score
 from snakemake.utils import update_config
 
 from burstcast.data.dataset import component_scales, observed_series
-from burstcast.files.netcdf import read_netcdf
+from burstcast.files.netcdf import read_attributes, read_netcdf
+from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.forecasters._options import options_of_kind
+from burstcast.forecasters.base import ForecastingCase
+from burstcast.forecasters.registry import classifier_class
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.harness.tables import read_table
@@ -60,6 +65,12 @@ NO_STATES = "names precursor, which gives probabilities of events and forecasts 
         ({"forecasters": {"precursor": {"lags_lt": [0.001]}}}, "shorter than one step"),
         ({"forecasters": {"precursor": {"classifier": "trees"}}}, "boosting or logistic"),
         ({"forecasters": {"classifiers": {"folds": 1}}}, "folds is 1; it must be a whole number"),
+        ({"forecasters": {"esn_direct": {"penalty": []}}}, "forecasters.esn_direct.penalty"),
+        (
+            {"forecasters": {"esn_direct": {"neurons": 20}}},
+            "forecasters.esn.connectivity is 20, but a reservoir of 20 neurons "
+            "(forecasters.esn_direct.neurons) has at most 19 connections per neuron",
+        ),
     ],
 )
 def test_a_mistake_is_told_before_any_job(change, said):
@@ -85,6 +96,7 @@ def test_who_has_trajectories():
     campaign = Campaign(load(config()))
     assert [one.directory for one in campaign.classifiers] == [
         "modes_4/precursor",
+        "Re400/esn_direct",
         "Re400/precursor",
     ]
     assert [one.name.kind for one in campaign.trajectory_forecasters] == ["equations_noisy"]
@@ -230,7 +242,8 @@ def test_every_table_of_probabilities_has_it_and_none_of_trajectories(results):
     for path in (results / "tables").glob("*.csv"):
         table = read_table(path)
         if "forecaster" in table:
-            of_kind[path.stem] = "precursor" in set(table["forecaster"])
+            kinds = {"precursor", "esn_direct"}
+            of_kind[path.stem] = kinds & set(table["forecaster"]) == kinds
     having = {
         *("classification", "classification_intervals", "classification_percentiles"),
         *("probability_scores", "reliability", "economic_value", "alarm_curves"),
@@ -257,6 +270,25 @@ def test_a_part_of_the_state_is_learnt_from_what_is_seen_of_it(results):
     assert abs(len(stored["happened"]) - len(of_whole["happened"])) < 5
 
 
+def test_a_reservoir_is_read_out_as_the_library_does_it(results, by_hand):
+    _, happened, rows, _, _ = by_hand
+    stored = read_netcdf(results / "Re400" / "esn_direct" / "forecaster.nc")
+    attributes = read_attributes(results / "Re400" / "esn_direct" / "forecaster.nc")
+    assert stored["weights"].shape == (31, 3)
+    assert (attributes["random_seed"], attributes["seed"], attributes["penalty"]) == (2022, 0, 1)
+    assert attributes["input_scaling"] in (1, 10)
+    options = options_of_kind("esn_direct") | {"neurons": 30, "penalty": [1], "backend": "scipy"}
+    options |= {"random_seed": 2022, "input_scaling": [1, 10]}
+    case = ForecastingCase(MoehlisFaisstEckhardt(400.0), 0.5, 2, UNIT, options)
+    training = read_netcdf(results / "Re400" / "training_set.nc")
+    kept = training["washout_maximum"] < THRESHOLD
+    points = LabelledPoints(training["washout"][kept], happened, rows)
+    fitted = classifier_class("esn_direct").fit(points, case)
+    tested = read_netcdf(results / "Re400" / "evaluation_set.nc", "washout")["washout"]
+    found = read_netcdf(results / "Re400" / "esn_direct" / "forecast.nc")["probability"]
+    np.testing.assert_allclose(found, fitted.probabilities(tested), rtol=1e-9)
+
+
 # -- what runs again -------------------------------------------------------------------------------
 
 SCORES = {
@@ -270,6 +302,7 @@ SCORES = {
     [
         ({"forecasters": {"precursor": {"trees": 21}}}, {"event_probabilities"}),
         ({"forecasters": {"classifiers": {"folds": 4}}}, {"event_probabilities"}),
+        ({"forecasters": {"esn_direct": {"penalty": [2]}}}, {"event_probabilities"}),
         (
             {"forecasters": {"classifiers": {"start_spacing_lt": 0.2}}},
             {"training_set", "event_probabilities"},

@@ -79,6 +79,14 @@ class EventClassifier(ForecasterKind):
             as the option ``random_seed``.
         """
 
+    def tuned(self, case: ForecastingCase) -> ForecastingCase:
+        """Case in which `fit` takes this classifier's hyperparameters instead of choosing some.
+
+        Probabilities are calibrated with classifiers of the same hyperparameters, which have learnt
+        from fewer series.
+        """
+        return case
+
     @abc.abstractmethod
     def probabilities(self, washouts: FloatArray) -> FloatArray:
         """Probability of an event in each window: ``(points, windows)``.

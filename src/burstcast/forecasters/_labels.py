@@ -17,6 +17,7 @@ _LABELS = {
     "quadratic_aware_filtered_committee": "parameter-aware equations, filter's members",
     "analogues_committee": "analogues, one by one",
     "linear_inverse": "linear inverse model",
+    "esn_direct": "reservoir, read out for the event",
     "precursor": "learnt precursor",
     "random": "random alarms",
 }

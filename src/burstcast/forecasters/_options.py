@@ -17,6 +17,10 @@ DEFAULTS: Mapping[str, Mapping[str, Any]] = {
         **{"classifier": "boosting", "lags_lt": [0.1, 0.2, 0.3, 0.4]},
         **{"trees": 150, "leaves": 12, "learning_rate": 0.08, "degree": 2, "penalty": 1},
     },
+    "esn_direct": {
+        **{"neurons": 1000, "spectral_radius": [0.9], "input_scaling": [1, 10]},
+        "penalty": [1, 30],
+    },
     "aware": {"parameters": ["reynolds"], "transform": "inverse", "parameter_degree": 1},
 }
 """Options by section. Those of ``aware`` say how what is learnt depends on which parameters
@@ -29,6 +33,7 @@ _SECTIONS: Mapping[str, tuple[str, ...]] = {
     "quadratic_filtered": ("observation", "quadratic", "filter"),
     "quadratic_aware": ("observation", "quadratic", "aware"),
     "esn_aware": ("esn", "aware"),
+    "esn_direct": ("esn", "esn_direct"),
     "quadratic_aware_filtered": ("observation", "quadratic", "aware", "filter"),
 }
 """Of the kinds whose options are not, or not only, the section of their own name."""

@@ -111,12 +111,17 @@ def _campaign(config: Configuration) -> Iterator[str]:
                 yield from _realisations(config, place, block, name)
         if not block.forecasters.kinds:
             yield f"{place}.forecasters names no kind: give it esn, equations, ..."
-        smallest = min((min(axes.neurons) for axes in block.forecasters.networks), default=math.inf)
+        sizes = [
+            (min(axes.neurons), f"{place}.forecasters.esn.neurons")
+            for axes in block.forecasters.networks
+        ]
+        if block.forecasters.esn_direct is not None:
+            sizes.append((config.forecasters.esn_direct.neurons, "forecasters.esn_direct.neurons"))
+        smallest, where = min(sizes, default=(math.inf, ""))
         if connectivity > smallest - 1:
             yield (
                 f"forecasters.esn.connectivity is {connectivity:g}, but a reservoir of {smallest} "
-                f"neurons ({place}.forecasters.esn.neurons) has at most {smallest - 1} connections "
-                "per neuron"
+                f"neurons ({where}) has at most {smallest - 1} connections per neuron"
             )
     for name in config.cases:
         base, number = realisation_of(name)

@@ -97,6 +97,10 @@ class SingleKinds(Chosen):
         "probabilities by a classifier of the present and the past, without a trajectory",
         default=None,
     )
+    esn_direct: Alone = setting(
+        "probabilities read out of a reservoir after the washout, without a trajectory",
+        default=None,
+    )
     quadratic_aware: Alone = setting(
         "learnt equations with the parameters in force, from the last observation", default=None
     )
@@ -508,7 +512,7 @@ class AnalogueForecasters(Section):
 
 @with_defaults(DEFAULTS["classifiers"])
 class Classifiers(Section):
-    """Training of `precursor`, which gives probabilities without a trajectory."""
+    """Training of `precursor` and `esn_direct`, which give probabilities without a trajectory."""
 
     start_spacing_lt: Positive = setting("distance of the starting points that are learnt from")
     folds: Whole = setting(
@@ -537,6 +541,19 @@ class Precursor(Section):
     penalty: Positive = setting("strength of the penalty on squared coefficients of it")
 
 
+@with_defaults(DEFAULTS["esn_direct"])
+class DirectReadout(Section):
+    """Reservoirs that are read out for the event, `esn_direct`; the rest is that of `esn`."""
+
+    neurons: Size = setting("size of the reservoir")
+    spectral_radius: Some[Positive] = setting("spectral radius; several: chosen in training")
+    input_scaling: Some[Positive] = setting("input scaling; several: chosen in training")
+    penalty: Some[Positive] = setting(
+        "strength of the penalty on squared weights of neurons of unit variance; several: chosen "
+        "in training"
+    )
+
+
 @with_defaults(DEFAULTS["aware"])
 class Aware(Section):
     """Kinds that know the parameters in force, whose factors what they learn is linear in."""
@@ -560,6 +577,7 @@ class Forecasters(Section):
     analogues: AnalogueForecasters = setting("", default_factory=AnalogueForecasters)
     classifiers: Classifiers = setting("", default_factory=Classifiers)
     precursor: Precursor = setting("", default_factory=Precursor)
+    esn_direct: DirectReadout = setting("", default_factory=DirectReadout)
     aware: Aware = setting("", default_factory=Aware)
 
 

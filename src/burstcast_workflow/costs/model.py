@@ -52,6 +52,9 @@ _CANDIDATES = 5.0  # points of a search that its objective cannot tell from the 
 _SCIPY_SLOWER = 4.0  # a network's step with the backend that is not compiled
 _TYPICAL_LYAPUNOV_TIME = 60  # in steps, where it is not known before it is computed
 
+_SEARCHED = ("spectral_radius", "input_scaling", "penalty")
+_NEWTON_STEPS = 10.0  # of a logistic regression
+
 SAFETY = 2.0
 """By how much a job asks for more time and memory than predicted."""
 
@@ -257,12 +260,24 @@ def _leave_one_out(job: _Job) -> _Work:
 def _classifiers(job: _Job) -> _Work:
     """Classifiers of each window, trained on all points, and on those of all folds but one."""
     reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
-    spacing, options = "forecasters.classifiers.start_spacing_lt", job("forecasters.precursor")
+    options = {**job("forecasters.precursor"), **job.campaign.options(job.name.kind)}
+    spacing = "forecasters.classifiers.start_spacing_lt"
     points = job.training_series * job.starts(spacing, reach)
-    features = job.dimension * (1 + len(options["lags_lt"]))
+    washout = job.steps("washout_lt")
     fits = len(job("classification.prediction_times_lt")) * job("forecasters.classifiers.folds")
-    held = points * (features + job.steps("washout_lt") * job.dimension)
-    return _Work(_SEARCHING, {"tree feature": fits * options["trees"] * points * features}, held)
+    held = points * washout * job.dimension
+    if "neurons" not in options:
+        features = job.dimension * (1 + len(options["lags_lt"]))
+        units = {"tree feature": fits * options["trees"] * points * features}
+        return _Work(_SEARCHING, units, held + points * features)
+    # a reservoir: its states after the washouts, and steps of Newton's method
+    neurons = options["neurons"]
+    fits += math.prod(len(options[name]) for name in _SEARCHED)
+    units = {
+        "neuron step": fits * points * washout * neurons,
+        "gram product": fits * _NEWTON_STEPS * points * neurons**2,
+    }
+    return _Work(_COMPILED, units, held + 3 * points * neurons)
 
 
 def _spectrum(job: _Job) -> _Work:

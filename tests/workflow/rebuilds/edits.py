@@ -262,7 +262,7 @@ _WITHOUT_EFFECT = (
     # of forecasters that know the parameters, which the preset does not have
     *("case_defaults.training.actuation", "case_defaults.training.trained_on", "forecasters.aware"),
     # of classifiers, which it does not have either
-    *("forecasters.precursor", "forecasters.classifiers"),
+    *("forecasters.precursor", "forecasters.esn_direct", "forecasters.classifiers"),
 )
 
 

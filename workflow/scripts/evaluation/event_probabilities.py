@@ -46,7 +46,7 @@ def event_probabilities(
     else:
         folds = settings["forecasters.classifiers.folds"]
         calibrating = out_of_sample_probabilities(
-            kind, learnt, case, folds, kept["washout"], kept["series"]
+            kind, learnt, fitted.tuned(case), folds, kept["washout"], kept["series"]
         )
     write_forecaster(forecaster, fitted, provenance)
     for path, found in ((forecast, tested), (calibration_forecast, calibrating)):

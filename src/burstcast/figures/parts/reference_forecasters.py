@@ -41,6 +41,7 @@ _LOOKS = {
     "analogues_committee": _Look(_PALE, _CHAIN),
     "linear_inverse": _Look(_PALE, _DOTS),
     "precursor": _Look(ORANGE, "-"),
+    "esn_direct": _Look(ORANGE, _DASHES),
     "persistence": _Look(_PALE, _LONG),
     "observable_now": _Look(_PALE, (0.0, (6.0, 1.5, 1.0, 1.5))),
     "climatology": _Look(_PALE, "-"),

@@ -1,0 +1,151 @@
+"""A reservoir that is read out for the event itself, by logistic regression.
+
+The reservoir is that of an echo state network, driven by the observed washout. Its state at the
+starting point gives the probability of an event in each window; there is no closed loop.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Self
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.reservoir import ReservoirSeed
+from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.probability.alarms import average_precision
+from burstcast.probability.logistic_readout import event_probability, fit_logistic
+from burstcast.probability.outcomes import outcomes_by_series
+
+_SEARCHED = ("spectral_radius", "input_scaling", "penalty")
+_HELD_OUT = 3
+"""Every third training series is validated on, where hyperparameters are chosen."""
+_POINTS_PER_BATCH = 1024
+
+
+@dataclass(frozen=True)
+class DirectReadout(EventClassifier):
+    """Probabilities from the state of a reservoir after the washout.
+
+    Attributes
+    ----------
+    dynamics
+        Reservoir with its hyperparameters.
+    seed
+        What the reservoir is made from.
+    input_range
+        Range of each observed component in training, by which inputs are divided.
+    weights
+        Of the state's neurons, and last the bias, for each window, ``(neurons + 1, windows)``.
+    penalty
+        Strength of the penalty on squared weights of neurons of unit variance.
+    """
+
+    dynamics: Dynamics
+    seed: ReservoirSeed
+    input_range: FloatArray
+    weights: FloatArray
+    penalty: float
+
+    @classmethod
+    def fit(cls, points: LabelledPoints, case: ForecastingCase) -> Self:
+        """Choose hyperparameters where several are given, and fit the readout to all points.
+
+        The choice has the largest average precision on every third training series, averaged over
+        windows, by readouts that have learnt from the others.
+        """
+        options = case.options
+        names = ("random_seed", "neurons", "connectivity", "input_bias")
+        root, neurons, connectivity, bias = (options[name] for name in names)
+        seed = ReservoirSeed(root, neurons, 0, connectivity, bias)
+        observed = points.washouts
+        input_range = np.ptp(observed.reshape(-1, observed.shape[2]), axis=0)
+        reservoir = seed.reservoir(observed.shape[2])
+        radii, scalings, penalties = (options[name] for name in _SEARCHED)
+        several = len(radii) * len(scalings) * len(penalties) > 1
+        best, highest = (radii[0], scalings[0], penalties[0]), -np.inf
+        for radius, scaling in product(radii, scalings) if several else ():
+            dynamics = Dynamics(reservoir, radius, scaling, options["backend"])
+            states = _states(dynamics, observed / input_range)
+            for penalty in penalties:
+                score = _validation_score(states, points, penalty)
+                if score > highest:
+                    best, highest = (radius, scaling, penalty), score
+        radius, scaling, penalty = best
+        dynamics = Dynamics(reservoir, radius, scaling, options["backend"])
+        states = _states(dynamics, observed / input_range)
+        weights = fit_logistic(states, points.happened, penalty)
+        return cls(dynamics, seed, input_range, weights, penalty)
+
+    def tuned(self, case: ForecastingCase) -> ForecastingCase:
+        """Case with the chosen hyperparameters alone (see `EventClassifier.tuned`)."""
+        chosen = (self.dynamics.spectral_radius, self.dynamics.input_scaling, self.penalty)
+        options = {name: [value] for name, value in zip(_SEARCHED, chosen, strict=True)}
+        return replace(case, options={**case.options, **options})
+
+    def probabilities(self, washouts: FloatArray) -> FloatArray:
+        """Probability of an event in each window (see `EventClassifier.probabilities`)."""
+        return event_probability(self.weights, _states(self.dynamics, washouts / self.input_range))
+
+    def record(self) -> ForecasterRecord:
+        """Readout, normalisation and seed of the reservoir, without large matrices."""
+        dynamics = self.dynamics
+        return ForecasterRecord(
+            {"weights": self.weights, "input_range": self.input_range},
+            {
+                **vars(self.seed),
+                "spectral_radius": dynamics.spectral_radius,
+                "input_scaling": dynamics.input_scaling,
+                "penalty": self.penalty,
+            },
+        )
+
+    @classmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Make the reservoir anew, and put the readout to it."""
+        said, input_range = record.attributes, record.arrays["input_range"]
+        seed = ReservoirSeed(
+            int(said["random_seed"]),
+            int(said["neurons"]),
+            int(said["seed"]),
+            float(said["connectivity"]),
+            float(said["input_bias"]),
+        )
+        dynamics = Dynamics(
+            seed.reservoir(len(input_range)),
+            float(said["spectral_radius"]),
+            float(said["input_scaling"]),
+            case.options["backend"],
+        )
+        weights = np.ascontiguousarray(record.arrays["weights"])
+        return cls(dynamics, seed, input_range, weights, float(said["penalty"]))
+
+
+def _states(dynamics: Dynamics, washouts: FloatArray) -> FloatArray:
+    """States after washouts ``(points, steps, dimension)``, ``(points, neurons)``."""
+    found = []
+    for first in range(0, len(washouts), _POINTS_PER_BATCH):
+        batch = washouts[first : first + _POINTS_PER_BATCH].transpose(1, 2, 0)
+        found.append(dynamics.open_loop(np.ascontiguousarray(batch), None).T)
+    return np.concatenate(found)
+
+
+def _validation_score(states: FloatArray, points: LabelledPoints, penalty: float) -> float:
+    """Average precision on every third series, by what knows the others; mean over windows.
+
+    It depends on the order of the probabilities alone, which calibration leaves as it is. Windows
+    without an event on either side are left out.
+    """
+    held_out = np.isin(points.series, np.unique(points.series)[::_HELD_OUT])
+    learnt, happened = points.happened[~held_out], points.happened[held_out]
+    both = learnt.any(axis=0) & happened.any(axis=0)
+    weights = fit_logistic(states[~held_out], learnt[:, both], penalty)
+    chance = event_probability(weights, states[held_out])
+    every, one = np.ones(len(chance), dtype=bool), np.zeros(len(chance), dtype=np.int64)
+    scores = [
+        average_precision(outcomes_by_series(given, events, every, one, 1).total())
+        for given, events in zip(chance.T, happened[:, both].T, strict=True)
+    ]
+    return float(np.mean(scores)) if scores else 0.0
