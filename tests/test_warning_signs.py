@@ -6,6 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast.statistics import warning_signs as signs
+from burstcast.systems.integration import integrate
+from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.tuning.negligible_ridge import negligible_ridge
 
 
@@ -160,3 +162,16 @@ def test_what_is_no_better_than_a_permanent_alarm():
     assert signs.no_better_than_permanent_alarm([1, 2, 3], [0.9, 0.7, 0.1], permanent) == []
     (found,) = signs.no_better_than_permanent_alarm([1, 2, 3], [0.9, 0.6, float("nan")], permanent)
     assert found.text.endswith("permanent alarm, in brackets: 2 LT 0.60 (0.67)")
+
+
+def test_a_flow_that_its_wavenumbers_do_not_resolve():
+    """Kolmogorov flows of one Reynolds number with few and with enough wavenumbers."""
+    shares = []
+    for largest in (5, 10):
+        flow = KolmogorovFlow(40.0, 4, largest)
+        start = flow.sample_initial_states(2, np.random.default_rng(3))
+        states = integrate(flow, start, 0.05, 2000, 100)[10:]
+        shares.append(flow.energy_of_last_shell(np.moveaxis(states, 1, 0)))
+    (found,) = signs.unresolved_flow(shares[0])
+    assert found.text.startswith("the largest wavenumbers hold 0.0")
+    assert signs.unresolved_flow(shares[1]) == []

@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
+import numpy as np
+
 from burstcast.arrays import FloatArray
 from burstcast.observation.base import Observation
 from burstcast.systems.state_space import StateSpace, component_names
@@ -45,6 +47,14 @@ class EncodingCase:
             return self.observation.channels
         return component_names(self.space)
 
+    def readings(self, states: FloatArray) -> FloatArray:
+        """What is observed of states ``(dimension, ...)``, without noise: ``(observed, ...)``."""
+        return states if self.observation is None else self.observation(states)
+
+    def readings_of_series(self, states: FloatArray) -> FloatArray:
+        """The same of series ``(series, time, dimension)``: ``(series, time, observed)``."""
+        return np.moveaxis(self.readings(np.moveaxis(states, -1, 0)), 0, -1)
+
 
 class Encoder(abc.ABC):
     """Maps observations to channels."""
@@ -71,10 +81,16 @@ class Encoder(abc.ABC):
             If an option is out of bounds, or the states have no such encoding.
         """
 
-    @property
+    @classmethod
     @abc.abstractmethod
-    def channels(self) -> tuple[str, ...]:
-        """Names of the channels."""
+    def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
+        """Names of the channels, which are known before the encoder is fitted.
+
+        Raises
+        ------
+        ValueError
+            If an option is out of bounds, or the states have no such encoding.
+        """
 
     @abc.abstractmethod
     def encode(self, observed: FloatArray) -> FloatArray:

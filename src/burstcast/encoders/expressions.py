@@ -31,10 +31,10 @@ class ExpressionsEncoder(Encoder):
         """Read the expressions; nothing is fitted."""
         return cls.restore({}, case)
 
-    @property
-    def channels(self) -> tuple[str, ...]:
+    @classmethod
+    def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
         """The expressions as they are written."""
-        return tuple(one.text for one in self.expressions)
+        return tuple(one.text for one in cls.restore({}, case).expressions)
 
     def encode(self, observed: FloatArray) -> FloatArray:
         """Values ``(expression, ...)`` of components ``(component, ...)``."""

@@ -10,22 +10,19 @@ from burstcast.encoders.base import Encoder, EncodingCase
 
 @dataclass(frozen=True)
 class IdentityEncoder(Encoder):
-    """Channels are the observed components.
-
-    Attributes
-    ----------
-    channels
-        Their names.
-    """
+    """Channels are the observed components."""
 
     decodes: ClassVar[bool] = True
 
-    channels: tuple[str, ...] = ()
-
     @classmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
-        """Take the names of the components; nothing is fitted."""
-        return cls.restore({}, case)
+        """Return an encoder; nothing is fitted."""
+        return cls()
+
+    @classmethod
+    def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
+        """Names of the observed components."""
+        return case.components
 
     def encode(self, observed: FloatArray) -> FloatArray:
         """Return the observation unchanged."""
@@ -41,5 +38,5 @@ class IdentityEncoder(Encoder):
 
     @classmethod
     def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
-        """Take the names of the components."""
-        return cls(case.components)
+        """Return an encoder."""
+        return cls()

@@ -30,10 +30,11 @@ class InvariantsEncoder(Encoder):
         """Take the system's invariants; nothing is fitted."""
         return cls.restore({}, case)
 
-    @property
-    def channels(self) -> tuple[str, ...]:
+    @classmethod
+    def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
         """Names of the invariants."""
-        names: tuple[str, ...] = self.system.invariant_names  # type: ignore[attr-defined]
+        system = cls.restore({}, case).system
+        names: tuple[str, ...] = system.invariant_names  # type: ignore[attr-defined]
         return names
 
     def encode(self, observed: FloatArray) -> FloatArray:

@@ -56,10 +56,19 @@ class PodEncoder(Encoder):
         signs = np.sign(kept[largest, np.arange(count)])
         return cls(moments.mean, np.ascontiguousarray(kept * signs), variances)
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Names by number: "mode_1" has the most variance."""
-        return tuple(f"mode_{number}" for number in range(1, self.modes.shape[1] + 1))
+    @classmethod
+    def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
+        """Names by number: "mode_1" has the most variance.
+
+        Raises
+        ------
+        ValueError
+            If the number of modes is not given, or larger than that of the components.
+        """
+        count, most = case.options.get("modes"), len(case.components)
+        if count is None or not 1 <= count <= most:
+            raise ValueError(f"modes must be a number from 1 to {most}, the components of a state")
+        return tuple(f"mode_{number}" for number in range(1, int(count) + 1))
 
     @property
     def kept_variance(self) -> float:

@@ -4,7 +4,7 @@ import burstcast.encoders
 from burstcast.discovery import concrete_classes, module_names, suggestion
 from burstcast.encoders.base import Encoder
 
-_OTHERS = ("base", "registry")
+_OTHERS = ("base", "channels", "registry", "state_maps")
 
 
 def available_encoders() -> list[str]:

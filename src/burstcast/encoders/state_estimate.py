@@ -30,8 +30,6 @@ class StateEstimateEncoder(Encoder):
         ``(dimension, observed)``.
     constant
         ``(dimension,)``.
-    channels
-        Names of the components of a state.
     """
 
     decodes: ClassVar[bool] = True
@@ -39,7 +37,6 @@ class StateEstimateEncoder(Encoder):
     observation: Observation
     gain: FloatArray
     constant: FloatArray
-    channels: tuple[str, ...] = ()
 
     @classmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
@@ -58,6 +55,12 @@ class StateEstimateEncoder(Encoder):
         constant = moments.mean - gain @ (matrix @ moments.mean)
         return cls.restore({"gain": gain, "constant": constant}, case)
 
+    @classmethod
+    def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
+        """Names of the components of a state."""
+        _observation(case)
+        return component_names(case.space)
+
     def encode(self, observed: FloatArray) -> FloatArray:
         """Estimates ``(dimension, ...)`` of states from what was observed, ``(observed, ...)``."""
         return (np.tensordot(self.gain, observed, axes=1).T + self.constant).T
@@ -73,8 +76,7 @@ class StateEstimateEncoder(Encoder):
     @classmethod
     def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
         """Put the estimate together again."""
-        names = component_names(case.space)
-        return cls(_observation(case), record["gain"], record["constant"], names)
+        return cls(_observation(case), record["gain"], record["constant"])
 
 
 def _observation(case: EncodingCase) -> Observation:

@@ -175,6 +175,12 @@ def read_netcdf(path: str | Path, *names: str) -> dict[str, npt.NDArray[Any]]:
         return {name: _read(_variable(file, path, name), ...) for name in (names or file.variables)}
 
 
+def variable_names(path: str | Path) -> tuple[str, ...]:
+    """Names of the variables of a NetCDF file."""
+    with netCDF4.Dataset(path, "r") as file:
+        return tuple(file.variables)
+
+
 def read_record(path: str | Path, kind: type[T]) -> T:
     """Read a dataclass of arrays whose `variables_of` are in a NetCDF file.
 

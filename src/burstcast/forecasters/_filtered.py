@@ -73,19 +73,30 @@ class FilteredForecaster(Forecaster):
 
     def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Memories of the filter's members after a washout (see `Forecaster.ensemble`)."""
-        batch = washout.shape[2]
-        states = symmetric_members(washout[0], self.noise, self.members)
-        memory = self.model.start(states.reshape(1, -1, self.members * batch))
+        batch, memory = washout.shape[2], self.first_members(washout[0])
         for step, observation in enumerate(washout[1:]):
             in_force = None if parameters is None else parameters[step : step + 1]
             outputs, memory = self.model.advance(memory, 1, for_members(in_force, self.members))
             # the forecast of what is observed, and below it all that goes on from there
             rows = np.concatenate([outputs[0], memory.reshape(-1, memory.shape[-1])])
-            updated = assimilate(
-                rows.reshape(-1, self.members, batch), observation, self.noise, self.inflation
-            )
+            updated = self.corrected(rows.reshape(-1, self.members, batch), observation)
             memory = updated[outputs.shape[1] :].reshape(memory.shape)
         return memory.reshape(*memory.shape[:-1], self.members, batch)
+
+    def first_members(self, observation: FloatArray) -> FloatArray:
+        """Memories of the members around an observation, ``(..., members * batch)``.
+
+        Parameters
+        ----------
+        observation
+            The first of the washout, ``(dimension, batch)``.
+        """
+        states = symmetric_members(observation, self.noise, self.members)
+        return self.model.start(states.reshape(1, len(states), -1))
+
+    def corrected(self, ensemble: FloatArray, observation: FloatArray) -> FloatArray:
+        """Members after an observation (`burstcast.filters.square_root.assimilate`)."""
+        return assimilate(ensemble, observation, self.noise, self.inflation)
 
     def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Mean of the members' memories (see `Forecaster.start`)."""

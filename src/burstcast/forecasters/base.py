@@ -20,6 +20,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
+from burstcast.encoders.state_maps import StateMaps
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 from burstcast.systems.state_space import StateSpace
 
@@ -42,6 +44,12 @@ class ForecastingCase:
         Settings of the kind itself.
     parameters
         Parameters that schedules are about, and their values in this case; None: there are none.
+    source
+        Equations of the flow whose encoded states are those of the case; None where the case's
+        states are not encoded.
+    maps
+        Between states of the source and channels, which are all components of the case but the
+        last one, the observable of the source; None where a forecaster is restored.
     """
 
     system: StateSpace
@@ -50,6 +58,8 @@ class ForecastingCase:
     steps_per_lyapunov_time: int
     options: Mapping[str, Any]
     parameters: Parameters | None = None
+    source: DynamicalSystem | None = None
+    maps: StateMaps | None = None
 
 
 @dataclass(frozen=True)

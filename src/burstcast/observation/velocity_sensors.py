@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from burstcast.arrays import FloatArray
 from burstcast.observation.base import Observation
 
 
+@runtime_checkable
 class PlaneFlow(Protocol):
     """A periodic flow in a plane, whose velocity is linear in its state."""
 

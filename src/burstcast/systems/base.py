@@ -123,6 +123,20 @@ class DynamicalSystem(abc.ABC):
         """
         raise NotImplementedError(f"{type(self).__name__} has no invariants")
 
+    def energy_of_last_shell(self, state: FloatArray) -> FloatArray:
+        """Share of the energy in the smallest scales that a truncated flow has, ``(...)``.
+
+        Optional: a flow is resolved where it is small.
+        """
+        raise NotImplementedError(f"{type(self).__name__} is not truncated")
+
+    def precursor(self, state: FloatArray) -> FloatArray:
+        """Quantity of states that theory holds for a precursor of events, ``(...)``.
+
+        Optional: large before an event. Forecasters are compared with it as an alarm.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no precursor")
+
 
 def has_own(system: DynamicalSystem | type[DynamicalSystem], method: str) -> bool:
     """Whether a system has an optional method: "jacobian", "flow_map", "sample_initial_states"."""

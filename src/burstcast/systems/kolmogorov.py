@@ -260,6 +260,15 @@ class KolmogorovFlow(SemilinearSystem):
         phased = ("mean_flow", "triad", "triad_m")
         return (*low, *(f"{name}_{part}" for part in ("real", "imaginary") for name in phased))
 
+    def precursor(self, state: FloatArray) -> FloatArray:
+        """Minus the modulus of the amplitude of (1, 0), ``(...)``.
+
+        It falls before a burst, when its energy goes into the mean flow (Farazmand and Sapsis
+        2017).
+        """
+        modulus: FloatArray = np.abs(_paired(state)[self._modes.place[1, 0]])
+        return -modulus
+
     def energy_of_last_shell(self, state: FloatArray) -> FloatArray:
         """Share of the energy in wave vectors with the largest wavenumber, ``(...)``.
 

@@ -3,13 +3,18 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import read_rows
 from burstcast.forecasters._names import PERMANENT_ALARM
 from burstcast.statistics import warning_signs
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.statistics.warning_signs import Finding
+from burstcast.systems.base import DynamicalSystem, has_own
+from burstcast.systems.registry import make_space
+from burstcast.systems.state_space import StateSpace
 from burstcast.tables.makers.registry import PATH, Declaration, Rows
 from burstcast.tuning.negligible_ridge import negligible_ridge
 
@@ -24,6 +29,8 @@ TABLES = Declaration(
         "event_threshold": "case.event_threshold",
         "training_series": "case.training.series",
         "noise": "case.training.noise",
+        "system": "case.system",
+        "parameters": "case.parameters",
         "wanted_events": "horizon.events",
         "spectral_radius": "search.spectral_radius",
         "input_scaling": "search.input_scaling",
@@ -51,6 +58,7 @@ ADVICE = {
     "outside_bins": "widen density.range",
     "no_better_than_permanent_alarm": "more neurons or longer series; shorter prediction times, "
     "or rarer events (event_threshold)",
+    "unresolved_flow": "raise parameters.largest_wavenumber, or lower the Reynolds number",
     "noise_drowns_components": "lower training.noise, or raise ensemble.sampling_stride",
 }
 """Settings to change where a sign of `burstcast.statistics.warning_signs` was found."""
@@ -71,6 +79,8 @@ def make(
     training_series: int,
     noise: float,
     wanted_events: int,
+    system: str,
+    parameters: Mapping[str, Any],
     **searched: list[float],
 ) -> dict[str, Rows]:
     """A row for each sign; of networks, one for those of a size and strategy."""
@@ -89,6 +99,7 @@ def make(
         ),
         *warning_signs.outside_bins(histogram.below, histogram.above, int(histogram.counts.sum())),
         *warning_signs.noise_drowns_components(states, noise),
+        *_of_truncation(make_space(system, parameters), states),
         *_of_numbers(dataset, classification),
     ]
     found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
@@ -114,6 +125,12 @@ def make(
         for keys, finding in found
     ]
     return {"warnings": rows}
+
+
+def _of_truncation(space: StateSpace, states: FloatArray) -> list[Finding]:
+    if not (isinstance(space, DynamicalSystem) and has_own(space, "energy_of_last_shell")):
+        return []
+    return warning_signs.unresolved_flow(space.energy_of_last_shell(np.moveaxis(states, -1, 0)))
 
 
 def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator[Finding]:

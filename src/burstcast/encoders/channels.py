@@ -1,0 +1,170 @@
+"""From the states of a flow to the channels of a case: sensors, noise, an estimate, an encoder."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.encoders._moments import state_moments
+from burstcast.encoders.base import Encoder, EncodingCase
+from burstcast.encoders.registry import encoder_class
+from burstcast.encoders.state_estimate import StateEstimateEncoder
+from burstcast.encoders.state_maps import StateMaps
+from burstcast.observation.velocity_sensors import PlaneFlow, VelocitySensors
+from burstcast.systems.state_space import StateSpace
+
+IDENTITY, ESTIMATE = "identity", "state_estimate"
+"""Kinds of encoders that are given what is observed, also where sensors see the state."""
+
+
+@dataclass(frozen=True)
+class StateChannels:
+    """Channels of a case whose states are those of another, seen by sensors and encoded.
+
+    Attributes
+    ----------
+    case
+        The states, the sensors if there are any, and options of the encoder.
+    estimate
+        Estimate of the state from the readings of sensors, which the encoder is given; None where
+        states are observed themselves, or readings are not encoded.
+    encoder
+        From observed or estimated states, or from readings, to channels.
+    """
+
+    case: EncodingCase
+    estimate: StateEstimateEncoder | None
+    encoder: Encoder
+
+    @classmethod
+    def fit(cls, kind: str, states: FloatArray, seen: FloatArray, case: EncodingCase) -> Self:
+        """Fit the encoder, and before it the estimate of the state where it needs one.
+
+        Parameters
+        ----------
+        kind
+            Of the encoder (`burstcast.encoders.registry`). All but ``identity`` are given an
+            estimate of the state where sensors see it.
+        states
+            True training states, ``(series, time, dimension)``.
+        seen
+            What was observed of them, with noise, ``(series, time, observed)``.
+        case
+            Its information.
+
+        Raises
+        ------
+        ValueError
+            If an option is out of bounds, or the states have no such encoding.
+        """
+        if case.observation is None or kind == IDENTITY:
+            return cls(case, None, encoder_class(kind).fit(seen, case))
+        estimate = StateEstimateEncoder.fit(states, case)
+        if kind == ESTIMATE:
+            return cls(case, None, estimate)
+        estimated = np.moveaxis(estimate.encode(np.moveaxis(seen, -1, 0)), 0, -1)
+        of_states = replace(case, observation=None)
+        return cls(case, estimate, encoder_class(kind).fit(estimated, of_states))
+
+    def encode(self, seen: FloatArray) -> FloatArray:
+        """Channels ``(channel, ...)`` of what is observed, ``(observed, ...)``."""
+        if self.estimate is not None:
+            seen = self.estimate.encode(seen)
+        return self.encoder.encode(seen)
+
+    def encode_series(self, seen: FloatArray) -> FloatArray:
+        """Channels ``(series, time, channel)`` of observed series ``(series, time, observed)``."""
+        return np.moveaxis(self.encode(np.moveaxis(seen, -1, 0)), 0, -1)
+
+    @property
+    def decodes(self) -> bool:
+        """Whether states follow from channels: the encoder decodes, and is linear."""
+        return self.encoder.decodes
+
+    def maps(self, states: FloatArray) -> StateMaps:
+        """Affine maps between states and channels.
+
+        Parameters
+        ----------
+        states
+            True training states, ``(series, time, dimension)``.
+
+        Raises
+        ------
+        NotImplementedError
+            If the encoder does not decode.
+        ValueError
+            If readings are not encoded and have no noise.
+        """
+        moments = state_moments(states.reshape(-1, states.shape[-1]), self.case.space)
+        decode: Callable[[FloatArray], FloatArray] = self.encoder.decode
+        if self.case.observation is not None and self.estimate is None:
+            # readings themselves, or the estimate of the state, which is its own channel
+            known = isinstance(self.encoder, StateEstimateEncoder)
+            decode = _same if known else StateEstimateEncoder.fit(states, self.case).encode
+        matrix, offset = _affine(
+            lambda state: self.encode(self.case.readings(state)), states.shape[-1]
+        )
+        gain, constant = _affine(decode, len(offset))
+        return StateMaps(gain, constant, matrix, offset, moments.covariance)
+
+
+def encoding_case(
+    space: StateSpace, sensors: Mapping[str, Any] | None, options: Mapping[str, Any]
+) -> EncodingCase:
+    """Information for the encoder of a case.
+
+    Parameters
+    ----------
+    space
+        The states.
+    sensors
+        Fields of the `VelocitySensors` beside the flow; None: the states are observed themselves.
+    options
+        Of the encoder.
+
+    Raises
+    ------
+    ValueError
+        If the sensors are outside of the domain, or the states are no flow in a plane.
+    """
+    if sensors is None:
+        return EncodingCase(space, options)
+    if not isinstance(space, PlaneFlow):
+        raise ValueError(
+            f"sensors measure the velocity in a plane, which {type(space).__name__} has not"
+        )
+    points, offset = tuple(sensors["points"]), tuple(sensors["offset"])
+    return EncodingCase(space, options, VelocitySensors(space, points, offset))
+
+
+def channel_names(kind: str, case: EncodingCase) -> tuple[str, ...]:
+    """Names of the channels of a case, which are known before anything is fitted.
+
+    Parameters
+    ----------
+    kind, case
+        As for `StateChannels.fit`.
+
+    Raises
+    ------
+    ValueError
+        If an option is out of bounds, or the states have no such encoding.
+    """
+    if kind not in (IDENTITY, ESTIMATE):
+        case = replace(case, observation=None)
+    return encoder_class(kind).channel_names(case)
+
+
+def _affine(
+    function: Callable[[FloatArray], FloatArray], size: int
+) -> tuple[FloatArray, FloatArray]:
+    """Matrix and constant of an affine function of ``(size, ...)``."""
+    constant = function(np.zeros((size, 1)))
+    return function(np.eye(size)) - constant, constant[:, 0]
+
+
+def _same(values: FloatArray) -> FloatArray:
+    return values
