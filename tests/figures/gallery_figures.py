@@ -8,6 +8,7 @@ from helpers_figures import THRESHOLD, burst, interval_rows, percentile_rows
 from matplotlib.figure import Figure
 
 from burstcast.figures.alarm_lead_times import draw as alarm_lead_times
+from burstcast.figures.burst_vorticity import burst_vorticity
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.committee_event import CommitteeForecast, SeenEvent, committee_event
@@ -23,6 +24,7 @@ from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
 from burstcast.figures.horizon_schematic import draw as horizon_schematic
 from burstcast.figures.long_term_density import long_term_density
+from burstcast.figures.lost_skill import lost_skill
 from burstcast.figures.lyapunov_spectrum import draw as lyapunov_spectrum
 from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.midplane_planes import midplane_planes
@@ -49,6 +51,42 @@ PLANES = np.array([np.outer(np.cos(0.5 * X + phase), np.sin(Z)) for phase in ran
 TIMES = np.array([1.0, 2.5, 4.0, 5.5])
 SCORES = {"precision": 0.97, "recall": 1.0, "f_score": 0.98}
 PREDICTION_TIMES = (1.0, 2.0, 3.0)
+
+
+def ranking_rows() -> pd.DataFrame:
+    """Rows of the table ranking: made up, each forecaster a little worse than the one before."""
+    sources = [
+        ("flow", "equations", "equations", None, None),
+        ("flow", "published_precursor", "published_precursor", None, None),
+        ("sensors", "equations_filtered", "equations_filtered", None, None),
+        ("sensors", "equations_filtered-committee", "equations_filtered_committee", None, None),
+        *(("invariants", f"esn-N50-RV-seed{seed}", "esn", 50, seed) for seed in range(2)),
+        ("invariants", "esn-N50-RV-committee", "esn_committee", 50, None),
+        *((case, "observable_now", "observable_now", None, None) for case in ("flow", "sensors")),
+    ]
+    rows = []
+    for number, (case, alarm, kind, neurons, seed) in enumerate(sources):
+        names = {"case": case, "alarm": alarm, "forecaster": kind, "neurons": neurons, "seed": seed}
+        for time in (0.5, 1.0, 2.0):
+            for event, more in (("onset", 0.0), ("any", 0.05)):
+                value = 0.9 * np.exp(-0.3 * time - 0.2 * number) + more
+                keys = {**names, "prediction_time_lt": time, "event": event}
+                ends = {"low": value - 0.03, "high": value + 0.04}
+                rows.append({**keys, "metric": "average_precision", "value": value, **ends})
+                rows.append({**keys, "metric": "base_rate", "value": 0.05})
+    return pd.DataFrame(rows)
+
+
+def plane_burst() -> Figure:
+    """A vortex that turns faster until the peak."""
+    x, y = np.meshgrid(*[np.linspace(0, 2 * np.pi, 33)] * 2, indexing="ij")
+    times = [-2.0, -1.0, 0.0, 1.0]
+    fields = np.stack([np.exp(-abs(time)) * np.sin(x) * np.sin(2 * y + time) for time in times])
+    time = np.linspace(-4, 4, 81)
+    observable = 0.1 + 0.2 * np.exp(-(time**2))
+    return burst_vorticity(
+        time, observable, times, fields, (2 * np.pi, 2 * np.pi), 0.2, "Dissipation, $D$"
+    )
 
 
 def _evaluations() -> Figure:
@@ -584,4 +622,6 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     "control_frontier": lambda: control_frontier(frontier_rows(), USUAL),
     "control_choices": lambda: control_choices(choice_rows(), 0.01, usual_noise=0.01),
     "skill_by_parameter": lambda: skill_by_parameter(*parameter_rows(), PARAMETER, [2, 3]),
+    "lost_skill": lambda: lost_skill(ranking_rows()),
+    "burst_vorticity": plane_burst,
 }

@@ -643,3 +643,31 @@ def test_references_have_a_column_of_the_legend_for_their_long_names():
     assert columns == pytest.approx([columns[0]] * 4)
     assert frames["RV"].x0 == pytest.approx(frames["interval of one network"].x0)
     assert frames["RV"].x0 > max(frames[forecaster_label(kind)].x1 for kind in kinds)
+
+
+def test_lost_skill_draws_onsets_of_committees_and_says_each_alarm_once():
+    figure = GALLERY["lost_skill"]()
+    equations, learnt = figure.axes
+    labels = [[bars.get_label() for bars in axes.containers] for axes in (equations, learnt)]
+    assert labels[0] == ["flow: equations, true state", "sensors: equations, filtered"]
+    assert labels[1] == [
+        "published precursor",
+        "invariants: committee of networks, 50 neurons",
+        "observable now",
+    ]
+    # the first forecaster, of onsets alone
+    line = equations.containers[0].lines[0]
+    np.testing.assert_allclose(line.get_xdata(), [0.5, 1, 2])
+    np.testing.assert_allclose(line.get_ydata(), 0.9 * np.exp(-0.3 * np.array([0.5, 1, 2])))
+
+
+def test_burst_vorticity_has_one_scale_and_the_times_of_its_fields():
+    figure = GALLERY["burst_vorticity"]()
+    fields = [axes for axes in figure.axes if axes.images]
+    limits = {axes.images[0].get_clim() for axes in fields}
+    assert len(fields) == 4
+    ((low, high),) = limits
+    assert low == -high
+    assert high == pytest.approx(max(np.abs(axes.images[0].get_array()).max() for axes in fields))
+    titles = [axes.get_title(loc="right") for axes in fields]
+    assert titles == ["$-2.0$ LT", "$-1.0$ LT", "peak", "$+1.0$ LT"]

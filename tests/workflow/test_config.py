@@ -119,7 +119,9 @@ def test_every_setting_has_its_default_in_one_place(config):
         if "[" in place.name or CHOICE.match(place.name) or place.fields:
             continue
         value, said = value_at(config, place.name)
-        unsaid = ("case_defaults.data.", "case_defaults.training.actuation.")
+        unsaid = tuple(
+            f"case_defaults.{one}." for one in ("data", "training.actuation", "sensors", "encoder")
+        )
         if place.name.startswith(unsaid):  # sections that nothing is said in
             assert not said
         elif place.default is PydanticUndefined:
@@ -289,6 +291,8 @@ def test_cases_of_the_shear_flow_are_case_defaults_and_their_entry(config, path)
         unsaid = {
             "files": None,
             "data": None,
+            "sensors": None,
+            "encoder": None,
             "lyapunov": {"published_exponent": None},
             "actuation": {"force": None},
             "training": {"trained_on": [], "actuation": None},
@@ -339,6 +343,8 @@ def test_a_case_of_another_system_starts_from_what_its_class_says(config):
         "test_series": 300,
         "recycle_validation": {"series": 4, "intervals_per_series": 22},
         "data": None,
+        "sensors": None,
+        "encoder": None,
     }
 
 

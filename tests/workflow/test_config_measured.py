@@ -42,7 +42,7 @@ def config(tmp_path, monkeypatch):
             "forecasters": {"esn": networks, "quadratic_filtered": {}, "persistence": {}},
         },
     ]
-    config["statistics"]["duration"] = 100
+    config["statistics"] |= {"duration": 100, "fixed_point_interval_lt": 1}
     config["figures"]["reynolds_prediction_times_lt"] = [2]
     return config
 

@@ -67,11 +67,13 @@ def changed(overlay):
 
 def test_the_paper_has_all_figures_and_those_of_other_cases():
     names = figure_names(PAPER)
-    # of other strategies than the paper's, and of parts of a state
+    # of other strategies than the paper's, of parts of a state, and of plane flows
     assert set(FIGURES) - set(names) == {
+        "burst_vorticity",
         "control_choices",
         "control_conditions",
         "control_frontier",
+        "lost_skill",
         "observed_components",
         "skill_by_parameter",
     }
@@ -242,7 +244,8 @@ def test_files_of_figures_are_those_of_the_example():
 def test_the_paper_has_all_tables_but_those_of_other_training_series():
     declared = {layout for table in TABLES.values() for layout in table.latex}
     assert set(latex_names(PAPER)) == declared - {"control_choices"}
-    assert set(TABLES) - set(table_names(PAPER)) == {"training_realisations", "control_choices"}
+    others = {"training_realisations", "control_choices", "ranking"}
+    assert set(TABLES) - set(table_names(PAPER)) == others
 
 
 def test_stages_that_are_switched_off_have_no_tables():

@@ -86,7 +86,7 @@ NO_CLASSIFIER = rf"(?!({CLASSIFIERS})(/|$))"
 SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
 REALISED = one_of(campaign.realised_cases)
 INTEGRATED, IMPORTED = (
-    one_of(case for case in cases if case not in campaign.realised_cases)
+    one_of({*cases} - {*campaign.realised_cases, *campaign.encoded_cases})
     for cases in (campaign.simulated_cases, campaign.measured_cases)
 )
 if workflow.is_main_process:

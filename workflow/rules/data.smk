@@ -23,6 +23,23 @@ stage(
     noise=of_case(Campaign.noise_of_data),
 )
 stage(
+    # what sensors see of another case, or an encoder makes of it
+    "data/encode",
+    "observe and encode the series of another case",
+    inputs={
+        "source": of_case(
+            lambda campaign, case: f"{RESULTS}/{campaign.source_case(case)}/ensemble.nc"
+        )
+    },
+    outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
+    settings="SYSTEM random_seed case.ensemble.time_step case.ensemble.sampling_stride "
+    "case.training.series case.sensors case.encoder",
+    cost="data",
+    constraints={"case": one_of(campaign.encoded_cases)},
+    noise=of_case(Campaign.noise_of_data),
+    source=of_case(Campaign.source_system),
+)
+stage(
     # the series of another case, those that are trained on being others
     "data/training_realisation",
     "choose other training series",

@@ -97,6 +97,13 @@ table_stage(
     cost="bootstrap",
 )
 table_stage(
+    "ranking_table",
+    "rank the starting points of flows that are encoded",
+    inputs=PROBABILITIES,
+    settings="KEYS SCORED SYSTEM case.event_threshold",
+    cost="bootstrap",
+)
+table_stage(
     "lead_times",
     "how early events were warned of",
     inputs={**files("ensemble"), **PROBABILITIES},

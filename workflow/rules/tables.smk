@@ -121,8 +121,8 @@ table_stage(
             ],
         ),
     },
-    settings="KEYS case.event_threshold case.training.series case.training.noise horizon.events "
-    "search.spectral_radius search.input_scaling search.tikhonov",
+    settings="KEYS SYSTEM case.event_threshold case.training.series case.training.noise "
+    "horizon.events search.spectral_radius search.input_scaling search.tikhonov",
 )
 parameter_stage(
     "data_generation_parameters",

@@ -76,14 +76,14 @@ class ForecastPoints:
         if forecasts:
             members = [member for one in forecasts for member in one.members]
             voters = members if alarm.committee else forecasts
-            return share_of_votes(voters, *self._windows(prediction_time_lt), event_threshold)
+            return share_of_votes(voters, *self.windows(prediction_time_lt), event_threshold)
         now: FloatArray = self.data["observable_now"]
         return now if alarm.identifier == "observable_now" else np.zeros(len(now))
 
     def happened(self, prediction_time_lt: float, event_threshold: float) -> BoolArray:
         """Points that an event follows, ``(points,)``."""
         truth = WindowSummaries(self.data["first"], self.data["largest"])
-        return crosses(truth, *self._windows(prediction_time_lt), event_threshold)
+        return crosses(truth, *self.windows(prediction_time_lt), event_threshold)
 
     def labelled(
         self, prediction_times_lt: Sequence[float], event_threshold: float
@@ -107,7 +107,7 @@ class ForecastPoints:
             self.series,
         )
 
-    def _windows(self, prediction_time_lt: float) -> tuple[int, int]:
+    def windows(self, prediction_time_lt: float) -> tuple[int, int]:
         """First of the windows of a prediction window, and how many it has."""
         first = round(prediction_time_lt / self.resolution_lt) - 1
         return first, round(self.window_lt / self.resolution_lt)

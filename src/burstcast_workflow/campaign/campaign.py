@@ -25,7 +25,7 @@ from burstcast_workflow.campaign.control_plans import (
 )
 from burstcast_workflow.config.cases import block_cases, cases_of
 from burstcast_workflow.config.kinds import Quantile, Section
-from burstcast_workflow.config.measured_cases import space_of
+from burstcast_workflow.config.measured_cases import is_encoded, space_of
 from burstcast_workflow.config.model import (
     Choice,
     Configuration,
@@ -404,6 +404,8 @@ class Campaign:
         section, *rest = path.split(".")
         if section == "forecaster":
             value: Any = self._options(name.kind)
+            if self._decodes(wildcards.get("case", ""), name):
+                value["options"]["source"] = self.source_system(wildcards["case"])
         elif path == AWARE:
             return {**self._plain[section]["aware"], "own": self.own_values(wildcards["case"])}
         elif section == "case":
@@ -419,6 +421,14 @@ class Campaign:
         for key in rest:
             value = value[key]
         return value
+
+    def _decodes(self, case: str, name: ForecasterName) -> bool:
+        """Whether a forecaster goes on with equations from decoded states of another case."""
+        return (
+            case in self.encoded_cases
+            and name.asks_forecasters
+            and kind_class(name.kind).needs_equations
+        )
 
     def _tells(self, name: ForecasterName, wildcards: Mapping[str, str]) -> bool:
         """Whether a job's forecaster learns about parameters, or is told of those in force."""
@@ -493,7 +503,12 @@ class Campaign:
         validations = (
             strategies.split("+") if strategies else {one.validation for one in forecasters}
         )
+        encoded = [self.cases[case] for case in cases if case in self.encoded_cases]
+        # and those that encoded cases are made from
+        cases += [one.data.case for one in encoded if one.data and one.data.case]
+        encoders = {one.encoder.kind for one in encoded if one.encoder}
         return {
+            **({"burstcast.encoders": sorted(encoders)} if encoders else {}),
             "burstcast.systems": sorted({self.cases[case].system for case in cases}),
             "burstcast.forecasters": sorted({one.kind for one in forecasters}),
             "burstcast.control.controllers": controllers,
@@ -528,8 +543,9 @@ class Campaign:
         Past values among the components have the noise of their own time, which must be there
         before they are taken.
         """
-        data, level = self.cases[case].data, self.cases[case].training.noise
-        if data is None or not data.delays or not level:
+        one = self.cases[case]
+        data, level = one.data, one.training.noise
+        if data is None or not (data.delays or is_encoded(one)) or not level:
             return None
         return {"level": level, "random_seed": self.config.random_seed}
 
@@ -578,6 +594,23 @@ class Campaign:
     def realised_cases(self) -> tuple[str, ...]:
         """Cases that differ from others by their training series only."""
         return tuple(case for case in self.case_names if realisation_of(case)[1])
+
+    @property
+    def encoded_cases(self) -> tuple[str, ...]:
+        """Cases whose forecasters receive readings of sensors, or what an encoder makes."""
+        return tuple(case for case in self.case_names if is_encoded(self.cases[case]))
+
+    @property
+    def ranked_cases(self) -> tuple[str, ...]:
+        """Encoded cases, and those that they are made from."""
+        sources = {self.source_case(case) for case in self.encoded_cases}
+        return tuple(case for case in self.case_names if case in {*sources, *self.encoded_cases})
+
+    def source_system(self, case: str) -> dict[str, Any]:
+        """Name, system and parameters of the case that a case is a part of."""
+        name = self.source_case(case)
+        source = self._plain_cases[name]
+        return {"name": name, "system": source["system"], "parameters": source["parameters"]}
 
     def data(self, case: str) -> Data:
         """What is said of the series of a measured case."""

@@ -9,12 +9,21 @@ from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class, system_module
 from burstcast_workflow.config.aware_checks import problems_of_parameters
 from burstcast_workflow.config.bounds import out_of_bounds
-from burstcast_workflow.config.cases import blocks_of, campaign_cases, case_record, data_of
+from burstcast_workflow.config.cases import (
+    blocks_of,
+    campaign_cases,
+    case_of,
+    case_record,
+    data_of,
+)
 from burstcast_workflow.config.lengths import lag_misfits, misfits
 from burstcast_workflow.config.measured_cases import (
+    is_encoded,
     own_problems,
     problems_of_data,
+    problems_of_encoding,
     space_of,
+    undecoded,
 )
 from burstcast_workflow.config.messages import model_problems
 from burstcast_workflow.config.model import Case, Configuration, Filter, Measured, Simulated
@@ -51,6 +60,8 @@ def _simulated(config: Configuration, name: str) -> Iterator[str]:
             yield from model_problems(error, Simulated)
         return
     kinds = _kinds(config, name)
+    if is_encoded(case):
+        yield "sensors and encoder are for cases of another case's series: data: {case: ...}"
     yield from out_of_bounds(case)
     yield from _system(name, case)
     if any(kind_class(kind).has_filter for kind in kinds):
@@ -136,6 +147,9 @@ def _counts_of_series(config: Configuration, case: Simulated) -> Iterator[str]:
     """What is wrong with how many series there are, and what they are for."""
     series, training = case.ensemble.series, case.training.series
     test, more = case.test_series, config.probability.calibration_series
+    if case.lyapunov.series > series:
+        of_exponents = case.lyapunov.series
+        yield f"lyapunov.series is {of_exponents}; it must be at most ensemble.series, {series}"
     if training + test > series:
         yield (
             f"training.series and test_series are {training} and {test}; together they must be at "
@@ -210,13 +224,25 @@ def _measured(config: Configuration, name: str) -> Iterator[str]:
         return
     yield from out_of_bounds(case)
     yield from problems_of_data(case)
+    if is_encoded(case):
+        if source is None:
+            yield "sensors and encoder are for cases of another case's series: data: {case: ...}"
+            return
+        yield from problems_of_encoding(case, case_of(config, source))
     kinds = _kinds(config, name)
-    if needing := [kind for kind in kinds if kind_class(kind).needs_equations]:
+    needing = [kind for kind in kinds if kind_class(kind).needs_equations]
+    if needing and not is_encoded(case):
         yield f"there are no equations of measured series to forecast with ({', '.join(needing)})"
+    elif needing and (encoder := undecoded(case)):
+        yield (
+            f"the encoder {encoder} cannot be decoded, so that equations have no state "
+            f"to start from ({', '.join(needing)})"
+        )
     if knowing := [kind for kind in kinds if learns_parameters(kind)]:
         yield f"measured series have no parameters to be known ({', '.join(knowing)})"
     yield from lag_misfits(config, case, kinds)
-    if any(kind_class(kind).has_filter for kind in kinds):
+    filters = [kind for kind in kinds if kind_class(kind).has_filter]
+    if any(not (is_encoded(case) and kind in needing) for kind in filters):
         yield from _filter(config.forecasters.filter, case, name)
     for index, block in enumerate(config.control.strategies):
         if name in block.cases:

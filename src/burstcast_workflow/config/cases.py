@@ -82,11 +82,13 @@ def case_record(config: Configuration, name: str) -> Config:
     defaults = config.case_defaults
     own = config.cases[name].dump() if name in config.cases else {}
     system = own.get("system", defaults.system)
-    if (data := data_of(config, name)) is not None:
+    if data_of(config, name) is not None:
         # parts of what is simulated, never of what is measured itself
         simulated = {key: one for key, one in config.cases.items() if one.data is None}
         others = config.model_copy(update={"cases": simulated})
-        base = measured_record(defaults, data, lambda other: case_record(others, other))
+        base = measured_record(
+            defaults, config.cases[name], lambda other: case_record(others, other)
+        )
         record = _merged(base, {key: value for key, value in own.items() if key != "data"})
         _derive(record)
         return record

@@ -22,6 +22,7 @@ from pydantic_core import PydanticCustomError
 
 from burstcast.control.strategies.registry import available_strategies as control_strategies
 from burstcast.data.series_files import axis_of
+from burstcast.encoders.registry import available_encoders
 from burstcast.tuning.strategies.registry import available_strategies
 from burstcast_workflow.stages.canonical import canonical
 
@@ -120,6 +121,11 @@ Strategy = Annotated[
     str,
     _among("validation strategies", available_strategies()),
     Words(f"a validation strategy: {', '.join(available_strategies())}"),
+]
+EncoderName = Annotated[
+    str,
+    _among("encoders", available_encoders()),
+    Words(f"an encoder: {', '.join(available_encoders())}"),
 ]
 ControlStrategyName = Annotated[
     str,

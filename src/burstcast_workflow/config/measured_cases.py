@@ -10,9 +10,12 @@ from typing import Any
 from burstcast.data.delay_coordinates import delayed_name
 from burstcast.data.measured_data import Quantity
 from burstcast.data.series_files import column_names
+from burstcast.encoders.base import EncodingCase
+from burstcast.encoders.channels import IDENTITY, channel_names, encoding_case
+from burstcast.encoders.registry import encoder_class
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED, StateSpace, component_names, make_measured
-from burstcast_workflow.config.model import Case, Data, Measured, Simulated
+from burstcast_workflow.config.model import Case, Data, Measured, Sensors, Simulated
 from burstcast_workflow.stages.canonical import natural_order
 
 Config = dict[str, Any]
@@ -38,7 +41,7 @@ _WITHOUT_UNITS: Any = {
 
 
 def measured_record(
-    defaults: Simulated, said: Data, record_of: Callable[[str], Mapping[str, Any]]
+    defaults: Simulated, own: Case, record_of: Callable[[str], Mapping[str, Any]]
 ) -> Config:
     """What a case of measured series starts from.
 
@@ -50,11 +53,13 @@ def measured_record(
     ----------
     defaults
         The section ``case_defaults``.
-    said
-        The section ``data`` of the entry in ``cases``; settings that it lacks are null.
+    own
+        The entry in ``cases``, with a section ``data``; settings that it lacks are null.
     record_of
         Makes the record of another case.
     """
+    said = own.data
+    assert said is not None
     data = said.dump()
     record: Config = defaults.model_dump(include=_WITHOUT_UNITS)
     record["training"]["noise"] = 0.0
@@ -70,6 +75,8 @@ def measured_record(
         record |= _of_source(source, data)
     data["components"] = said.components or data.get("columns") or _in_header(said)
     names = [Quantity(text).name for text in data["components"]]
+    if is_encoded(own) and said.case is not None:
+        names = _channels(own, source)
     past = [delayed_name(name, delay) for delay in said.delays for name in names]
     if steps["duration"] is not None and "time_step" in steps:
         lost = max(said.delays, default=0) * steps["time_step"] * steps["sampling_stride"]
@@ -86,6 +93,48 @@ def measured_record(
         },
         "ensemble": steps,
     }
+
+
+def is_encoded(case: Case) -> bool:
+    """Whether forecasters of a case receive readings of sensors, or what an encoder makes."""
+    return case.sensors is not None or case.encoder is not None
+
+
+def undecoded(case: Case) -> str | None:
+    """Encoder of a case from whose channels no state follows; None where states follow."""
+    kind = case.encoder.kind if case.encoder else IDENTITY
+    return None if encoder_class(kind).decodes else kind
+
+
+def encoding_of(case: Case, source: Mapping[str, Any]) -> tuple[str, EncodingCase]:
+    """Kind of the encoder of a case, and what it is told.
+
+    Parameters
+    ----------
+    case
+        The case, or its entry in ``cases``.
+    source
+        System and parameters of the case that it is encoded from.
+
+    Raises
+    ------
+    ValueError
+        If there are no such sensors.
+    """
+    space = make_space(source["system"], source.get("parameters", {}))
+    sensors = None
+    if case.sensors is not None:
+        sensors = {**Sensors().model_dump(), **case.sensors.model_dump(exclude_none=True)}
+    options = case.encoder.model_dump(exclude_none=True) if case.encoder else {}
+    return options.pop("kind", IDENTITY), encoding_case(space, sensors, options)
+
+
+def _channels(own: Case, source: Mapping[str, Any]) -> list[str]:
+    """Names of the channels of an encoded case; none where there is a mistake."""
+    try:
+        return [*channel_names(*encoding_of(own, source))]
+    except (ValueError, TypeError):  # told by `problems_of_data`
+        return []
 
 
 def _in_header(data: Data) -> list[str]:
@@ -189,15 +238,34 @@ def own_problems(own: Case) -> Iterator[str]:
             except (ValueError, OSError) as error:
                 yield f"data.components is missing, and the columns cannot be found: {error}"
     else:
-        if not data.components:
+        if is_encoded(own):
+            for key in ("components", "delays", "observable"):
+                if getattr(data, key) not in (None, []):
+                    yield (
+                        f"data.{key} means nothing beside sensors or an encoder, which see the "
+                        "whole state, and its observable beside them: leave it out"
+                    )
+        elif not data.components:
             yield "data.components is missing: what forecasters see of the other case"
         for key in _OF_FILES:
             if getattr(data, key) not in (None, []):
                 yield f"data.{key} means nothing where the series are those of another case"
 
 
+def problems_of_encoding(case: Measured, source: Case) -> Iterator[str]:
+    """What is wrong with the sensors and the encoder of a case."""
+    if case.sensors is not None and case.encoder is not None and not case.training.noise:
+        yield "training.noise is 0, but an estimate of the state from sensors takes a noise above 0"
+    try:
+        channel_names(*encoding_of(case, source.dump()))
+    except (ValueError, TypeError) as error:
+        yield f"sensors, encoder: {error}"
+
+
 def problems_of_data(case: Measured) -> Iterator[str]:
     """What is wrong with the data of a case, as far as its settings tell."""
+    if is_encoded(case):
+        return
     data = case.data
     names = [Quantity(text).name for text in data.components]
     if twice := [one for one in dict.fromkeys(names) if names.count(one) > 1]:

@@ -19,6 +19,7 @@ from burstcast_workflow.config.kinds import (
     CountOrNull,
     Directory,
     Distinct,
+    EncoderName,
     NetworkOrNull,
     ParameterName,
     Positive,
@@ -380,6 +381,29 @@ class Data(Section):
     blocks: Blocks | None = setting("how series are cut; null: not at all", default=None)
 
 
+class Sensors(Section):
+    """Probes of the velocity at the points of a regular grid, in place of the whole state."""
+
+    points: Annotated[list[Count], Field(min_length=2, max_length=2)] = setting(
+        "number of probes along x and y", default=[8, 8]
+    )
+    offset: Annotated[list[float], Field(min_length=2, max_length=2)] = setting(
+        "coordinates of the first probe; from 0 to the distance of two probes",
+        "units of length",
+        default=[0.31, 0.17],
+    )
+
+
+class CaseEncoder(Section):
+    """How what is observed becomes the channels that forecasters receive."""
+
+    kind: EncoderName = setting("a module of burstcast.encoders")
+    modes: CountOrNull = setting("number of modes, of the kind pod", default=None)
+    expressions: Distinct[str] = setting(
+        "expressions of components of the state, of the kind expressions", default=[]
+    )
+
+
 class Case(Section):
     """A dynamical system with its dataset: defaults of every case."""
 
@@ -409,6 +433,15 @@ class Case(Section):
     recycle_validation: RecycleValidation
     data: Data | None = setting(
         "measured series instead of equations; null: the series are simulated", default=None
+    )
+    sensors: Sensors | None = setting(
+        "probes that see the state of another case (data.case); null: all of it is observed",
+        default=None,
+    )
+    encoder: CaseEncoder | None = setting(
+        "encoder of what is observed of another case (data.case), an estimate of its state where "
+        "sensors see it; null: forecasters receive what is observed",
+        default=None,
     )
 
 

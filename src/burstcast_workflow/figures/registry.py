@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from burstcast.discovery import suggestion
 from burstcast.figures.registry import Declaration, available_figures, declaration
 from burstcast.forecasters.registry import learns_parameters
+from burstcast.observation.velocity_sensors import PlaneFlow
 from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.campaign.alarm_sources import shown_voters
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
@@ -124,7 +125,8 @@ def _observed(campaign: Campaign, case: str) -> dict[str, int]:
     parts = {
         part: sum(name != OBSERVABLE for name in campaign.data(part).components)
         for part in campaign.measured_cases
-        if campaign.source_case(part) == case and not campaign.data(part).delays
+        if campaign.source_case(part) == case
+        and not (campaign.data(part).delays or part in campaign.encoded_cases)
     }
     return {case: campaign.dimension(case), **parts} if parts else {}
 
@@ -195,10 +197,17 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "reynolds_cases": lambda campaign, case: _reynolds_cases(campaign),
     "controlled_cases": _controlled_cases,
     "aware_cases": lambda campaign, case: _aware_cases(campaign),
+    # a case and those that are encoded from it
+    "encoded_cases": lambda campaign, case: [
+        one for one in campaign.ranked_cases if campaign.source_case(one) == case
+    ],
     # a case and those that are parts of it
     "parts": lambda campaign, case: list(_observed(campaign, case)),
 }
-_OF_SEVERAL_CASES = ("reynolds_cases", "controlled_cases", "aware_cases", "parts")
+_OF_SEVERAL_CASES = (
+    *("reynolds_cases", "controlled_cases", "aware_cases", "parts"),
+    "encoded_cases",
+)
 
 # Settings that are not in the config, by what follows ``shown.``
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
@@ -263,6 +272,17 @@ def _with_parts(campaign: Campaign) -> list[str]:
     return [case for case in _every(campaign) if len(_observed(campaign, case)) > 1]
 
 
+def _encoded(campaign: Campaign) -> list[str]:
+    """Cases that others are encoded from."""
+    return list(dict.fromkeys(map(campaign.source_case, campaign.encoded_cases)))
+
+
+def _plane_flows(campaign: Campaign) -> list[str]:
+    """Cases of flows in a plane."""
+    simulated = campaign.simulated_cases
+    return [case for case in simulated if isinstance(_space(campaign, case), PlaneFlow)]
+
+
 def _with_long_term(campaign: Campaign) -> list[str]:
     return [case for case in _every(campaign) if long_term_candidates(campaign, case)]
 
@@ -313,6 +333,8 @@ CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
     "several_parameters": _with_parameters,
     "committees": _with_committees,
     "parts": _with_parts,
+    "encoded": _encoded,
+    "plane_flows": _plane_flows,
     "long_term": _with_long_term,
     "spectrum": _with_spectrum,
     "control_example": _control_example,

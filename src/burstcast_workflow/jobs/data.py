@@ -7,9 +7,12 @@ from collections.abc import Mapping
 
 from burstcast.arrays import FloatArray
 from burstcast.data.dataset import component_scales, observed_series
-from burstcast.files.netcdf import read_netcdf, read_rows
+from burstcast.files.netcdf import read_netcdf, read_rows, variable_names
 from burstcast.statistics.densities import bin_edges, edges_over
 from burstcast_workflow.harness.settings import Settings
+
+OBSERVED = "observed"
+"""Variable of an ensemble whose states were observed, with noise, before they were encoded."""
 
 
 def kept_series(ensemble: str) -> int:
@@ -63,7 +66,7 @@ def density_edges(settings: Settings, ensemble: str) -> FloatArray:
 def observed_rows(
     settings: Settings, ensemble: str, first: int, states: FloatArray, kind: str = ""
 ) -> FloatArray:
-    """What is observed of kept series: their states with noise.
+    """What is observed of kept series: their states with noise, or what is there of encoded ones.
 
     Parameters
     ----------
@@ -78,6 +81,8 @@ def observed_rows(
     kind
         Word that tells other series from those of the ensemble; their noise is drawn separately.
     """
+    if not kind and OBSERVED in variable_names(ensemble):
+        return read_rows(ensemble, OBSERVED, first, first + len(states))
     training = read_rows(ensemble, "state", 0, settings["case.training.series"])
     return observed_series(
         states,

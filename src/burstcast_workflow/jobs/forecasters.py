@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast.arrays import FloatArray
-from burstcast.files.netcdf import Variable, read_attributes, read_netcdf
+from burstcast.encoders.state_maps import StateMaps
+from burstcast.files.netcdf import Variable, read_attributes, read_netcdf, read_record
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.base import (
     Forecaster,
@@ -14,6 +15,7 @@ from burstcast.forecasters.base import (
     ForecastingCase,
 )
 from burstcast.forecasters.registry import forecaster_class
+from burstcast.systems.registry import make_system
 from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
@@ -22,7 +24,9 @@ from burstcast_workflow.jobs.systems import parameters_of, system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
-def forecasting_case(settings: Settings, time_unit: str | Sequence[str]) -> ForecastingCase:
+def forecasting_case(
+    settings: Settings, time_unit: str | Sequence[str], ensemble: str | None = None
+) -> ForecastingCase:
     """What forecasters of a job's case may know beside the data.
 
     Parameters
@@ -31,8 +35,11 @@ def forecasting_case(settings: Settings, time_unit: str | Sequence[str]) -> Fore
         With system, time and ``forecaster.options``.
     time_unit
         The job's input of that name.
+    ensemble
+        Series of the case, for forecasters that are to be fitted.
     """
     options = settings["forecaster.options"]
+    source = options.get("source")
     told: Mapping[str, Any] = settings.get("forecasters.aware") or options
     names = told.get("parameters")
     return ForecastingCase(
@@ -42,6 +49,8 @@ def forecasting_case(settings: Settings, time_unit: str | Sequence[str]) -> Fore
         steps_per_lyapunov_time=lyapunov_time(settings, time_unit),
         options=options,
         parameters=parameters_of(settings, names) if names else None,
+        source=make_system(source["system"], source["parameters"]) if source else None,
+        maps=read_record(ensemble, StateMaps) if source and ensemble else None,
     )
 
 

@@ -4,6 +4,7 @@ from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 
+import yaml
 from snakemake.api import SnakemakeApi
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 
@@ -18,13 +19,24 @@ ROOT = Path(__file__).parents[3]
 
 @cache
 def workflow():
-    """The rules by name, and the campaign of the paper, with choices of control as well."""
+    """The rules by name, and the campaign of the paper, with all that other campaigns have."""
+    campaign = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))["campaign"]
+    encoded = {"cases": ["encoded"], "forecasters": {"persistence": {}}}
     with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
         loaded = api.workflow(
             resource_settings=ResourceSettings(cores=1),
             config_settings=ConfigSettings(
                 configfiles=(ROOT / "config.yaml",),
-                config={"control": {"tolerated_exceedance": 0.01}},
+                config={
+                    "control": {"tolerated_exceedance": 0.01},
+                    "cases": {
+                        "encoded": {
+                            "data": {"case": "Re400"},
+                            "encoder": {"kind": "pod", "modes": 2},
+                        }
+                    },
+                    "campaign": [*campaign, encoded],
+                },
             ),
             snakefile=ROOT / "Snakefile",
         )._workflow

@@ -384,8 +384,8 @@ WITH_EFFECT = [
         Edit(
             "the equations as a forecaster",
             f"{LIBRARY}/forecasters/equations_noisy.py",
-            "return cls(case.system, case.time_step, case.sampling_stride, case.parameters)",
-            "return cls(case.system, 1.0 * case.time_step, case.sampling_stride, case.parameters)",
+            "return cls(case.system, *steps, case.parameters)",
+            "return cls(case.system, 1.0 * steps[0], steps[1], case.parameters)",
         ),
         f"*/equations */equations/* */equations_noisy {GATHERED} {GATHERED_CONTROL}",
     ),

@@ -20,6 +20,8 @@ from burstcast_workflow.jobs.data import check_kept_series, kept_series
 from burstcast_workflow.jobs.systems import equations_of
 
 ENDS = ("mean", "low", "high")
+MOST_EXPONENTS = 24
+"""Of a system with more components, so many leading exponents: enough for its dimension."""
 
 
 @job
@@ -44,7 +46,13 @@ def lyapunov(
     interval = round(settings["case.lyapunov.orthonormalisation_interval"] / time_step)
     alignment = alignment_of(steps, interval)
     by_series = lyapunov_spectrum(
-        system, start, time_step, steps - alignment, interval, alignment_steps=alignment
+        system,
+        start,
+        time_step,
+        steps - alignment,
+        interval,
+        alignment_steps=alignment,
+        exponents=min(system.dimension, MOST_EXPONENTS),
     )
     size = attractor_size(states.reshape(-1, states.shape[2]).T)
     growth = perturbation_growth(

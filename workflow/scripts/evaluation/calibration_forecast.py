@@ -50,7 +50,7 @@ def forecast_calibration_set(
         forecasts = out_of_sample_forecasts(
             who,
             learnt.observed.states,
-            forecasting_case(settings, time_unit),
+            forecasting_case(settings, time_unit, ensemble),
             durations.steps(settings["washout_lt"], steps),
             system.observable,
             given,
@@ -62,7 +62,7 @@ def forecast_calibration_set(
         forecasts = out_of_sample_forecasts(
             who,
             seen_rows(who, settings, ensemble, 0, training_states(settings, ensemble)),
-            forecasting_case(settings, time_unit),
+            forecasting_case(settings, time_unit, ensemble),
             durations.steps(settings["washout_lt"], steps),
             system.observable,
             given,

@@ -21,7 +21,7 @@ def fit(
 ) -> None:
     """Write what it has learnt."""
     kind = forecaster_class(parsed(settings["forecaster"]).kind)
-    case = forecasting_case(settings, time_unit)
+    case = forecasting_case(settings, time_unit, ensemble)
     if scheduled:
         learnt = read_scheduled(scheduled, settings["case"])
         fitted = kind.fit(learnt.observed.states, case, learnt.schedules)

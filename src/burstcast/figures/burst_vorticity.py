@@ -1,0 +1,168 @@
+"""The strongest event of the test series of a plane flow: (a) the observable, with the event
+threshold and the times of the fields; (b, ...) vorticity at these times, before, at and after the
+peak. Red turns anticlockwise. All fields share one colour scale.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from burstcast.arrays import FloatArray
+from burstcast.figures.parts.style import (
+    DOUBLE_COLUMN,
+    TRUTH,
+    WINDOW,
+    draw_threshold,
+    letter_panels,
+    new_figure,
+    observable_label,
+    styled,
+)
+from burstcast.figures.parts.time_axis import samples_per_lyapunov_time
+from burstcast.figures.registry import Declaration
+from burstcast.systems.registry import make_system
+
+FIGURE = Declaration(
+    section="data",
+    position=20,
+    inputs={
+        "states": "case/ensemble.nc:state",
+        "observable": "case/ensemble.nc:observable",
+        "exponents": "time_unit",
+    },
+    settings={
+        "system": "case.system",
+        "parameters": "case.parameters",
+        "training_series": "case.training.series",
+        "time_step": "case.ensemble.time_step",
+        "sampling_stride": "case.ensemble.sampling_stride",
+        "published_exponent": "case.lyapunov.published_exponent",
+        "threshold": "case.event_threshold",
+        "symbol": "shown.symbol",
+        "observable_name": "shown.observable_name",
+    },
+    cases="plane_flows",
+)
+
+_TIMES_LT = (-2.0, -1.0, -0.5, 0.0, 1.0)
+_SHOWN_LT = 4.0
+_POINTS = 96
+
+
+def draw(
+    *,
+    states: FloatArray,
+    observable: FloatArray,
+    exponents: Mapping[str, Any] | None,
+    system: str,
+    parameters: Mapping[str, float],
+    training_series: int,
+    time_step: float,
+    sampling_stride: int,
+    published_exponent: float,
+    threshold: float,
+    symbol: str,
+    observable_name: str,
+) -> Figure:
+    """Draw the largest peak that has all of its times within its series.
+
+    Parameters
+    ----------
+    states, observable
+        Of all series, ``(series, time, dimension)`` and ``(series, time)``.
+    exponents
+        Computed Lyapunov exponents, if they are the unit of time; else the published one is.
+    system, parameters
+        A flow with a vorticity in a plane.
+    training_series
+        Series that are passed over.
+    time_step, sampling_stride, published_exponent
+        Of the case.
+    threshold
+        Event threshold.
+    symbol, observable_name
+        Of the observable.
+    """
+    unit = samples_per_lyapunov_time(exponents, published_exponent, time_step, sampling_stride)
+    margin = min(round(_SHOWN_LT * unit), (observable.shape[1] - 1) // 2)
+    tested = observable[training_series:, margin : observable.shape[1] - margin]
+    row, step = np.unravel_index(np.argmax(tested), tested.shape)
+    row, peak = row + training_series, step + margin
+    steps = [peak + round(time * unit) for time in _TIMES_LT]
+    steps = [min(max(one, 0), observable.shape[1] - 1) for one in steps]
+    flow: Any = make_system(system, parameters)
+    sides = [np.linspace(0.0, side, _POINTS) for side in flow.domain]
+    points = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
+    fields = flow.vorticity(states[row, steps].T, points).reshape(_POINTS, _POINTS, -1)
+    span = slice(peak - margin, peak + margin + 1)
+    return burst_vorticity(
+        (np.arange(span.start, span.stop) - peak) / unit,
+        observable[row, span],
+        [(one - peak) / unit for one in steps],
+        np.moveaxis(fields, -1, 0),
+        flow.domain,
+        threshold,
+        observable_label(symbol, observable_name),
+    )
+
+
+@styled
+def burst_vorticity(
+    time_lt: FloatArray,
+    observable: FloatArray,
+    times_lt: list[float],
+    fields: FloatArray,
+    domain: tuple[float, float],
+    threshold: float,
+    label: str,
+) -> Figure:
+    """Draw the observable above the fields.
+
+    Parameters
+    ----------
+    time_lt, observable
+        Around the peak, ``(time,)``; Lyapunov times.
+    times_lt
+        Of the fields.
+    fields
+        Vorticity, ``(fields, x, y)``.
+    domain
+        Periods along x and y.
+    threshold
+        Event threshold.
+    label
+        Of the observable's axis.
+    """
+    figure = new_figure(DOUBLE_COLUMN, 3.6)
+    grid = figure.add_gridspec(2, 1, height_ratios=[1.0, 1.15])
+    upper, lower = (figure.add_subfigure(grid[row]) for row in range(2))
+    evolution: Axes = upper.subplots()
+    evolution.plot(time_lt, observable, **TRUTH)
+    draw_threshold(evolution, threshold, "event threshold", at_left=True)
+    for time in times_lt:
+        evolution.axvline(time, **WINDOW)
+    evolution.set_xlim(time_lt[0], time_lt[-1])
+    evolution.set_xlabel("Time from the peak [LT]")
+    evolution.set_ylabel(label)
+    panels: list[Axes] = list(lower.subplots(1, len(fields), sharey=True))
+    largest = float(np.abs(fields).max())
+    for axes, field, time in zip(panels, fields, times_lt, strict=True):
+        drawn = axes.imshow(
+            field.T,
+            origin="lower",
+            extent=(0.0, domain[0], 0.0, domain[1]),
+            cmap="RdBu_r",
+            vmin=-largest,
+            vmax=largest,
+        )
+        axes.set_xlabel("$x$")
+        axes.set_xticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
+        axes.set_yticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
+        axes.set_title(f"${time:+.1f}$ LT" if time else "peak", loc="right")
+    panels[0].set_ylabel("$y$")
+    lower.colorbar(drawn, ax=panels, label="Vorticity", shrink=0.7)
+    letter_panels([evolution, *panels])
+    return figure

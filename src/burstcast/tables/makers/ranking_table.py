@@ -1,0 +1,87 @@
+"""How well forecasts rank starting points: by onsets, and by any time above the threshold."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.forecast.windows import WindowForecasts, WindowSummaries
+from burstcast.probability.alarm_sources import AlarmSource
+from burstcast.probability.ranking import EVENTS, Window, ranking_scores
+from burstcast.statistics.resampled_score import ResampledScore
+from burstcast.systems.base import DynamicalSystem, has_own
+from burstcast.systems.registry import make_space
+from burstcast.tables.cells import with_interval
+from burstcast.tables.makers._probabilities import GATHERED, INPUTS, SETTINGS, CaseProbabilities
+from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+
+PRECURSOR = "published_precursor"
+"""What the quantity is called that theory gives (`DynamicalSystem.precursor`)."""
+
+TABLES = Declaration(
+    inputs={**INPUTS, "evaluation_set": f"{INPUTS['evaluation_set']} washout"},
+    gathered=GATHERED,
+    settings={**SETTINGS, "system": "case.system", "parameters": "case.parameters"},
+)
+
+
+def make(
+    *,
+    forecasts: Sequence[Gathered],
+    evaluation_set: Mapping[str, Any],
+    calibration: Mapping[str, Any],
+    system: str,
+    parameters: Mapping[str, Any],
+    **scored: Any,
+) -> dict[str, Rows]:
+    """Areas below both curves, with intervals over the test series."""
+    case = CaseProbabilities.of(forecasts, evaluation_set, calibration, **scored)
+    points, threshold = case.points, case.event_threshold
+    truth = WindowSummaries(points.data["first"], points.data["largest"])
+    here = points.scored(threshold)
+    space = make_space(system, parameters)
+    theory: FloatArray | None = None
+    if isinstance(space, DynamicalSystem) and has_own(space, "precursor"):
+        theory = space.precursor(evaluation_set["washout"][:, -1].T)
+    rows: Rows = []
+    for time in case.times:
+        weights = case.weights(time)[:, points.data["series"]][:, here]
+        everything = np.vstack([np.ones(here.sum(), dtype=np.int64), weights])
+        window = Window(*points.windows(time), threshold)
+        for event in EVENTS:
+            happened = window.happened(truth, event)[here]
+            base = ResampledScore(happened.mean(), (weights @ happened) / weights.sum(axis=1))
+            keys = {"prediction_time_lt": time, "event": event}
+            for names, strength in _strengths(case, time, window, event, theory):
+                found = ranking_scores(strength[here], happened, everything)
+                scores = {name: ResampledScore(one[0], one[1:]) for name, one in found.items()}
+                rows += [
+                    {**names, **keys, "metric": metric, **with_interval(score, case.confidence)}
+                    for metric, score in {"base_rate": base, **scores}.items()
+                ]
+    return {"ranking": rows}
+
+
+def _strengths(
+    case: CaseProbabilities,
+    time: float,
+    window: Window,
+    event: str,
+    theory: FloatArray | None,
+) -> Iterator[tuple[dict[str, Any], FloatArray]]:
+    """Key columns of all that rank points, and the strength of each point."""
+    for alarm in case.alarms:
+        yield case.keys(alarm), _strength(case, time, window, event, alarm)
+    if theory is not None:
+        yield {"forecaster": PRECURSOR, "alarm": PRECURSOR}, theory
+
+
+def _strength(
+    case: CaseProbabilities, time: float, window: Window, event: str, alarm: AlarmSource
+) -> FloatArray:
+    found = [case.points.forecasts[name] for name in alarm.forecasters]
+    trajectories = [one for one in found if isinstance(one, WindowForecasts)]
+    if not trajectories:  # a baseline, or the probabilities of a classifier
+        return case.points.values(alarm, time, window.threshold)
+    return np.asarray(np.mean([window.strength(one, event) for one in trajectories], axis=0))

@@ -1,0 +1,67 @@
+"""Encode the series of another case: what is observed of them, as the channels of this one."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from burstcast.data.dataset import component_scales, observed_series
+from burstcast.data.ensemble_files import ensemble_variables
+from burstcast.encoders.channels import IDENTITY, StateChannels, encoding_case
+from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
+from burstcast.systems.registry import make_space
+from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.time_unit import sampling_interval
+
+
+@job
+def encode(
+    *,
+    source: str,
+    ensemble: str,
+    summary: str,
+    settings: Settings,
+    provenance: Provenance,
+) -> None:
+    """Write the channels of all series as they truly are, and as they are observed."""
+    of_source, options = settings["source"], settings["case.encoder"] or {}
+    space = make_space(of_source["system"], of_source["parameters"])
+    case = encoding_case(space, settings["case.sensors"], options)
+    found = read_netcdf(source, "series", "lifetime", "observable")
+    observable, count = found["observable"][..., np.newaxis], settings["case.training.series"]
+    training = read_rows(source, "state", 0, count)
+    scales = component_scales(case.readings_of_series(training))
+    seed, name = settings["random_seed"], of_source["name"]
+    level = settings["noise"]["level"] if settings["noise"] else 0.0
+    case = replace(case, noise=level * scales.standard_deviation)
+    readings = case.readings_of_series(training)
+    seen = observed_series(readings, 0, level, scales, seed, name)
+    channels = StateChannels.fit(options.get("kind", IDENTITY), training, seen, case)
+    true, observed = [], []
+    for row in range(len(observable)):
+        # one series after the other, for those of a flow are large
+        readings = case.readings_of_series(read_rows(source, "state", row, row + 1))
+        seen = observed_series(readings, row, level, scales, seed, name)
+        true.append(channels.encode_series(readings))
+        observed.append(channels.encode_series(seen))
+    scales = component_scales(observable[:count])
+    noisy = observed_series(observable, 0, level, scales, seed, f"{name} observable")
+    variables, of_all = ensemble_variables(
+        np.concatenate([np.concatenate(true), observable], axis=2),
+        found["observable"],
+        system_of(settings).observable_name,
+        found["series"],
+        found["lifetime"],
+        sampling_interval(settings),
+    )
+    variables["observed"] = replace(
+        variables["state"],
+        data=np.concatenate([np.concatenate(observed), noisy], axis=2),
+        description="what is observed of the state, with noise",
+    )
+    if channels.decodes:
+        variables |= variables_of(channels.maps(training))
+    write_netcdf(ensemble, variables, provenance)
+    write_json(summary, {**of_all, "provenance": provenance})
