@@ -41,6 +41,7 @@ NAVIGATION = {
     "Run and change": ["installing", "settings", "figures", "tables", "cluster"],
     "Your data, system, model": [
         *("notebook", "tutorial_data", "tutorial", "fitzhugh_nagumo", "aware"),
+        "sensors",
         *("benchmark", "leaderboard"),
     ],
     "Results and method": [

@@ -27,7 +27,7 @@ OF_SINGLE_NETWORKS = (
 PUBLISHED_TABLES = (
     *OF_SINGLE_NETWORKS,
     *("warnings", "control_choices", "control_density", "control_differences"),
-    "training_realisations",
+    *("training_realisations", "ranking"),
     *(
         f"{name}_percentiles"
         for name in (

@@ -1,0 +1,106 @@
+"""Markdown tables of campaigns of encoded flows, for docs/results.md."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from burstcast.probability.ranking import ONSET
+from burstcast_report.results_tables import Tables, markdown, name_of, significant, with_ends
+
+_METRIC = "average_precision"
+_KEYS = ["case", "alarm", "forecaster", "neurons", "validation"]
+_SAME_EVERYWHERE = ("climatology", "observable_now", "published_precursor")
+"""Alarms that are the same in all cases of a flow: each is shown once."""
+
+
+def average_precision(tables: Tables, event: str) -> str:
+    """Average precision of all that rank starting points, with intervals over test series."""
+    rows = _rows(tables, event)
+    times = sorted(rows["prediction_time_lt"].unique())
+    shown = []
+    for (case, alarm, *who), part in rows.groupby(_KEYS, dropna=False, sort=False):
+        cells = {row["prediction_time_lt"]: with_ends(row) for row in part.to_dict("records")}
+        of = "" if alarm in _SAME_EVERYWHERE else f"`{case}`"
+        shown.append([of, _name(alarm, *who), *(cells.get(time, "") for time in times)])
+    return markdown(["case", "", *(f"{time:g} LT" for time in times)], shown)
+
+
+def targets(tables: Tables) -> str:
+    """What was to be reached, and what was: average precision of onsets."""
+    rows = _rows(tables, ONSET)
+    learnt = rows[
+        ~rows["forecaster"].str.startswith("equations") & ~rows["alarm"].isin(_SAME_EVERYWHERE)
+    ]
+    shown = []
+    for time, wanted in ((0.5, 0.75), (1.0, 0.5), (2.0, 0.2)):
+        at = learnt[learnt["prediction_time_lt"] == time]
+        best = _best(at)
+        shown.append(
+            [
+                f"the best forecaster that learns, {time:g} LT ahead",
+                f"above {wanted:g}",
+                f"{with_ends(best)}: {_said(best)}",
+                _reached(best["value"] > wanted),
+            ]
+        )
+    one = learnt[learnt["prediction_time_lt"] == 1.0]
+    reservoirs = one[one["neurons"].notna() | (one["forecaster"] == "esn_direct")]
+    boosting = one[one["forecaster"] == "precursor"]
+    if len(reservoirs) and len(boosting):
+        best, other = _best(reservoirs), _best(boosting)
+        shown.append(
+            [
+                "a reservoir against the learnt precursor, 1 LT ahead",
+                "not below its interval",
+                f"{with_ends(best)} against {with_ends(other)}: {_said(best)}",
+                _reached(best["value"] >= other["low"]),
+            ]
+        )
+    known = rows[rows["prediction_time_lt"] == 1.0]
+    filtered, whole = (
+        float(known.loc[known["alarm"] == alarm, "value"].max())
+        for alarm in ("equations_filtered", "equations_noisy")
+    )
+    shown.append(
+        [
+            "the filter from sensors against all amplitudes with noise, 1 LT ahead",
+            "within 0.05",
+            f"{significant(filtered)} against {significant(whole)}",
+            _reached(filtered >= whole - 0.05),
+        ]
+    )
+    return markdown(["average precision of onsets", "wanted", "found", ""], shown)
+
+
+def _rows(tables: Tables, event: str) -> pd.DataFrame:
+    """Rows of an event: committees in place of their members, each alarm once."""
+    rows = tables.rows("ranking", event=event, metric=_METRIC)
+    rows = rows[rows["seed"].isna() | ~_has_committee(rows)]
+    rows = rows[~(rows["alarm"].str.endswith("-committee") & rows["neurons"].isna())]
+    again = rows["alarm"].isin(_SAME_EVERYWHERE) & rows.duplicated(["alarm", "prediction_time_lt"])
+    return rows[~again]
+
+
+def _has_committee(rows: pd.DataFrame) -> pd.Series:
+    keys = ["case", "neurons", "validation"]
+    committees = rows[rows["alarm"].str.endswith("-committee")][keys].drop_duplicates()
+    return rows[keys].apply(tuple, axis=1).isin(set(committees.itertuples(index=False, name=None)))
+
+
+def _name(alarm: Any, forecaster: Any, neurons: Any, validation: Any) -> str:
+    if alarm in _SAME_EVERYWHERE:
+        return str(forecaster).replace("_", " ")
+    return name_of(forecaster, *(None if pd.isna(one) else one for one in (neurons, validation)))
+
+
+def _best(rows: pd.DataFrame) -> dict[Any, Any]:
+    return rows.sort_values("value").to_dict("records")[-1]
+
+
+def _said(row: Mapping[Any, Any]) -> str:
+    return f"{_name(*(row[key] for key in _KEYS[1:]))} on `{row['case']}`"
+
+
+def _reached(yes: bool) -> str:
+    return "reached" if yes else "not reached"
