@@ -53,7 +53,7 @@ NAVIGATION = {
     ],
 }
 # Campaigns that figures are taken from, in this order: the paper's, then presets.
-PRESETS = ("", "beyond_the_paper", "partial_observation", "aware", "quick")
+PRESETS = ("", "beyond_the_paper", "partial_observation", "aware", "kolmogorov", "quick")
 _LINK = re.compile(r"(?P<before>\]\(|^\[[^\]]+\]: )(?P<path>[^)#\s:]+)(?P<after>[)#\s])", re.M)
 _FENCE = re.compile(r"^ *```.*?^ *```$", re.M | re.S)
 

@@ -189,18 +189,16 @@ def test_expressions_and_no_encoding():
 
 
 @pytest.mark.parametrize("kind", available_encoders())
-def test_an_encoder_is_restored_bit_for_bit(kind, training):
+def test_channels_are_named_and_decoded_where_the_kind_can(kind, training):
     options = {"pod": {"modes": 5}, "expressions": {"expressions": ["a_0_1 * b_1_0"]}}
     estimated = kind == "state_estimate"
     seen = (SENSORS, np.ones(32)) if estimated else (None, None)
     case = EncodingCase(FLOW, options.get(kind, {}), *seen)
     encoder = encoder_class(kind).fit(training, case)
-    again = encoder_class(kind).restore(encoder.record(), case)
     states = np.moveaxis(training, 2, 0)
     observed = SENSORS(states) if estimated else states
     channels = encoder.encode(observed)
     assert channels.shape == (len(encoder.channel_names(case)), *observed.shape[1:])
-    assert np.array_equal(again.encode(observed), channels)
     if encoder.decodes:
         assert encoder.decode(channels).shape == observed.shape
     else:

@@ -115,12 +115,3 @@ class Encoder(abc.ABC):
             If the kind cannot decode.
         """
         raise NotImplementedError(f"{type(self).__name__} does not decode")
-
-    @abc.abstractmethod
-    def record(self) -> dict[str, FloatArray]:
-        """Arrays from which `restore` recreates the encoder."""
-
-    @classmethod
-    @abc.abstractmethod
-    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
-        """Encoder from its `record`."""

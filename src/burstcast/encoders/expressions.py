@@ -1,6 +1,5 @@
 """Channels that are arithmetic expressions of observed components."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
@@ -29,33 +28,29 @@ class ExpressionsEncoder(Encoder):
     @classmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
         """Read the expressions; nothing is fitted."""
-        return cls.restore({}, case)
+        return cls(case.components, _expressions(case))
 
     @classmethod
     def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
         """The expressions as they are written."""
-        return tuple(one.text for one in cls.restore({}, case).expressions)
+        return tuple(one.text for one in _expressions(case))
 
     def encode(self, observed: FloatArray) -> FloatArray:
         """Values ``(expression, ...)`` of components ``(component, ...)``."""
         values = dict(zip(self.components, observed, strict=True))
         return np.stack([one(values) for one in self.expressions])
 
-    def record(self) -> dict[str, FloatArray]:
-        """Nothing was fitted."""
-        return {}
 
-    @classmethod
-    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
-        """Read the expressions."""
-        components = case.components
-        expressions = tuple(map(Expression, case.options.get("expressions", ())))
-        if not expressions:
-            raise ValueError("expressions must name one expression at least")
-        for one in expressions:
-            unknown = sorted(set(one.names) - set(components))
-            if unknown:
-                raise ValueError(
-                    f"{one.text!r} names {', '.join(unknown)}; observed are {', '.join(components)}"
-                )
-        return cls(components, expressions)
+def _expressions(case: EncodingCase) -> tuple[Expression, ...]:
+    """Expressions that the options say. Raises ValueError if they name no components."""
+    components = case.components
+    expressions = tuple(map(Expression, case.options.get("expressions", ())))
+    if not expressions:
+        raise ValueError("expressions must name one expression at least")
+    for one in expressions:
+        unknown = sorted(set(one.names) - set(components))
+        if unknown:
+            raise ValueError(
+                f"{one.text!r} names {', '.join(unknown)}; observed are {', '.join(components)}"
+            )
+    return expressions

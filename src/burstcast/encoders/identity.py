@@ -1,6 +1,5 @@
 """No encoding: forecasters are given the observed components."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -31,12 +30,3 @@ class IdentityEncoder(Encoder):
     def decode(self, channels: FloatArray) -> FloatArray:
         """Return the channels, unchanged."""
         return channels
-
-    def record(self) -> dict[str, FloatArray]:
-        """Nothing was fitted."""
-        return {}
-
-    @classmethod
-    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
-        """Return an encoder."""
-        return cls()

@@ -4,7 +4,6 @@ A flow that may be shifted has one event at every place. An encoding without the
 and is learnt from fewer data (`DynamicalSystem.invariants`). It cannot be decoded.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
@@ -28,27 +27,22 @@ class InvariantsEncoder(Encoder):
     @classmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
         """Take the system's invariants; nothing is fitted."""
-        return cls.restore({}, case)
+        return cls(_system(case))
 
     @classmethod
     def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
         """Names of the invariants."""
-        system = cls.restore({}, case).system
-        names: tuple[str, ...] = system.invariant_names  # type: ignore[attr-defined]
+        names: tuple[str, ...] = _system(case).invariant_names  # type: ignore[attr-defined]
         return names
 
     def encode(self, observed: FloatArray) -> FloatArray:
         """Invariants of states ``(dimension, ...)``."""
         return self.system.invariants(observed)
 
-    def record(self) -> dict[str, FloatArray]:
-        """Nothing was fitted."""
-        return {}
 
-    @classmethod
-    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
-        """Take the system's invariants."""
-        system = case.space
-        if not isinstance(system, DynamicalSystem) or not has_own(system, "invariants"):
-            raise ValueError(f"{type(system).__name__} has no invariants to encode")
-        return cls(system)
+def _system(case: EncodingCase) -> DynamicalSystem:
+    """System of the states. Raises ValueError if it has no invariants."""
+    system = case.space
+    if not isinstance(system, DynamicalSystem) or not has_own(system, "invariants"):
+        raise ValueError(f"{type(system).__name__} has no invariants to encode")
+    return system

@@ -83,15 +83,6 @@ class PodEncoder(Encoder):
         """States ``(component, ...)`` of coefficients ``(mode, ...)``."""
         return (np.tensordot(self.modes, channels, axes=1).T + self.mean).T
 
-    def record(self) -> dict[str, FloatArray]:
-        """Mean, modes and variances."""
-        return {"mean": self.mean, "modes": self.modes, "variances": self.variances}
-
-    @classmethod
-    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
-        """Put mean and modes together again."""
-        return cls(record["mean"], record["modes"], record["variances"])
-
 
 def _count(options: Mapping[str, float], variances: FloatArray, snapshots: int) -> int:
     """Number of modes that the options ask for."""

@@ -5,7 +5,6 @@ Source: linear stochastic estimation (Adrian, "Stochastic estimation of conditio
 series with their images under the symmetries of the system.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -45,7 +44,8 @@ class StateEstimateEncoder(Encoder):
         With mean m and covariance C of the states, observation matrix H and covariance R of its
         errors, the estimate from y is m + C H' (H C H' + R)^-1 (y - H m).
         """
-        matrix = _observation(case).matrix
+        observation = _observation(case)
+        matrix = observation.matrix
         noise = np.zeros(len(matrix)) if case.noise is None else case.noise
         if not (noise > 0.0).all():
             raise ValueError("an estimate of the state takes observations with noise, not without")
@@ -53,7 +53,7 @@ class StateEstimateEncoder(Encoder):
         across = moments.covariance @ matrix.T
         gain = np.linalg.solve(matrix @ across + np.diag(np.square(noise)), across.T).T
         constant = moments.mean - gain @ (matrix @ moments.mean)
-        return cls.restore({"gain": gain, "constant": constant}, case)
+        return cls(observation, gain, constant)
 
     @classmethod
     def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
@@ -68,15 +68,6 @@ class StateEstimateEncoder(Encoder):
     def decode(self, channels: FloatArray) -> FloatArray:
         """Sensor readings of states ``(dimension, ...)``."""
         return self.observation(channels)
-
-    def record(self) -> dict[str, FloatArray]:
-        """Gain and constant."""
-        return {"gain": self.gain, "constant": self.constant}
-
-    @classmethod
-    def restore(cls, record: Mapping[str, FloatArray], case: EncodingCase) -> Self:
-        """Put the estimate together again."""
-        return cls(_observation(case), record["gain"], record["constant"])
 
 
 def _observation(case: EncodingCase) -> Observation:
