@@ -136,7 +136,10 @@ _VALUES: dict[str, Any] = {
     "case_defaults.controlled_density.range": [0.012, 0.4],
     "case_defaults.actuation.parameters.reynolds": 1500,
     "case_defaults.files": None,  # they belong to a system of one's own: the same again
-    "case_defaults.data": None,  # what is measured, each case says by itself: the same again
+    # what is measured, seen or encoded, each case says by itself: the same again
+    "case_defaults.data": None,
+    "case_defaults.sensors": None,
+    "case_defaults.encoder": None,
     "case_defaults.actuation.force": [0.001, 0, 0, 0, 0, 0, 0, 0, 0],
     "case_defaults.actuation.start_lt": -0.5,
     "case_defaults.training.actuation": {
