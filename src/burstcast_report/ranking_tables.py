@@ -6,12 +6,11 @@ from typing import Any
 import pandas as pd
 
 from burstcast.probability.ranking import ONSET
+from burstcast.tables.ranked import SAME_EVERYWHERE, shown_once
 from burstcast_report.results_tables import Tables, markdown, name_of, significant, with_ends
 
 _METRIC = "average_precision"
 _KEYS = ["case", "alarm", "forecaster", "neurons", "validation"]
-_SAME_EVERYWHERE = ("climatology", "observable_now", "published_precursor")
-"""Alarms that are the same in all cases of a flow: each is shown once."""
 
 
 def average_precision(tables: Tables, event: str) -> str:
@@ -21,7 +20,7 @@ def average_precision(tables: Tables, event: str) -> str:
     shown = []
     for (case, alarm, *who), part in rows.groupby(_KEYS, dropna=False, sort=False):
         cells = {row["prediction_time_lt"]: with_ends(row) for row in part.to_dict("records")}
-        of = "" if alarm in _SAME_EVERYWHERE else f"`{case}`"
+        of = "" if alarm in SAME_EVERYWHERE else f"`{case}`"
         shown.append([of, _name(alarm, *who), *(cells.get(time, "") for time in times)])
     return markdown(["case", "", *(f"{time:g} LT" for time in times)], shown)
 
@@ -30,7 +29,7 @@ def targets(tables: Tables) -> str:
     """What was to be reached, and what was: average precision of onsets."""
     rows = _rows(tables, ONSET)
     learnt = rows[
-        ~rows["forecaster"].str.startswith("equations") & ~rows["alarm"].isin(_SAME_EVERYWHERE)
+        ~rows["forecaster"].str.startswith("equations") & ~rows["alarm"].isin(SAME_EVERYWHERE)
     ]
     shown = []
     for time, wanted in ((0.5, 0.75), (1.0, 0.5), (2.0, 0.2)):
@@ -75,21 +74,11 @@ def targets(tables: Tables) -> str:
 
 def _rows(tables: Tables, event: str) -> pd.DataFrame:
     """Rows of an event: committees in place of their members, each alarm once."""
-    rows = tables.rows("ranking", event=event, metric=_METRIC)
-    rows = rows[rows["seed"].isna() | ~_has_committee(rows)]
-    rows = rows[~(rows["alarm"].str.endswith("-committee") & rows["neurons"].isna())]
-    again = rows["alarm"].isin(_SAME_EVERYWHERE) & rows.duplicated(["alarm", "prediction_time_lt"])
-    return rows[~again]
-
-
-def _has_committee(rows: pd.DataFrame) -> pd.Series:
-    keys = ["case", "neurons", "validation"]
-    committees = rows[rows["alarm"].str.endswith("-committee")][keys].drop_duplicates()
-    return rows[keys].apply(tuple, axis=1).isin(set(committees.itertuples(index=False, name=None)))
+    return shown_once(tables.rows("ranking", event=event, metric=_METRIC))
 
 
 def _name(alarm: Any, forecaster: Any, neurons: Any, validation: Any) -> str:
-    if alarm in _SAME_EVERYWHERE:
+    if alarm in SAME_EVERYWHERE:
         return str(forecaster).replace("_", " ")
     return name_of(forecaster, *(None if pd.isna(one) else one for one in (neurons, validation)))
 

@@ -62,6 +62,7 @@ def ranking_rows() -> pd.DataFrame:
         ("sensors", "equations_filtered-committee", "equations_filtered_committee", None, None),
         *(("invariants", f"esn-N50-RV-seed{seed}", "esn", 50, seed) for seed in range(2)),
         ("invariants", "esn-N50-RV-committee", "esn_committee", 50, None),
+        ("invariants", "esn-N90-RV-seed0", "esn", 90, 0),
         *((case, "observable_now", "observable_now", None, None) for case in ("flow", "sensors")),
     ]
     rows = []

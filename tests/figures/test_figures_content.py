@@ -653,6 +653,7 @@ def test_lost_skill_draws_onsets_of_committees_and_says_each_alarm_once():
     assert labels[1] == [
         "published precursor",
         "invariants: committee of networks, 50 neurons",
+        "invariants: network, 90 neurons",
         "observable now",
     ]
     # the first forecaster, of onsets alone

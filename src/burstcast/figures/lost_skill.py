@@ -26,6 +26,7 @@ from burstcast.figures.registry import Declaration
 from burstcast.forecasters._labels import forecaster_label
 from burstcast.forecasters._names import described
 from burstcast.probability.ranking import ONSET
+from burstcast.tables.ranked import SAME_EVERYWHERE, shown_once
 
 FIGURE = Declaration(
     section="forecasts",
@@ -36,8 +37,6 @@ FIGURE = Declaration(
 
 _METRIC = "average_precision"
 _CASE_KEYS = ["case", "alarm", "forecaster", "neurons", "seed"]
-# without a channel of their own: the same in every case
-_OF_ALL = ("observable_now", "published_precursor")
 _LEFT_OUT = ("climatology", "persistence")
 
 
@@ -58,10 +57,7 @@ def lost_skill(ranking: pd.DataFrame) -> Figure:
     onsets = ranking[ranking["event"] == ONSET]
     rates = onsets[onsets["metric"] == "base_rate"].groupby("prediction_time_lt")["value"].mean()
     rows = onsets[onsets["metric"] == _METRIC]
-    single = rows["seed"].notna() & rows.duplicated(["case", "forecaster", "neurons"], keep=False)
-    ensembles = rows["alarm"].str.endswith("-committee") & rows["neurons"].isna()
-    rows = rows[~single & ~ensembles & ~rows["alarm"].isin(_LEFT_OUT)]
-    rows = rows[~(rows["alarm"].isin(_OF_ALL) & rows.duplicated(["alarm", "prediction_time_lt"]))]
+    rows = shown_once(rows[~rows["alarm"].isin(_LEFT_OUT)])
     known = rows["forecaster"].str.startswith("equations")
     figure = new_figure(DOUBLE_COLUMN, 4.2)
     panels: list[Axes] = list(figure.subplots(1, 2, sharey=True))
@@ -100,7 +96,7 @@ def lost_skill(ranking: pd.DataFrame) -> Figure:
 def _label(row: pd.Series) -> str:
     """Case and forecaster in words."""
     name = forecaster_label(str(row["forecaster"]))
-    if row["alarm"] in _OF_ALL:
+    if row["alarm"] in SAME_EVERYWHERE:
         return name
     if pd.notna(row["neurons"]):
         name = described(name, row["neurons"])

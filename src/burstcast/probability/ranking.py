@@ -18,6 +18,9 @@ ONSET, ANY = "onset", "any"
 EVENTS = (ONSET, ANY)
 """What may happen in a window."""
 
+PRECURSOR = "published_precursor"
+"""What the quantity is called that theory gives (`DynamicalSystem.precursor`)."""
+
 
 @dataclass(frozen=True)
 class Window:

@@ -8,16 +8,13 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.forecast.windows import WindowForecasts, WindowSummaries
 from burstcast.probability.alarm_sources import AlarmSource
-from burstcast.probability.ranking import EVENTS, Window, ranking_scores
+from burstcast.probability.ranking import EVENTS, PRECURSOR, Window, ranking_scores
 from burstcast.statistics.resampled_score import ResampledScore
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.registry import make_space
 from burstcast.tables.cells import with_interval
 from burstcast.tables.makers._probabilities import GATHERED, INPUTS, SETTINGS, CaseProbabilities
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-PRECURSOR = "published_precursor"
-"""What the quantity is called that theory gives (`DynamicalSystem.precursor`)."""
 
 TABLES = Declaration(
     inputs={**INPUTS, "evaluation_set": f"{INPUTS['evaluation_set']} washout"},
