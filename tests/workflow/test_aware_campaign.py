@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import Project
-from snakemake.utils import update_config
+from helpers_rebuilds import Project, tiny_with
 
 from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.campaign.campaign import Campaign
@@ -30,12 +29,8 @@ TARGETS = (
 
 
 def config(change=None):
-    """The tiny campaign with a change, as Snakemake merges it."""
-    whole = yaml.safe_load((ROOT / "config.yaml").read_text())
-    tiny = yaml.safe_load((ROOT / "workflow" / "presets" / "tiny.yaml").read_text())
-    for overlay in (tiny, OVERLAY, change or {}):
-        update_config(whole, copy.deepcopy(overlay))
-    return whole
+    """The tiny campaign of these tests with a change."""
+    return tiny_with(OVERLAY, change or {})
 
 
 # -- mistakes, told before any job -----------------------------------------------------------------

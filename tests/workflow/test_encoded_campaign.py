@@ -9,9 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from helpers_rebuilds import Project
+from helpers_rebuilds import Project, tiny_with
 from sklearn.metrics import average_precision_score
-from snakemake.utils import update_config
 
 from burstcast import random_streams
 from burstcast.files.netcdf import read_netcdf
@@ -27,12 +26,8 @@ TARGETS = ("tables/ranking.csv", "tables/dataset.csv", "figures/forecast_skill_s
 
 
 def config(change=None):
-    """The tiny campaign with a change, as Snakemake merges it."""
-    whole = yaml.safe_load((ROOT / "config.yaml").read_text())
-    tiny = yaml.safe_load((ROOT / "workflow" / "presets" / "tiny.yaml").read_text())
-    for overlay in (tiny, OVERLAY, change or {}):
-        update_config(whole, copy.deepcopy(overlay))
-    return whole
+    """The tiny campaign of these tests with a change."""
+    return tiny_with(OVERLAY, change or {})
 
 
 # -- mistakes, told before any job -----------------------------------------------------------------

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import Project
+from helpers_rebuilds import Project, tiny_with
 from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.metrics import average_precision_score, f1_score, recall_score
 from snakemake.utils import update_config
@@ -30,12 +30,8 @@ TRAINING, TIMES, THRESHOLD = 8, (1, 2, 3), 0.07
 
 
 def config(change=None):
-    """The tiny campaign with a change, as Snakemake merges it."""
-    whole = yaml.safe_load((ROOT / "config.yaml").read_text())
-    tiny = yaml.safe_load((ROOT / "workflow" / "presets" / "tiny.yaml").read_text())
-    for overlay in (tiny, OVERLAY, change or {}):
-        update_config(whole, copy.deepcopy(overlay))
-    return whole
+    """The tiny campaign of these tests with a change."""
+    return tiny_with(OVERLAY, change or {})
 
 
 # -- mistakes, told before any job -----------------------------------------------------------------

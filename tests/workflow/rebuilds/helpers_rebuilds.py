@@ -1,5 +1,6 @@
 """Working copies of the project in which the tests edit and run the workflow."""
 
+import copy
 import hashlib
 import json
 import os
@@ -8,18 +9,29 @@ import shutil
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import yaml
+from snakemake.utils import update_config
 
 ROOT = Path(__file__).parents[3]
 HERE = Path(__file__).parent
 PARTS = ("Snakefile", "config.yaml", "profiles", "resources", "src", "workflow")
 TINY = "workflow/presets/tiny.yaml"
 RESULTS = "results/tiny"
+
+
+def tiny_with(*overlays: Mapping[str, Any]) -> dict[str, Any]:
+    """The tiny preset with overlays, as Snakemake merges them."""
+    tiny = yaml.safe_load((ROOT / TINY).read_text(encoding="utf-8"))
+    whole: dict[str, Any] = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    for overlay in (tiny, *overlays):
+        update_config(whole, copy.deepcopy(overlay))
+    return whole
 
 
 @dataclass(frozen=True)
