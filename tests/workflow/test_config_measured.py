@@ -196,6 +196,11 @@ def changed(name, value):
         ("part.data.case", "lab", "that is simulated: Re400"),
         ("part.data.components", ["a1", "b"], "there is no column 'b'"),
         ("part.data.components", ["a1", "a10"], "no column 'a10' (did you mean 'a1'?)"),
+        (
+            "lab.encoder",
+            {"kind": "pod", "modes": 1},
+            "sensors and encoder are for cases of another",
+        ),
         ("part.data.time_step", 1, "data.time_step means nothing where the series are those of"),
     ],
 )

@@ -106,6 +106,10 @@ class Encoder(abc.ABC):
         ``(channel, ...)``.
         """
 
+    def encode_series(self, observed: FloatArray) -> FloatArray:
+        """The same of series ``(series, time, component)``: ``(series, time, channel)``."""
+        return np.moveaxis(self.encode(np.moveaxis(observed, -1, 0)), 0, -1)
+
     def decode(self, channels: FloatArray) -> FloatArray:
         """Components of channels ``(channel, ...)``, as near as the encoding allows.
 

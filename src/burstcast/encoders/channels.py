@@ -64,9 +64,8 @@ class StateChannels:
         estimate = StateEstimateEncoder.fit(states, case)
         if kind == ESTIMATE:
             return cls(case, None, estimate)
-        estimated = np.moveaxis(estimate.encode(np.moveaxis(seen, -1, 0)), 0, -1)
         of_states = replace(case, observation=None)
-        return cls(case, estimate, encoder_class(kind).fit(estimated, of_states))
+        return cls(case, estimate, encoder_class(kind).fit(estimate.encode_series(seen), of_states))
 
     def encode(self, seen: FloatArray) -> FloatArray:
         """Channels ``(channel, ...)`` of what is observed, ``(observed, ...)``."""
@@ -76,7 +75,9 @@ class StateChannels:
 
     def encode_series(self, seen: FloatArray) -> FloatArray:
         """Channels ``(series, time, channel)`` of observed series ``(series, time, observed)``."""
-        return np.moveaxis(self.encode(np.moveaxis(seen, -1, 0)), 0, -1)
+        if self.estimate is not None:
+            seen = self.estimate.encode_series(seen)
+        return self.encoder.encode_series(seen)
 
     @property
     def decodes(self) -> bool:
@@ -103,7 +104,7 @@ class StateChannels:
         if self.case.observation is not None and self.estimate is None:
             # readings themselves, or the estimate of the state, which is its own channel
             known = isinstance(self.encoder, StateEstimateEncoder)
-            decode = _same if known else StateEstimateEncoder.fit(states, self.case).encode
+            decode = _same if known else StateEstimateEncoder.of(moments, self.case).encode
         matrix, offset = _affine(
             lambda state: self.encode(self.case.readings(state)), states.shape[-1]
         )

@@ -11,7 +11,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.encoders._moments import state_moments
+from burstcast.encoders._moments import Moments, state_moments
 from burstcast.encoders.base import Encoder, EncodingCase
 from burstcast.observation.base import Observation
 from burstcast.systems.state_space import component_names
@@ -39,7 +39,12 @@ class StateEstimateEncoder(Encoder):
 
     @classmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
-        """Estimate from the moments of the true training states (see `Encoder.fit`).
+        """Estimate from the moments of the true training states (see `Encoder.fit`)."""
+        return cls.of(state_moments(training.reshape(-1, training.shape[-1]), case.space), case)
+
+    @classmethod
+    def of(cls, moments: Moments, case: EncodingCase) -> Self:
+        """Estimate from moments of the states.
 
         With mean m and covariance C of the states, observation matrix H and covariance R of its
         errors, the estimate from y is m + C H' (H C H' + R)^-1 (y - H m).
@@ -49,7 +54,6 @@ class StateEstimateEncoder(Encoder):
         noise = np.zeros(len(matrix)) if case.noise is None else case.noise
         if not (noise > 0.0).all():
             raise ValueError("an estimate of the state takes observations with noise, not without")
-        moments = state_moments(training.reshape(-1, training.shape[-1]), case.space)
         across = moments.covariance @ matrix.T
         gain = np.linalg.solve(matrix @ across + np.diag(np.square(noise)), across.T).T
         constant = moments.mean - gain @ (matrix @ moments.mean)

@@ -404,7 +404,7 @@ class Campaign:
         section, *rest = path.split(".")
         if section == "forecaster":
             value: Any = self._options(name.kind)
-            if self._decodes(wildcards.get("case", ""), name):
+            if self._decodes(wildcards, name):
                 value["options"]["source"] = self.source_system(wildcards["case"])
         elif path == AWARE:
             return {**self._plain[section]["aware"], "own": self.own_values(wildcards["case"])}
@@ -422,13 +422,11 @@ class Campaign:
             value = value[key]
         return value
 
-    def _decodes(self, case: str, name: ForecasterName) -> bool:
+    def _decodes(self, wildcards: Mapping[str, str], name: ForecasterName) -> bool:
         """Whether a forecaster goes on with equations from decoded states of another case."""
-        return (
-            case in self.encoded_cases
-            and name.asks_forecasters
-            and kind_class(name.kind).needs_equations
-        )
+        case = self.cases.get(wildcards.get("case", ""))
+        solves = name.asks_forecasters and kind_class(name.kind).needs_equations
+        return solves and case is not None and is_encoded(case)
 
     def _tells(self, name: ForecasterName, wildcards: Mapping[str, str]) -> bool:
         """Whether a job's forecaster learns about parameters, or is told of those in force."""
@@ -503,7 +501,7 @@ class Campaign:
         validations = (
             strategies.split("+") if strategies else {one.validation for one in forecasters}
         )
-        encoded = [self.cases[case] for case in cases if case in self.encoded_cases]
+        encoded = [self.cases[case] for case in cases if is_encoded(self.cases[case])]
         # and those that encoded cases are made from
         cases += [one.data.case for one in encoded if one.data and one.data.case]
         encoders = {one.encoder.kind for one in encoded if one.encoder}
@@ -603,8 +601,9 @@ class Campaign:
     @property
     def ranked_cases(self) -> tuple[str, ...]:
         """Encoded cases, and those that they are made from."""
-        sources = {self.source_case(case) for case in self.encoded_cases}
-        return tuple(case for case in self.case_names if case in {*sources, *self.encoded_cases})
+        encoded = self.encoded_cases
+        ranked = {*encoded, *map(self.source_case, encoded)}
+        return tuple(case for case in self.case_names if case in ranked)
 
     def source_system(self, case: str) -> dict[str, Any]:
         """Name, system and parameters of the case that a case is a part of."""

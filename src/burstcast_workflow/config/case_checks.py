@@ -18,6 +18,7 @@ from burstcast_workflow.config.cases import (
 )
 from burstcast_workflow.config.lengths import lag_misfits, misfits
 from burstcast_workflow.config.measured_cases import (
+    ONLY_ENCODED,
     is_encoded,
     own_problems,
     problems_of_data,
@@ -61,7 +62,7 @@ def _simulated(config: Configuration, name: str) -> Iterator[str]:
         return
     kinds = _kinds(config, name)
     if is_encoded(case):
-        yield "sensors and encoder are for cases of another case's series: data: {case: ...}"
+        yield ONLY_ENCODED
     yield from out_of_bounds(case)
     yield from _system(name, case)
     if any(kind_class(kind).has_filter for kind in kinds):
@@ -224,10 +225,7 @@ def _measured(config: Configuration, name: str) -> Iterator[str]:
         return
     yield from out_of_bounds(case)
     yield from problems_of_data(case)
-    if is_encoded(case):
-        if source is None:
-            yield "sensors and encoder are for cases of another case's series: data: {case: ...}"
-            return
+    if source is not None and is_encoded(case):
         yield from problems_of_encoding(case, case_of(config, source))
     kinds = _kinds(config, name)
     needing = [kind for kind in kinds if kind_class(kind).needs_equations]

@@ -15,7 +15,7 @@ from burstcast.encoders.channels import IDENTITY, channel_names, encoding_case
 from burstcast.encoders.registry import encoder_class
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED, StateSpace, component_names, make_measured
-from burstcast_workflow.config.model import Case, Data, Measured, Sensors, Simulated
+from burstcast_workflow.config.model import Case, Data, Measured, Simulated
 from burstcast_workflow.stages.canonical import natural_order
 
 Config = dict[str, Any]
@@ -27,6 +27,8 @@ OFF = "Lyapunov exponents of equations, forecasts by equations, control, velocit
 
 SUBSTEPS = 4
 """Steps of the Runge-Kutta scheme from one row to the next, for equations that are learnt."""
+
+ONLY_ENCODED = "sensors and encoder are for cases of another case's series: data: {case: ...}"
 
 _MEANINGLESS = ("system", "files", "parameters", "ensemble", "actuation", "controlled_density")
 _OF_FILES = ("time_step", "time", "series", "array", "axes", "columns", "header", "blocks")
@@ -122,9 +124,7 @@ def encoding_of(case: Case, source: Mapping[str, Any]) -> tuple[str, EncodingCas
         If there are no such sensors.
     """
     space = make_space(source["system"], source.get("parameters", {}))
-    sensors = None
-    if case.sensors is not None:
-        sensors = {**Sensors().model_dump(), **case.sensors.model_dump(exclude_none=True)}
+    sensors = case.sensors.model_dump() if case.sensors else None
     options = case.encoder.model_dump(exclude_none=True) if case.encoder else {}
     return options.pop("kind", IDENTITY), encoding_case(space, sensors, options)
 
@@ -226,6 +226,8 @@ def own_problems(own: Case) -> Iterator[str]:
         yield "data needs files: [...], or else the name of another case of the campaign (case)"
         return
     if data.case is None:
+        if is_encoded(own):
+            yield ONLY_ENCODED
         for key, meaning in (
             ("observable", "a component, or an expression of columns"),
             ("time_step", "the time between two rows"),

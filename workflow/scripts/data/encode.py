@@ -32,11 +32,11 @@ def encode(
     found = read_netcdf(source, "series", "lifetime", "observable")
     observable, count = found["observable"][..., np.newaxis], settings["case.training.series"]
     training = read_rows(source, "state", 0, count)
-    scales = component_scales(case.readings_of_series(training))
+    readings = case.readings_of_series(training)
+    scales = component_scales(readings)
     seed, name = settings["random_seed"], of_source["name"]
     level = settings["noise"]["level"] if settings["noise"] else 0.0
     case = replace(case, noise=level * scales.standard_deviation)
-    readings = case.readings_of_series(training)
     seen = observed_series(readings, 0, level, scales, seed, name)
     channels = StateChannels.fit(options.get("kind", IDENTITY), training, seen, case)
     true, observed = [], []
