@@ -4,6 +4,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import docutils.core
@@ -94,6 +95,26 @@ def test_the_container_runs_what_is_installed():
         '[project.scripts]\nburstcast = "burstcast_workflow.commands.command_line:main"\n'
         in project
     )
+
+
+def test_every_place_names_the_version_of_the_package():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    version = project["version"]
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["version"] == version
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    newest = re.findall(r"^## (\S+) \((\S+)\)$", changelog, re.MULTILINE)[0]
+    assert newest == (version, str(citation["date-released"]))
+
+
+def test_pages_promise_the_releases_that_are_tested():
+    oldest, newest = (".".join(TESTED[place].split(".")[:2]) for place in (0, -1))
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    pythons = re.findall(r"Python :: (3\.\d+)", project)
+    promise = f"Python {pythons[0]} to {pythons[-1]} and Snakemake {oldest} to {newest} are tested."
+    for name in ("CHANGELOG.md", "docs/installing.md"):
+        text = (ROOT / name).read_text(encoding="utf-8")
+        assert promise in " ".join(text.split()), name
 
 
 def test_the_catalog_finds_what_it_asks_for():

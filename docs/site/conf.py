@@ -1,11 +1,13 @@
 """Settings of Sphinx; ``docs/site/build.py`` assembles the pages and calls it."""
 
+from importlib.metadata import version
 from typing import Any
 
 project = "burstcast"
+release = version("burstcast")
 author = "The burstcast developers"
 copyright = author  # noqa: A001
-html_title = "burstcast"
+html_title = f"burstcast {release}"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
 exclude_patterns = ["_build"]
 default_role = "py:obj"  # `burstcast.esn.dynamics` in a docstring is a link
