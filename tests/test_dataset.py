@@ -226,3 +226,11 @@ def test_the_series_of_a_case_have_one_noise_by_its_name():
     np.testing.assert_array_equal(
         observed(states, 3), dataset.observe(states, 3, 0.01, scales, 2022, "noise", "Re400")
     )
+
+
+def test_inputs_are_divided_by_the_range_of_all_series_or_of_the_first():
+    states = np.array([[[0.0, 1.0], [2.0, 5.0]], [[-3.0, 2.0], [1.0, 2.0]]])
+    assert dataset.network_input_range(states).tolist() == [5.0, 4.0]
+    assert dataset.network_input_range(states, "first").tolist() == [2.0, 4.0]
+    with pytest.raises(ValueError, match="component 1 is constant"):
+        dataset.network_input_range(states[::-1], "first")

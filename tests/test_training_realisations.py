@@ -6,7 +6,13 @@ import scipy.stats
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.data.training_realisations import rows_of_realisation, variance_components
+from burstcast.data.training_realisations import (
+    DRAWS,
+    draw_training_series,
+    rows_of_realisation,
+    trained_first,
+    variance_components,
+)
 
 
 @given(st.integers(1, 6), st.integers(0, 5), st.integers(0, 30))
@@ -25,6 +31,67 @@ def test_choices_share_no_series_and_leave_the_others_where_they_are(training, c
 def test_an_ensemble_that_is_too_small_is_refused():
     with pytest.raises(ValueError, match="29 series are too few for 3 choices of 10"):
         rows_of_realisation(29, 10, 2)
+
+
+@given(st.data())
+def test_chosen_series_come_first_and_the_others_stay(data):
+    kept = data.draw(st.integers(4, 30))
+    training = data.draw(st.integers(1, kept // 2))
+    chosen = np.array(data.draw(st.permutations(range(kept))))[:training]
+    rows = trained_first(kept, chosen)
+    assert rows[:training].tolist() == chosen.tolist()
+    assert sorted(rows.tolist()) == list(range(kept))
+    for row in set(range(training, kept)) - set(chosen.tolist()):
+        assert rows[row] == row
+
+
+def drawn(shares, candidates, training, wanted, seed=0):
+    generators = [np.random.default_rng([seed, number]) for number in range(len(wanted))]
+    return draw_training_series(shares, candidates, training, wanted, generators)
+
+
+@given(st.integers(0, 100))
+def test_drawn_sets_share_no_series_and_leave_out_the_test_series(seed):
+    shares = np.random.default_rng(seed).beta(2, 12, size=80)
+    candidates = np.delete(np.arange(80), np.s_[5:45])
+    sets = drawn(shares, candidates, 5, [0.1, 0.2, 0.1], seed)
+    together = np.concatenate(sets)
+    assert len(set(together.tolist())) == 15
+    assert set(together.tolist()) <= set(candidates.tolist())
+    # what is asked for later changes no earlier choice
+    np.testing.assert_array_equal(drawn(shares, candidates, 5, [0.1], seed)[0], sets[0])
+
+
+def test_a_drawn_set_is_the_nearest_of_many_and_random_otherwise():
+    generator = np.random.default_rng(3)
+    shares = generator.beta(2, 12, size=300)
+    spread = shares.std() / np.sqrt(10)
+    for wanted in (shares.mean(), shares.mean() + 1.5 * spread):
+        (rows,) = drawn(shares, np.arange(300), 10, [wanted])
+        # 1000 sets, of which some lie within a hundredth of the spread of their means
+        assert abs(shares[rows].mean() - wanted) < 0.05 * spread
+    # without a wish that can be met, the order of the series is that of chance
+    first = [drawn(shares, np.arange(300), 10, [0.143], seed)[0] for seed in range(200)]
+    counts = np.bincount(np.concatenate(first), minlength=300)
+    assert scipy.stats.chisquare(counts).pvalue > 1e-3
+    assert abs(np.mean([rows[0] for rows in first]) - 149.5) < 4 * 300 / np.sqrt(12 * 200)
+
+
+def test_the_nearest_set_is_found_by_hand():
+    shares, generator = np.array([0.1, 0.5, 0.2, 0.9]), np.random.default_rng(5)
+    order = generator.random((DRAWS, 4)).argsort(axis=1)[:, :2]
+    assert {0.15} < {round(float(shares[one].mean()), 6) for one in order}
+    (rows,) = drawn_by(shares, 0.14, 5)
+    assert sorted(rows.tolist()) == [0, 2]
+
+
+def drawn_by(shares, wanted, seed):
+    return draw_training_series(shares, np.arange(4), 2, [wanted], [np.random.default_rng(seed)])
+
+
+def test_too_few_series_to_draw_from_are_refused():
+    with pytest.raises(ValueError, match="29 series are too few for 3 choices of 10"):
+        drawn(np.zeros(29), np.arange(29), 10, [0.1] * 3)
 
 
 @given(st.integers(0, 1000), st.integers(2, 6), st.integers(2, 5))

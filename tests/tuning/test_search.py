@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from skopt.learning import GaussianProcessRegressor
 
 from burstcast.tuning import network_search
-from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
+from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace, SurrogateSettings
 from burstcast.tuning.scan import scan
 from burstcast.tuning.search import bayesian_search
 from burstcast.tuning.strategies.registry import make_strategy
@@ -141,3 +142,34 @@ def test_the_best_network_is_that_of_its_own_strategy():
 
 def test_no_points_are_no_search():
     assert search(points=0) == []
+
+
+def test_the_surrogate_has_the_settings_that_it_is_given(monkeypatch):
+    made = []
+
+    def recorded(**arguments):
+        made.append(arguments)
+        return GaussianProcessRegressor(**arguments)
+
+    monkeypatch.setattr("burstcast.tuning.search.GaussianProcessRegressor", recorded)
+    grid = [(point, bowl(point)) for point in PAPER.grid(4)]
+    authors = SurrogateSettings((0.1, 3.0), (0.01, 10.0), 0.2, 10)
+    paths = []
+    for seed, surrogate in ((1, SurrogateSettings()), (1, authors), (2, authors)):
+        found = []
+
+        def evaluate(point, found=found):
+            found.append(point)
+            return bowl(point)
+
+        bayesian_search(PAPER, grid, 2, evaluate, seed, surrogate)
+        paths.append(found)
+    own, other = (one["kernel"] for one in made[:2])
+    # by hand, of the kernels of skopt: bounds in logarithms, the constant first
+    np.testing.assert_allclose(np.exp(own.bounds), [[1e-2, 1e3], [1e-2, 1e2], [1e-2, 1e2]])
+    np.testing.assert_allclose(np.exp(own.theta), [1, 1, 1])
+    np.testing.assert_allclose(np.exp(other.bounds), [[0.1, 3], [0.01, 10], [0.01, 10]])
+    np.testing.assert_allclose(np.exp(other.theta), [1, 0.2, 0.2])
+    assert [one["random_state"] for one in made] == [1, 10, 10]
+    assert paths[1] == paths[2]
+    assert paths[0] == search(points=2)

@@ -1,5 +1,7 @@
 """How strategies are found, and what the walk forward leaves out."""
 
+from dataclasses import replace
+
 import pytest
 
 from burstcast.tuning.strategies import base, registry
@@ -75,3 +77,12 @@ def test_use_of_a_series():
 
 def test_the_interface_is_no_strategy():
     assert base.ValidationStrategy not in registry._classes().values()
+
+
+def test_the_single_shot_may_start_within_the_training_data():
+    (own,) = make_strategy("SSV").folds(PLAN, 4, 40)
+    (authors,) = make_strategy("SSV").folds(replace(PLAN, single_shot_lead=1), 4, 40)
+    assert (own.starts, authors.starts) == ((30,), (29,))
+    assert own.trained == authors.trained
+    with pytest.raises(ValueError, match="leave nothing to train on"):
+        make_strategy("SSV").folds(replace(PLAN, single_shot_lead=25), 4, 40)

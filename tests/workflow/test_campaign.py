@@ -240,7 +240,12 @@ def test_settings_are_found_by_their_path():
         "case.training": {"actuation": None, "noise": 0.01, "series": 10, "trained_on": []},
         "case.training.noise": 0.01,
         "forecasters.esn.connectivity": 20,
-        "forecaster.options": {"backend": "compiled", "connectivity": 20, "input_bias": 0.1},
+        "forecaster.options": {
+            "backend": "compiled",
+            "connectivity": 20,
+            "input_bias": 0.1,
+            "input_range": "all",
+        },
         "forecaster.divergence_bound": 10,
         "washout_lt": 0.5,
         "search": PAPER.config.search.dump(),
@@ -463,3 +468,30 @@ def test_realisations_are_cases_that_differ_by_their_training_series_only():
     assert {one.case for one in found.networks} == {own, *others}
     assert "training_realisations" in table_names(found)
     assert "training_realisations" not in table_names(campaign())
+
+
+DRAWN = {"reynolds": [400], "event_shares": [0.17, "all"]}
+NETWORKS = {"neurons": [500], "validation": ["RV"], "seeds": 2}
+
+
+def test_drawn_training_sets_stand_in_the_place_of_the_cases_own():
+    own = {"reynolds": [400], "forecasters": {"equations": {}}}
+    found = campaign({"campaign": [own, {**DRAWN, "forecasters": {"esn": NETWORKS}}]})
+    assert found.case_names == ("Re400", "Re400-training1", "Re400-training2")
+    assert {one.case for one in found.networks} == set(found.realised_cases)
+    first, both = map(found.drawn_shares, found.realised_cases)
+    assert first == {"shares": [0.17], "threshold": 0.1}
+    assert both == {"shares": [0.17, "all"], "threshold": 0.1}
+    assert campaign().drawn_shares("Re400") is None
+
+
+def test_networks_with_true_washouts_share_the_search_of_the_others():
+    chosen = {"esn_true_washout": NETWORKS}
+    found = campaign({"campaign": [{"reynolds": [400], "forecasters": chosen}]})
+    assert len(found.networks) == 2
+    assert found.searched_networks == ()
+    searched = [found.searched(one).directory for one in found.networks]
+    assert searched == ["Re400/esn-N500-RV-seed0", "Re400/esn-N500-RV-seed1"]
+    # they have learnt from noisy series
+    wildcards = {"case": "Re400", "forecaster": "esn_true_washout-N500-RV-seed0"}
+    assert found.settings(["case.training.noise"], wildcards, {}) == {"case.training.noise": 0.01}

@@ -510,7 +510,9 @@ def test_cases_that_the_campaign_leaves_out_are_not_looked_at(config):
             1,
             [
                 "unknown setting seeds",
-                "campaign[].forecasters.esn.seeds or campaign[].forecasters.esn_aware.seeds or ",
+                "campaign[].forecasters.esn.seeds or ",
+                "campaign[].forecasters.esn_true_washout.seeds or ",
+                "campaign[].forecasters.esn_aware.seeds or ",
                 "control.sweep.seeds or ",
                 "control.strategies[].seeds?",
             ],
@@ -990,3 +992,42 @@ def test_realisations_need_series_of_their_own(config):
 def test_names_of_realisations_are_taken(config):
     config["cases"]["Re400-training1"] = {"parameters": {"reynolds": 400}}
     assert "names that end so are those of other training series of Re400" in only_problem(config)
+
+
+def test_drawn_training_sets_fit_the_campaign(config):
+    block = {
+        "reynolds": [400],
+        "event_shares": [0.13, 0.17],
+        "forecasters": {"esn": {"neurons": [500], "validation": ["RV"], "seeds": 1}},
+    }
+    config["campaign"].append(block)
+    load(config)
+    block["event_shares"] = [0.13, 1.5]
+    assert any("event_shares[1]" in one for one in problems(config))
+    block["event_shares"] = [0.13, "all"]
+    load(config)
+    config["campaign"].append({**block, "event_shares": [0.17]})
+    assert "one list of event_shares must begin with the other" in only_problem(config)
+    config["campaign"].pop()
+    block["realisations"] = 3
+    assert any("realisations and event_shares" in one for one in problems(config))
+    del block["realisations"]
+    config["case_defaults"]["ensemble"]["series"] = 179
+    (problem, *_) = [one for one in problems(config) if "event_shares" in one]
+    assert "event_shares has 2" in problem
+    assert "are 180 series of Re400, but ensemble.series is 179" in problem
+
+
+def test_drawn_training_sets_need_the_case_that_they_are_drawn_from(config):
+    config["campaign"][0]["event_shares"] = [0.17]
+    config["cases"]["Re400"]["event_threshold"] = {"quantile": 0.9}
+    found = problems(config)
+    assert any("drawn from those of Re400, which no block" in one for one in found)
+    assert any("Re400 is a quantile of the training series" in one for one in found)
+
+
+def test_the_surrogate_starts_within_its_bounds(config):
+    config["search"]["surrogate"] = {"length_scale": [0.01, 0.1], "random_state": 10}
+    assert "search.surrogate.first_length_scale" in only_problem(config)
+    config["search"]["surrogate"]["first_length_scale"] = 0.05
+    load(config)

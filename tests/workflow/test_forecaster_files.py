@@ -14,6 +14,7 @@ from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import (
     forecasting_case,
+    learnt_rows,
     read_forecaster,
     seen,
     seen_rows,
@@ -36,6 +37,7 @@ SETTINGS = {
     "random_seed": 2022,
     "forecasters.esn.connectivity": 6,
     "forecasters.esn.input_bias": 0.1,
+    "forecasters.esn.input_range": "all",
     # of all kinds together
     "forecaster.options": {
         "backend": "scipy",
@@ -116,10 +118,11 @@ def network(ensemble):
 
 @pytest.mark.parametrize("kind", trajectory_kinds())
 def test_a_forecaster_comes_back_bit_for_bit(kind, network, ensemble, tmp_path):
-    identifier = {"esn": IDENTIFIER}.get(kind, kind)
+    found = forecaster_class(kind)
+    identifier = IDENTIFIER.replace("esn", kind) if found.has_search else kind
     settings = {**SETTINGS, "forecaster": identifier}
-    if kind == "esn":
-        made = network
+    if issubclass(found, NetworkForecaster):
+        made = found(network.network, network.seed, network.divergence_bound)
     else:
         training = training_series(settings, ensemble).observed
         made = forecaster_class(kind).fit(training, forecasting_case(settings, []))
@@ -187,12 +190,23 @@ def test_what_forecasters_may_know_of_their_case():
 
 @pytest.mark.parametrize("kind", trajectory_kinds())
 def test_only_the_bound_is_given_the_truth(kind, network):
-    made = network
-    if kind != "esn":
+    kind_of_it = forecaster_class(kind)
+    if issubclass(kind_of_it, NetworkForecaster):
+        made = kind_of_it(network.network, network.seed, network.divergence_bound)
+    else:
         series = np.random.default_rng(4).normal(size=(3, 90, 3)).cumsum(axis=1)
-        made = forecaster_class(kind).fit(series, forecasting_case(SETTINGS, []))
+        made = kind_of_it.fit(series, forecasting_case(SETTINGS, []))
     observed, true = np.zeros(3), np.ones(3)
-    assert seen(made, observed, true) is (true if kind == "equations" else observed)
+    bounds = ("equations", "esn_true_washout")
+    assert seen(made, observed, true) is (true if kind in bounds else observed)
+
+
+def test_networks_with_true_washouts_learn_from_noisy_series(ensemble):
+    classes = map(forecaster_class, ("equations", "esn", "esn_true_washout"))
+    true, noisy, same = (learnt_rows(kind, SETTINGS, str(ensemble)) for kind in classes)
+    np.testing.assert_array_equal(true, training_states(SETTINGS, str(ensemble)))
+    np.testing.assert_array_equal(noisy, training_series(SETTINGS, ensemble).observed)
+    np.testing.assert_array_equal(same, noisy)
 
 
 def test_who_sees_the_truth_reads_no_noise(ensemble):

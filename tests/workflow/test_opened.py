@@ -2,7 +2,6 @@
 
 import shutil
 
-import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_array_equal
@@ -37,13 +36,12 @@ def test_it_says_what_there_is(opened):
 @pytest.mark.parametrize("identifier", ["esn-N40-RV-seed0", "quadratic_filtered", "equations"])
 def test_its_forecasters_forecast_what_the_workflow_has(opened, identifier):
     directory = opened.results / "Re400"
-    points = read_netcdf(directory / "evaluation_set.nc", "washout", "true_state")
+    points = read_netcdf(directory / "evaluation_set.nc", "washout", "true_washout")
     forecaster = opened.forecasters[f"Re400/{identifier}"]
-    true = points["true_state"][:, np.newaxis]
     forecasts = window_forecasts(
         forecaster,
         MoehlisFaisstEckhardt(reynolds=400.0).observable,
-        true if forecaster.sees_truth else points["washout"],
+        points["true_washout" if forecaster.sees_truth else "washout"],
         window_boundaries(0.5, 7, 61),
     )
     stored = read_netcdf(directory / identifier / "forecast.nc")

@@ -77,8 +77,8 @@ SCHEDULER_LOGS = Path("results/slurm-logs")
 STARTED = time.time()
 
 # Networks have a search before they are trained; forecasters of other kinds are fitted at once.
-NETWORKS = r"esn(_aware)?-N\d+-[A-Z]+-seed\d+"
-OTHERS = r"(?!esn(_aware)?-)[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*"
+NETWORKS = r"esn(_aware|_true_washout)?-N\d+-[A-Z]+-seed\d+"
+OTHERS = r"(?!esn(_aware|_true_washout)?-)[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*"
 # Kinds that give probabilities without a trajectory have one stage for all that.
 CLASSIFIERS = one_of(sorted({one.name.kind for one in campaign.classifiers}))
 NO_CLASSIFIER = rf"(?!({CLASSIFIERS})(/|$))"

@@ -45,11 +45,12 @@ stage(
     "choose other training series",
     inputs={"source": stages.ensemble_of_source},
     outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
-    settings="SYSTEM case.ensemble.time_step case.ensemble.sampling_stride "
+    settings="SYSTEM random_seed case.ensemble.time_step case.ensemble.sampling_stride "
     "case.training.series case.test_series probability.calibration_series",
     cost="data",
     constraints={"case": REALISED},
     realisation=of_case(lambda campaign, case: realisation_of(case)[1]),
+    drawn=of_case(Campaign.drawn_shares),
 )
 stage(
     "data/event_threshold",

@@ -26,7 +26,7 @@ stage(
         "hyperparameters": f"{FORECASTER}/hyperparameters.json",
         "trace": f"{FORECASTER}/search.csv",
     },
-    settings="SEARCH search.bayesian_points",
+    settings="SEARCH search.bayesian_points search.surrogate",
     cost="search_points",
     cached=True,
 )

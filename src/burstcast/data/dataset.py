@@ -5,6 +5,7 @@ Source: section "Generation of the dataset" of the paper.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -164,6 +165,28 @@ def component_scales(training_states: FloatArray) -> Scales:
         constant = int(np.argmin(component_range > 0))
         raise ValueError(f"component {constant} is constant over the training series")
     return Scales(standard_deviation=flat.std(axis=0), range=component_range)
+
+
+def network_input_range(
+    training_states: FloatArray, series: Literal["all", "first"] = "all"
+) -> FloatArray:
+    """Range by which the inputs of a network are divided, ``(dimension,)``.
+
+    Parameters
+    ----------
+    training_states
+        True states of the training series, ``(series, time, dimension)``.
+    series
+        Whose range it is: that of all training series, or of the first one alone, as in the
+        programs of the paper's authors. The bias of the inputs is the same for both, so that it is
+        smaller beside the inputs where their range is smaller.
+
+    Raises
+    ------
+    ValueError
+        If a component is constant over these series.
+    """
+    return component_scales(training_states[:1] if series == "first" else training_states).range
 
 
 def observe(

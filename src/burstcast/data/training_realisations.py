@@ -14,6 +14,9 @@ import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
 
+DRAWS = 1000
+"""Random sets of series of which the one with the nearest share of events is taken."""
+
 _REALISATION = re.compile(r"(.+)-training([1-9]\d*)")
 
 
@@ -50,16 +53,75 @@ def rows_of_realisation(kept: int, training: int, realisation: int) -> IntArray:
     ValueError
         If the ensemble is too small for so many choices that share no series.
     """
-    rows = np.arange(kept)
     first = kept - realisation * training
     if first < training:
         raise ValueError(
             f"{kept} series are too few for {realisation + 1} choices of {training} of them"
         )
-    if realisation:
-        block = slice(first, first + training)
-        rows[:training], rows[block] = rows[block].copy(), rows[:training].copy()
+    own = not realisation
+    return trained_first(kept, np.arange(training) + (0 if own else first))
+
+
+def trained_first(kept: int, chosen: IntArray) -> IntArray:
+    """Order of an ensemble's series in which the chosen ones come first, ``(kept,)``.
+
+    The series that they displace take the places that become free, so that all others stay where
+    they are.
+    """
+    rows = np.arange(kept)
+    own = rows[: len(chosen)].copy()
+    rows[np.setdiff1d(chosen, own)] = np.setdiff1d(own, chosen)
+    rows[: len(chosen)] = chosen
     return rows
+
+
+def draw_training_series(
+    event_shares: FloatArray,
+    candidates: IntArray,
+    training: int,
+    wanted: Sequence[float],
+    generators: Sequence[np.random.Generator],
+) -> list[IntArray]:
+    """Draw choices of the training series by their share of time with an extreme event.
+
+    Each choice is, of `DRAWS` random sets of series that no earlier choice has, the one whose share
+    is nearest to the wanted one. Nothing else is looked at: neither forecasts nor their scores.
+
+    Parameters
+    ----------
+    event_shares
+        Share of its time that the observable of each series is at or above the event threshold,
+        ``(kept,)``. All series are equally long, so that the share of a set is the mean.
+    candidates
+        Rows of the series that may be drawn: all but the test series.
+    training
+        Number of series in each choice.
+    wanted
+        Wanted share of each choice.
+    generators
+        Random numbers of each choice.
+
+    Returns
+    -------
+    Rows of each choice, in random order, ``(training,)``.
+
+    Raises
+    ------
+    ValueError
+        If there are too few candidates.
+    """
+    if len(candidates) < training * len(wanted):
+        raise ValueError(
+            f"{len(candidates)} series are too few for {len(wanted)} choices of {training} of them"
+        )
+    chosen: list[IntArray] = []
+    for share, generator in zip(wanted, generators, strict=True):
+        left = np.setdiff1d(candidates, np.concatenate([candidates[:0], *chosen]))
+        order = generator.random((DRAWS, len(left))).argsort(axis=1)
+        sets = left[order[:, :training]]
+        distance = np.abs(event_shares[sets].mean(axis=1) - share)
+        chosen.append(sets[int(np.argmin(distance))])
+    return chosen
 
 
 @dataclass(frozen=True)

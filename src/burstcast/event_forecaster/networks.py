@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.data.dataset import component_scales
+from burstcast.data.dataset import network_input_range
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters.base import Forecaster, ForecastingCase
@@ -123,7 +123,7 @@ def _training(
     case: ForecastingCase,
 ) -> tuple[TrainingSeries, dict[str, Any]]:
     """Training series, and what networks that know the parameters are given beside them."""
-    scale = component_scales(states).range
+    scale = network_input_range(states, case.options["input_range"])
     if schedules is None:
         return TrainingSeries(observed, scale), {}
     turns = in_turns(schedules)

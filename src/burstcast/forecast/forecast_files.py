@@ -40,11 +40,11 @@ def point_variables(
             COMPONENT,
             "observed states up to the starting point",
         ),
-        "true_state": Variable(
-            ("point", "component"),
-            segments(true_states, points, 0, 0)[:, 0],
+        "true_washout": Variable(
+            ("point", "washout_step", "component"),
+            segments(true_states, points, found.washouts.shape[1] - 1, 0),
             COMPONENT,
-            "true states at the starting points, for forecasters that see them",
+            "true states up to the starting point, for forecasters that see them",
         ),
         "observable_now": Variable(
             each, found.seen[:, -1], OBSERVABLE, f"observed {name} at the starting point"

@@ -17,6 +17,8 @@ _LABELS = {
     "quadratic_aware_filtered_committee": "parameter-aware equations, filter's members",
     "analogues_committee": "analogues, one by one",
     "linear_inverse": "linear inverse model",
+    "esn_true_washout": "network, true washout",
+    "esn_true_washout_committee": "committee of networks, true washouts",
     "esn_direct": "reservoir, read out for the event",
     "precursor": "learnt precursor",
     "random": "random alarms",

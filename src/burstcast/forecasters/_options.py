@@ -7,7 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 DEFAULTS: Mapping[str, Mapping[str, Any]] = {
-    "esn": {"connectivity": 20, "input_bias": 0.1, "divergence_bound": 10, "backend": "compiled"},
+    "esn": {
+        **{"connectivity": 20, "input_bias": 0.1, "input_range": "all"},
+        **{"divergence_bound": 10, "backend": "compiled"},
+    },
     "observation": {"noise": None},
     "filter": {"members": 40, "inflation": 1},
     "quadratic": {"degree": 2, "window_lt": 0.2, "significance": 4},
@@ -34,6 +37,7 @@ _SECTIONS: Mapping[str, tuple[str, ...]] = {
     "quadratic_aware": ("observation", "quadratic", "aware"),
     "esn_aware": ("esn", "aware"),
     "esn_direct": ("esn", "esn_direct"),
+    "esn_true_washout": ("esn",),
     "quadratic_aware_filtered": ("observation", "quadratic", "aware", "filter"),
 }
 """Of the kinds whose options are not, or not only, the section of their own name."""

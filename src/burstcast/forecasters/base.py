@@ -100,6 +100,8 @@ class ForecasterKind(abc.ABC):
     case's own values."""
     has_search: ClassVar[bool] = False
     """Whether a search finds its hyperparameters before it is trained."""
+    searched_as: ClassVar[str] = ""
+    """Another kind whose search finds its hyperparameters; empty: its own."""
 
     @abc.abstractmethod
     def record(self) -> ForecasterRecord:

@@ -61,7 +61,9 @@ class DirectReadout(EventClassifier):
         root, neurons, connectivity, bias = (options[name] for name in names)
         seed = ReservoirSeed(root, neurons, 0, connectivity, bias)
         observed = points.washouts
-        input_range = np.ptp(observed.reshape(-1, observed.shape[2]), axis=0)
+        first = points.series == points.series.min()
+        ranged = observed[first] if options["input_range"] == "first" else observed
+        input_range = np.ptp(ranged.reshape(-1, observed.shape[2]), axis=0)
         reservoir = seed.reservoir(observed.shape[2])
         radii, scalings, penalties = (options[name] for name in _SEARCHED)
         several = len(radii) * len(scalings) * len(penalties) > 1

@@ -24,6 +24,31 @@ class HyperparameterPoint:
 
 
 @dataclass(frozen=True)
+class SurrogateSettings:
+    """Settings of the Gaussian process that chooses points after the grid.
+
+    Attributes
+    ----------
+    variance
+        Bounds of the process's variance, in variances of the known objectives.
+    length_scale
+        Bounds of its length scales, in decades of the hyperparameters.
+    first_length_scale
+        Length scale from which the fit to the known objectives starts.
+    random_state
+        Seed of the optimiser; None: each network has its own.
+    """
+
+    variance: tuple[float, float] = (1e-2, 1e3)
+    length_scale: tuple[float, float] = (1e-2, 1e2)
+    first_length_scale: float = 1.0
+    random_state: int | None = None
+
+
+DEFAULT_SURROGATE = SurrogateSettings()
+
+
+@dataclass(frozen=True)
 class SearchSpace:
     """Bounds of the search, which goes on in logarithmic scale.
 

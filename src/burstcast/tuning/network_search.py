@@ -8,7 +8,12 @@ from collections.abc import Sequence
 
 from burstcast import random_streams
 from burstcast.esn.reservoir import ReservoirSeed
-from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
+from burstcast.tuning.hyperparameters import (
+    DEFAULT_SURROGATE,
+    HyperparameterPoint,
+    SearchSpace,
+    SurrogateSettings,
+)
 from burstcast.tuning.scan import Evaluation
 from burstcast.tuning.strategies.base import ValidationStrategy
 from burstcast.tuning.validation import PointValidator
@@ -21,6 +26,7 @@ def search(
     scanned: Sequence[Evaluation],
     points: int,
     seed: int,
+    surrogate: SurrogateSettings = DEFAULT_SURROGATE,
 ) -> list[Evaluation]:
     """Evaluate more points, where a Gaussian process expects most of them.
 
@@ -38,6 +44,8 @@ def search(
         How many points to add.
     seed
         Of the optimiser (`optimiser_seed`).
+    surrogate
+        Settings of the Gaussian process.
 
     Returns
     -------
@@ -58,7 +66,7 @@ def search(
         # loaded here only: it takes longer than all the rest of the library
         from burstcast.tuning.search import bayesian_search
 
-        bayesian_search(space, list(on_grid.items()), points, objective, seed)
+        bayesian_search(space, list(on_grid.items()), points, objective, seed, surrogate)
     return trace
 
 

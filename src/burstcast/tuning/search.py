@@ -13,7 +13,12 @@ from skopt.learning import GaussianProcessRegressor
 from skopt.learning.gaussian_process.kernels import ConstantKernel, Matern
 from skopt.space import Real
 
-from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace
+from burstcast.tuning.hyperparameters import (
+    DEFAULT_SURROGATE,
+    HyperparameterPoint,
+    SearchSpace,
+    SurrogateSettings,
+)
 
 
 def bayesian_search(
@@ -22,6 +27,7 @@ def bayesian_search(
     points: int,
     evaluate: Callable[[HyperparameterPoint], float],
     seed: int,
+    surrogate: SurrogateSettings = DEFAULT_SURROGATE,
 ) -> None:
     """Evaluate ``points`` more hyperparameters where a Gaussian process expects most of them.
 
@@ -40,10 +46,15 @@ def bayesian_search(
     evaluate
         Objective at a point, to be minimised. The caller records what it needs of each evaluation.
     seed
-        Seed of the optimiser.
+        Seed of the optimiser, unless the settings of the Gaussian process have one.
+    surrogate
+        Settings of the Gaussian process. The fit of its variance starts from 1.
     """
-    kernel = ConstantKernel(1.0, (1e-2, 1e3)) * Matern(
-        length_scale=[1.0, 1.0], length_scale_bounds=[(1e-2, 1e2), (1e-2, 1e2)], nu=2.5
+    seed = seed if surrogate.random_state is None else surrogate.random_state
+    kernel = ConstantKernel(float(np.clip(1.0, *surrogate.variance)), surrogate.variance) * Matern(
+        length_scale=[surrogate.first_length_scale] * 2,
+        length_scale_bounds=[surrogate.length_scale] * 2,
+        nu=2.5,
     )
     process = GaussianProcessRegressor(
         kernel=kernel, normalize_y=True, n_restarts_optimizer=3, noise=1e-10, random_state=seed

@@ -23,7 +23,7 @@ from burstcast_workflow.campaign.control_plans import (
     block_plans,
     paper_plan,
 )
-from burstcast_workflow.config.cases import block_cases, cases_of
+from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of
 from burstcast_workflow.config.kinds import Quantile, Section
 from burstcast_workflow.config.measured_cases import is_encoded, space_of
 from burstcast_workflow.config.model import (
@@ -52,9 +52,10 @@ GROUPS = {
     "SCORED": "random_seed bootstrap classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt",
     "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
-    "forecasters.esn.backend forecasters.aware",
+    "forecasters.esn.input_range forecasters.esn.backend forecasters.aware",
     "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
-    "search.interval_lt search.tikhonov search.spectral_radius search.input_scaling",
+    "search.interval_lt search.single_shot_lead_steps search.tikhonov search.spectral_radius "
+    "search.input_scaling",
     "FORECASTER": "SYSTEM TIME forecaster.options",
     # long runs: where they start and how long they are
     "LONG_RUNS": "FORECASTER OBSERVED washout_lt statistics.starting_points "
@@ -174,15 +175,18 @@ class Campaign:
 
     @cached_property
     def searched_networks(self) -> tuple[CaseForecaster, ...]:
-        """Networks whose hyperparameters are searched in their own case."""
-        return tuple(one for one in self.networks if self.search_case(one) == one.case)
+        """Networks that have a search of their own."""
+        return tuple(one for one in self.networks if self.searched(one) == one)
 
-    def search_case(self, one: CaseForecaster) -> str:
-        """Case in which the hyperparameters of a network are searched: the first it is trained on.
+    def searched(self, one: CaseForecaster) -> CaseForecaster:
+        """Network whose search finds the hyperparameters of a network: itself, or a shared one.
 
-        Networks that know the parameters and are trained on the same series share them.
+        Networks that know the parameters and are trained on the same series share that of the first
+        case, and networks with true washouts have those of the networks of noisy ones.
         """
-        return self.sources(one.case)[0] if learns_parameters(one.name.kind) else one.case
+        case = self.sources(one.case)[0] if learns_parameters(one.name.kind) else one.case
+        kind = one.kind.searched_as or one.name.kind
+        return CaseForecaster(case, replace(one.name, kind=kind))
 
     def sources(self, case: str) -> list[str]:
         """Cases whose series the kinds that know the parameters are trained on, for a case."""
@@ -593,6 +597,15 @@ class Campaign:
         """Cases that differ from others by their training series only."""
         return tuple(case for case in self.case_names if realisation_of(case)[1])
 
+    def drawn_shares(self, case: str) -> dict[str, Any] | None:
+        """Shares of events that the choices up to a case's are drawn for; None: blocks of series.
+
+        Each choice leaves the later ones other series.
+        """
+        base, number = realisation_of(case)
+        shares = event_shares_of(self.config, base)[:number]
+        return {"shares": shares, "threshold": self.cases[case].event_threshold} if shares else None
+
     @property
     def encoded_cases(self) -> tuple[str, ...]:
         """Cases whose forecasters receive readings of sensors, or what an encoder makes."""
@@ -655,7 +668,9 @@ def _listed(*names: str) -> tuple[str, ...]:
 
 @cache
 def _sees_truth(name: ForecasterName) -> bool:
-    return name.asks_forecasters and kind_class(name.kind).sees_truth
+    """Whether no noise concerns a forecaster: networks have learnt from noisy series."""
+    kind = kind_class(name.kind) if name.asks_forecasters else None
+    return kind is not None and kind.sees_truth and not kind.has_search
 
 
 def _names(kind: str, axes: Section) -> Iterator[ForecasterName]:

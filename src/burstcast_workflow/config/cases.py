@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 from burstcast.data.training_realisations import realisation_of
 from burstcast.statistics.densities import SETTLED
@@ -25,13 +25,24 @@ def case_name(reynolds: float) -> str:
 def block_cases(block: Block) -> list[str]:
     """Names of the cases of one block of the campaign, each once.
 
-    With ``realisations``, each is followed by those with other training series.
+    With ``realisations``, each is followed by those with other training series; with
+    ``event_shares``, those stand in its place.
     """
+    numbers = range(block.realisations)
+    if block.event_shares:
+        numbers = range(1, len(block.event_shares) + 1)
     return [
         f"{name}-training{number}" if number else name
         for name in dict.fromkeys([*map(case_name, block.reynolds), *block.cases])
-        for number in range(block.realisations)
+        for number in numbers
     ]
+
+
+def event_shares_of(config: Configuration, name: str) -> list[float | Literal["all"]]:
+    """Wanted shares of the choices of a case's training series, in the order of their numbers."""
+    blocks = (block for block in config.campaign if f"{name}-training1" in block_cases(block))
+    lists = (block.event_shares for block in blocks)
+    return max(lists, key=len, default=[])
 
 
 def campaign_cases(config: Configuration) -> list[str]:

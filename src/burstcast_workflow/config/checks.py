@@ -26,8 +26,10 @@ from burstcast_workflow.config.cases import (
     case_name,
     case_of,
     data_of,
+    event_shares_of,
     said_by_class,
 )
+from burstcast_workflow.config.kinds import Quantile
 from burstcast_workflow.config.messages import model_problems, suggestion
 from burstcast_workflow.config.model import (
     Block,
@@ -53,6 +55,7 @@ def contradictions(config: Configuration) -> list[str]:
         *_campaign(config),
         *_strategies(config),
         *_without_trajectories(config),
+        *_surrogate(config),
         *_figures(config),
     ]
     cases_of: dict[str, list[str]] = {}
@@ -138,16 +141,46 @@ def _campaign(config: Configuration) -> Iterator[str]:
 
 def _realisations(config: Configuration, place: str, block: Block, name: str) -> Iterator[str]:
     """Whether an ensemble may have as many choices of training series as are wanted."""
-    case = _sound_case(config, name)
-    if block.realisations > 1 and isinstance(case, Simulated):
-        needed = block.realisations * case.training.series + case.test_series
+    case, shares = _sound_case(config, name), block.event_shares
+    if shares and block.realisations > 1:
+        yield f"{place} has realisations and event_shares; take one of them"
+    if shares and name not in campaign_cases(config):
+        yield (
+            f"{place}.event_shares: the series are drawn from those of {name}, which no block of "
+            "the campaign has without event_shares; add one"
+        )
+    longest = event_shares_of(config, name)
+    if shares != longest[: len(shares)] or (block.realisations > 1 and longest):
+        yield (
+            f"{place}: another block chooses other training series of {name}, under the same "
+            "names; one list of event_shares must begin with the other"
+        )
+    if case and shares and isinstance(case.event_threshold, Quantile):
+        yield (
+            f"{place}.event_shares: the event threshold of {name} is a quantile of the training "
+            "series themselves; give it as a number"
+        )
+    count = len(shares) + 1 if shares else block.realisations
+    if count > 1 and isinstance(case, Simulated):
+        needed = count * case.training.series + case.test_series
         needed += config.probability.calibration_series
         if needed > case.ensemble.series:
+            said = f"event_shares has {len(shares)}" if shares else f"realisations is {count}"
             yield (
-                f"{place}.realisations is {block.realisations}; choices of training series that "
-                f"share none, the test series and those of the calibration are {needed} series of "
-                f"{name}, but ensemble.series is {case.ensemble.series}"
+                f"{place}.{said}; choices of training series that share none, the test series and "
+                f"those of the calibration are {needed} series of {name}, but ensemble.series is "
+                f"{case.ensemble.series}"
             )
+
+
+def _surrogate(config: Configuration) -> Iterator[str]:
+    surrogate = config.search.surrogate
+    (low, high), first = surrogate.length_scale, surrogate.first_length_scale
+    if not low <= first <= high:
+        yield (
+            f"search.surrogate.first_length_scale is {first:g}, but length_scale bounds it: "
+            f"{low:g} to {high:g}"
+        )
 
 
 def _strategies(config: Configuration) -> Iterator[str]:

@@ -105,6 +105,9 @@ Size = Annotated[Whole, Field(ge=2, le=100_000)]
 Positive = Annotated[float, Field(gt=0)]
 CountOrNull = Annotated[Count | None, Words("a whole number above 0, or null")]
 PositiveOrNull = Annotated[Positive | None, Words("a number above 0, or null")]
+EventShare = Annotated[
+    Annotated[float, Field(gt=0, lt=1)] | Literal["all"], Words("a number between 0 and 1, or all")
+]
 Distinct = Annotated[list[T], AfterValidator(_distinct)]
 Some = Annotated[list[T], Field(min_length=1), AfterValidator(_distinct)]
 # lists in which the order means nothing: everything that is made of them is the same in any order

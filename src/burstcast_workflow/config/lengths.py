@@ -78,7 +78,8 @@ def misfits(
         washout, classified = counts["washout_lt"], config.classification
         training, intervals = case.training.series, case.recycle_validation.intervals_per_series
         validated = min(case.recycle_validation.series, training)  # more are another mistake
-        plan = ValidationPlan(washout, counts["search.interval_lt"], validated, intervals)
+        lead = config.search.single_shot_lead_steps
+        plan = ValidationPlan(washout, counts["search.interval_lt"], validated, intervals, lead)
         for validation in dict.fromkeys([*VALIDATED_TOGETHER, *validations]):
             with telling(f"{VALIDATION} or ensemble.duration"):
                 make_strategy(validation).folds(plan, training, samples)

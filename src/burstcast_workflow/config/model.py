@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field
 from burstcast import durations
 from burstcast.compiled.backends import usable_backend
 from burstcast.forecasters._options import DEFAULTS
+from burstcast.tuning.hyperparameters import SurrogateSettings
 from burstcast_workflow.config.kinds import (
     Axes,
     CaseName,
@@ -20,6 +21,7 @@ from burstcast_workflow.config.kinds import (
     Directory,
     Distinct,
     EncoderName,
+    EventShare,
     NetworkOrNull,
     ParameterName,
     Positive,
@@ -115,6 +117,9 @@ class BlockForecasters(SingleKinds):
     """Forecasters of a block, by kind; null for none of a kind."""
 
     esn: NetworkAxes | None = setting("echo state networks", default=None)
+    esn_true_washout: NetworkAxes | None = setting(
+        "the same networks, given washouts without noise", default=None
+    )
     esn_aware: NetworkAxes | None = setting(
         "echo state networks that know the parameters in force", default=None
     )
@@ -122,7 +127,8 @@ class BlockForecasters(SingleKinds):
     @property
     def networks(self) -> list[NetworkAxes]:
         """Axes of the kinds that are networks."""
-        return [axes for axes in (self.esn, self.esn_aware) if axes is not None]
+        kinds = (self.esn, self.esn_true_washout, self.esn_aware)
+        return [axes for axes in kinds if axes is not None]
 
 
 class NetworkChoice(Section):
@@ -144,6 +150,9 @@ class Choice(SingleKinds):
     """Which of the campaign's forecasters, by kind; null for none of a kind."""
 
     esn: NetworkChoice | None = setting("echo state networks", default=None)
+    esn_true_washout: NetworkChoice | None = setting(
+        "networks that are given washouts without noise", default=None
+    )
     esn_aware: NetworkChoice | None = setting(
         "echo state networks that know the parameters in force", default=None
     )
@@ -160,6 +169,12 @@ class Block(Section):
         "choices of the training series: each case, and as cases `<case>-training<k>` those that "
         "differ from it by their training series only",
         default=1,
+    )
+    event_shares: Distinct[EventShare] = setting(
+        "instead of realisations: choices `<case>-training<k>` whose training series are drawn at "
+        "random from all but the test series, with a share of time at or above the event threshold "
+        "near the k-th of these; all: the share of all the data",
+        default=[],
     )
     forecasters: BlockForecasters
 
@@ -493,6 +508,10 @@ class EchoStateNetwork(Section):
 
     connectivity: Positive = setting("mean number of connections of a neuron")
     input_bias: float = setting("constant that is appended to the normalised inputs, b_in")
+    input_range: Literal["all", "first"] = setting(
+        "training series whose range the inputs are divided by: all, or the first one, as in the "
+        "programs of the paper's authors"
+    )
     divergence_bound: float = setting(
         "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
     )
@@ -614,6 +633,20 @@ class Forecasters(Section):
     aware: Aware = setting("", default_factory=Aware)
 
 
+@with_defaults(canonical(vars(SurrogateSettings())))
+class Surrogate(Section):
+    """Gaussian process of the Bayesian optimisation."""
+
+    variance: PositiveRange = setting("bounds of its variance", "variances of the objectives")
+    length_scale: PositiveRange = setting("bounds of its length scales", "decades")
+    first_length_scale: Positive = setting(
+        "length scale that its fit starts from, within the bounds", "decades"
+    )
+    random_state: Annotated[
+        Annotated[Whole, Field(ge=0)] | None, Words("a whole number from 0, or null")
+    ] = setting("seed of the optimiser of every network; null: each network has its own")
+
+
 class Search(Section):
     """Search of the hyperparameters."""
 
@@ -626,6 +659,14 @@ class Search(Section):
         "points of Bayesian optimisation after the grid", ge=0, le=1000
     )
     interval_lt: Positive = setting("length of a validation interval")
+    single_shot_lead_steps: Whole = setting(
+        "how far before the end of the training data the validation interval of Single Shot "
+        "Validation starts; 1 in the programs of the paper's authors",
+        "steps of a forecast",
+        ge=0,
+        default=0,
+    )
+    surrogate: Surrogate = setting("", default_factory=Surrogate)
     choice: Literal["best", "survival"] = setting(
         "which point is taken: the one with the best objective; or, of those within one paired "
         "standard error of it, the one whose long runs leave the chaotic phase as often as the "

@@ -19,7 +19,7 @@ from burstcast.systems.registry import make_system
 from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
-from burstcast_workflow.jobs.data import observed_rows
+from burstcast_workflow.jobs.data import observed_rows, training_states
 from burstcast_workflow.jobs.systems import parameters_of, system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -105,6 +105,19 @@ def read_forecaster(
     options = {**case.options, "divergence_bound": divergence_bound}
     case = dataclasses.replace(case, options=options, system=space or case.system)
     return kind.restore(record, case)
+
+
+def learnt_rows(
+    forecaster: Forecaster | type[Forecaster], settings: Settings, ensemble: str
+) -> FloatArray:
+    """Series that a forecaster learns from: with noise, except for the equations, which know all.
+
+    Networks that are given true washouts are those of noisy ones.
+    """
+    states = training_states(settings, ensemble)
+    if forecaster.sees_truth and not forecaster.has_search:
+        return states
+    return observed_rows(settings, ensemble, 0, states)
 
 
 def seen_rows(

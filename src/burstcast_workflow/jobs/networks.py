@@ -4,14 +4,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast import durations
-from burstcast.data.dataset import component_scales
+from burstcast.data.dataset import network_input_range
 from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters._names import parsed
 from burstcast.systems.parameters import Parameters
-from burstcast.tuning.hyperparameters import SearchSpace
+from burstcast.tuning.hyperparameters import SearchSpace, SurrogateSettings
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.validation import PointValidator
 from burstcast_workflow.harness.settings import Settings
@@ -61,14 +61,15 @@ def training_series(
     ValueError
         If the ensemble has too few series, or a component of them is constant.
     """
+    whose = settings["forecasters.esn.input_range"]
     if scheduled:
         learnt = read_scheduled(scheduled, settings["case"])
         factors = knowledge(settings, scheduled)["factors"](learnt.schedules)
-        scales = component_scales(learnt.true.states)
-        return TrainingSeries(learnt.observed.states, scales.range, factors)
+        scale = network_input_range(learnt.true.states, whose)
+        return TrainingSeries(learnt.observed.states, scale, factors)
     states = training_states(settings, ensemble)
     observed = observed_rows(settings, ensemble, 0, states)
-    return TrainingSeries(observed=observed, input_range=component_scales(states).range)
+    return TrainingSeries(observed, network_input_range(states, whose))
 
 
 def reservoir_seed(settings: Settings, identifier: str) -> ReservoirSeed:
@@ -105,6 +106,13 @@ def search_space(settings: Settings) -> SearchSpace:
     return SearchSpace(
         tuple(settings["search.spectral_radius"]), tuple(settings["search.input_scaling"])
     )
+
+
+def surrogate_settings(settings: Settings) -> SurrogateSettings:
+    """Settings of the Gaussian process."""
+    said = settings["search.surrogate"]
+    bounds = {name: tuple(said[name]) for name in ("variance", "length_scale")}
+    return SurrogateSettings(**{**said, **bounds})
 
 
 def point_validator(
@@ -146,4 +154,5 @@ def _validation_plan(settings: Settings, steps_per_lyapunov_time: int) -> Valida
         interval=durations.positive_steps(interval_lt, steps, "search.interval_lt"),
         series=recycle["series"],
         intervals=recycle["intervals_per_series"],
+        single_shot_lead=settings["search.single_shot_lead_steps"],
     )

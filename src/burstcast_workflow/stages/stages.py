@@ -180,13 +180,10 @@ class Stages:
         return path
 
     def hyperparameters(self, wildcards: Any) -> Paths:
-        """What a network's search has found: in its case, or the first that it is trained on."""
-        case = self.campaign.search_case(
-            CaseForecaster(wildcards.case, parsed(wildcards.forecaster))
-        )
-        return self.in_results(
-            f"{case}/{wildcards.forecaster}/{self.campaign.hyperparameters_file}"
-        )
+        """What the search has found that a network's hyperparameters come from."""
+        network = CaseForecaster(wildcards.case, parsed(wildcards.forecaster))
+        directory = self.campaign.searched(network).directory
+        return self.in_results(f"{directory}/{self.campaign.hyperparameters_file}")
 
     def scheduled(self, wildcards: Any) -> Paths:
         """Series with schedules that a kind that knows the parameters learns from; or nothing."""

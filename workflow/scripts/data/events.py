@@ -50,9 +50,12 @@ def events_of_case(
     observed = observed_rows(settings, ensemble, first, states)
     variables = event_variables(points, first, observed, states, observable, before)
     write_netcdf(events, variables, provenance)
+    happens = observable >= threshold
     write_json(
         events_summary,
         {
+            "event_share": float(happens.mean()),
+            "training_event_share": float(happens[:first].mean()),
             "events_per_series": len(crossings) / len(observable),
             "usable_events": len(points),
             "largest_observable": float(np.max(observable)),

@@ -11,12 +11,11 @@ from burstcast.probability.out_of_sample import out_of_sample_forecasts
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
-from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.forecasters import (
     forecasting_case,
+    learnt_rows,
     read_forecaster,
     seen,
-    seen_rows,
 )
 from burstcast_workflow.jobs.forecasts import windows_of
 from burstcast_workflow.jobs.scheduled import read_scheduled
@@ -41,8 +40,8 @@ def forecast_calibration_set(
     boundaries = window_boundaries(*windows_of(settings), steps)
     bound = settings["forecaster.divergence_bound"]
     who = read_forecaster(forecaster, settings, time_unit, bound)
-    points = read_netcdf(calibration_set, "series", "washout", "true_state")
-    given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
+    points = read_netcdf(calibration_set, "series", "washout", "true_washout")
+    given = seen(who, points["washout"], points["true_washout"])
     learnt = read_scheduled(scheduled, settings["case"]) if scheduled else None
     if settings["probability.calibration_series"] or (learnt and not learnt.own_rows):
         forecasts = window_forecasts(who, system.observable, given, boundaries)
@@ -61,7 +60,7 @@ def forecast_calibration_set(
     else:
         forecasts = out_of_sample_forecasts(
             who,
-            seen_rows(who, settings, ensemble, 0, training_states(settings, ensemble)),
+            learnt_rows(who, settings, ensemble),
             forecasting_case(settings, time_unit, ensemble),
             durations.steps(settings["washout_lt"], steps),
             system.observable,

@@ -57,7 +57,7 @@ def _outcomes(
     return forecast_outcomes(
         forecaster,
         system_of(settings).observable,
-        seen(forecaster, points["washout"][rows], points["true_state"][rows, np.newaxis]),
+        seen(forecaster, points["washout"][rows], points["true_washout"][rows]),
         read_rows(ensemble, "observable", first, first + int(points["series"].max()) + 1),
         SeriesPoints(points["series"][rows], points["step"][rows]),
         list(chosen),

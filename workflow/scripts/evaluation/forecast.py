@@ -1,7 +1,5 @@
 """Forecast the evaluation set; keep only the window summaries."""
 
-import numpy as np
-
 from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.window_forecasts import window_forecasts
@@ -31,11 +29,7 @@ def forecast_evaluation_set(
     bound = settings["forecaster.divergence_bound"]
     who = read_forecaster(forecaster, settings, time_unit, bound)
     points = read_netcdf(evaluation_set)
-    given = seen(who, points["washout"], points["true_state"][:, np.newaxis])
-    schedule = points.get("parameter")
-    if schedule is not None:
-        # those who see the true state have no washout
-        schedule = schedule[:, -(given.shape[1] - 1 + boundaries[-1]) :]
-    forecasts = window_forecasts(who, system.observable, given, boundaries, schedule)
+    given = seen(who, points["washout"], points["true_washout"])
+    forecasts = window_forecasts(who, system.observable, given, boundaries, points.get("parameter"))
     variables = forecast_variables(forecasts, system.observable_name)
     write_netcdf(forecast, variables, provenance)

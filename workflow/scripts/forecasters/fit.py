@@ -4,8 +4,7 @@ from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import forecaster_class
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import training_states
-from burstcast_workflow.jobs.forecasters import forecasting_case, seen_rows, write_forecaster
+from burstcast_workflow.jobs.forecasters import forecasting_case, learnt_rows, write_forecaster
 from burstcast_workflow.jobs.scheduled import read_scheduled
 
 
@@ -26,6 +25,5 @@ def fit(
         learnt = read_scheduled(scheduled, settings["case"])
         fitted = kind.fit(learnt.observed.states, case, learnt.schedules)
     else:
-        series = seen_rows(kind, settings, ensemble, 0, training_states(settings, ensemble))
-        fitted = kind.fit(series, case)
+        fitted = kind.fit(learnt_rows(kind, settings, ensemble), case)
     write_forecaster(forecaster, fitted, provenance)

@@ -16,6 +16,7 @@ from burstcast_workflow.jobs.networks import (
     point_validator,
     reservoir_seed,
     search_space,
+    surrogate_settings,
 )
 
 
@@ -44,6 +45,7 @@ def search(
         read_evaluations(read_table(scan).to_dict("records"), scan_errors),
         settings["search.bayesian_points"],
         network_search.optimiser_seed(reservoir, settings["case"], strategy.name),
+        surrogate_settings(settings),
     )
     uncertainty = objective_uncertainty(np.array([one.validation.log_errors for one in found]))
     table = pd.DataFrame([one.record() for one in found])

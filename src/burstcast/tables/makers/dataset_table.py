@@ -18,6 +18,7 @@ TABLES = Declaration(
 )
 
 ENDS = ("mean", "low", "high")
+OF_EVENTS = ("events_per_series", "event_share", "training_event_share")
 OF_SERIES = ("series_generated", "series_kept", "laminarised_fraction", "mean_observable")
 
 
@@ -39,7 +40,7 @@ def make(
     )
     row = {
         **{name: summary[name] for name in OF_SERIES},
-        "events_per_series": events_summary["events_per_series"],
+        **{name: events_summary[name] for name in OF_EVENTS},
         **with_ends("lyapunov_exponent", *map(leading.get, ENDS)),
         **with_ends("lyapunov_exponent_by_growth", *map(growth.get, ENDS)),
         "lyapunov_exponent_paper": published_exponent,

@@ -26,12 +26,16 @@ class ValidationPlan:
     intervals
         Intervals in each of them, laid end to end from the end of the washout; None for as many as
         fit.
+    single_shot_lead
+        Steps before the end of the training data at which the interval of the Single Shot
+        Validation starts.
     """
 
     washout: int
     interval: int
     series: int
     intervals: int | None
+    single_shot_lead: int = 0
 
     def fitting(self, length: int) -> int:
         """Number of intervals that fit into a series of ``length`` samples after the washout."""

@@ -7,7 +7,11 @@ from burstcast.tuning.strategies.base import Block, Fold, ValidationPlan, Valida
 
 
 class SingleShotValidation(ValidationStrategy):
-    """Validates on the last interval of the first series, which no series is trained on."""
+    """Validates on the last interval of the first series, which no series is trained on.
+
+    The closed loop of the paper's authors starts one step earlier, from data that were trained on
+    (`ValidationPlan.single_shot_lead`).
+    """
 
     name = "SSV"
     title = "Single Shot Validation"
@@ -15,9 +19,10 @@ class SingleShotValidation(ValidationStrategy):
     def folds(self, plan: ValidationPlan, series: int, length: int) -> list[Fold]:
         """Lay out one fold with one interval (see `ValidationStrategy.folds`)."""
         cut = length - plan.interval
-        if cut <= plan.washout:
+        start = cut - plan.single_shot_lead
+        if start <= plan.washout:
             raise ValueError(
                 f"series of {length} samples leave nothing to train on before the last validation "
                 f"interval of {plan.interval} steps"
             )
-        return [Fold(trained=(Block(range(series), cut),), series=range(1), starts=(cut,))]
+        return [Fold(trained=(Block(range(series), cut),), series=range(1), starts=(start,))]
