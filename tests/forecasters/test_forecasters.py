@@ -78,6 +78,7 @@ FORECASTERS = {
         EquationsFromObservation(SYSTEM, 0.25, 4), NOISE, 18, 1.01
     ),
     "esn": NetworkForecaster(make_network(np.random.default_rng(5)), SEED, 10.0),
+    "esn_true_washout": NetworkFromTruth(make_network(np.random.default_rng(5)), SEED, 10.0),
     "linear_inverse": LinearInverseModel(
         0.3 * np.random.default_rng(6).standard_normal((9, 9)), np.linspace(-1, 1, 9)
     ),
@@ -201,9 +202,9 @@ def test_who_integrates_the_equations_needs_them_and_can_be_told_of_actuation():
     assert [kind for kind, found in kinds.items() if found.aware] == integrating
 
 
-def test_only_the_bound_sees_the_truth():
+def test_only_the_bounds_see_the_truth():
     seeing = [kind for kind in trajectory_kinds() if forecaster_class(kind).sees_truth]
-    assert seeing == ["equations"]
+    assert seeing == ["equations", "esn_true_washout"]
     assert not Forecaster.sees_truth
 
 
