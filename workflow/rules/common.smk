@@ -4,6 +4,7 @@ import os
 import re
 import sys
 import time
+from itertools import filterfalse
 from pathlib import Path
 
 from burstcast_workflow.campaign.campaign import Campaign
@@ -91,7 +92,7 @@ INTEGRATED, IMPORTED = (
 )
 if workflow.is_main_process:
     tell_what_is_off(
-        campaign.measured_cases,
+        [*filterfalse(campaign.encoded_cases.__contains__, campaign.measured_cases)],
         campaign.config,
         has_networks=bool(campaign.networks),
     )

@@ -12,6 +12,7 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues
 from burstcast.data.dataset import Scales, observe
+from burstcast.encoders.channels import EncodedFlow
 from burstcast.observation.part import ObservedPart
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace
@@ -85,7 +86,7 @@ class ControlExperiment:
         The equations under the reversed actuation, that is with the opposite force; None: there is
         none.
     sensor
-        What monitors observe of the states; None: all of it.
+        What monitors observe of the states, and of an encoded flow its channels; None: all of it.
     """
 
     system: DynamicalSystem
@@ -99,7 +100,7 @@ class ControlExperiment:
     case: str
     values: ActuationValues | None = None
     reversed_system: DynamicalSystem | None = None
-    sensor: ObservedPart | None = None
+    sensor: ObservedPart | EncodedFlow | None = None
 
     @property
     def observed_space(self) -> StateSpace:

@@ -7,12 +7,14 @@ from typing import Any, Self
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.data.dataset import Scales, component_scales, observed_series
 from burstcast.encoders._moments import state_moments
 from burstcast.encoders.base import Encoder, EncodingCase
 from burstcast.encoders.registry import encoder_class
 from burstcast.encoders.state_estimate import StateEstimateEncoder
 from burstcast.encoders.state_maps import StateMaps
 from burstcast.observation.velocity_sensors import PlaneFlow, VelocitySensors
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace
 
 IDENTITY, ESTIMATE = "identity", "state_estimate"
@@ -67,6 +69,37 @@ class StateChannels:
         of_states = replace(case, observation=None)
         return cls(case, estimate, encoder_class(kind).fit(estimate.encode_series(seen), of_states))
 
+    @classmethod
+    def of_training(
+        cls,
+        kind: str,
+        states: FloatArray,
+        case: EncodingCase,
+        level: float,
+        random_seed: int,
+        source: str,
+    ) -> tuple[Self, Scales]:
+        """Fit to training series that are observed with the noise of their case.
+
+        Parameters
+        ----------
+        kind, states, case
+            As of `fit`.
+        level
+            Standard deviation of the noise in standard deviations of each observed component.
+        random_seed, source
+            Root of all random streams, and the name of the case whose states they are.
+
+        Returns
+        -------
+        The channels, and the scales of what is observed.
+        """
+        readings = case.readings_of_series(states)
+        scales = component_scales(readings)
+        case = replace(case, noise=level * scales.standard_deviation)
+        seen = observed_series(readings, 0, level, scales, random_seed, source)
+        return cls.fit(kind, states, seen, case), scales
+
     def encode(self, seen: FloatArray) -> FloatArray:
         """Channels ``(channel, ...)`` of what is observed, ``(observed, ...)``."""
         if self.estimate is not None:
@@ -110,6 +143,34 @@ class StateChannels:
         )
         gain, constant = _affine(decode, len(offset))
         return StateMaps(gain, constant, matrix, offset, moments.covariance)
+
+
+@dataclass(frozen=True)
+class EncodedFlow:
+    """What is observed of a running flow, and the channels that forecasters make of it.
+
+    Attributes
+    ----------
+    channels
+        The sensors and the encoder, fitted.
+    source
+        Equations of the flow.
+    space
+        The channels with the observable as the last one, as a state of its own.
+    """
+
+    channels: StateChannels
+    source: DynamicalSystem
+    space: StateSpace
+
+    def __call__(self, states: FloatArray) -> FloatArray:
+        """Readings and, last, the observable of states ``(dimension, ...)``, without noise."""
+        readings = self.channels.case.readings(states)
+        return np.concatenate([readings, self.source.observable(states)[np.newaxis]])
+
+    def encode(self, observed: FloatArray) -> FloatArray:
+        """Channels and, last, the observable of what was observed, ``(observed, ...)``."""
+        return np.concatenate([self.channels.encode(observed[:-1]), observed[-1:]])
 
 
 def encoding_case(

@@ -1,7 +1,8 @@
 """Series reduced to a histogram and moments, for long-term statistics.
 
 The reductions of every series are kept apart until it is known which series count. They are summed
-step by step in the order of time, so that they do not depend on how the series are cut up.
+step by step in the order of time, so that they do not depend on how the series are cut up. Products
+of states of many components are summed by matrix products, whose last bits depend on it.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -16,6 +17,8 @@ from burstcast.statistics.moments import StateMoments
 
 STEPS_PER_BLOCK = 64
 """Steps whose products are held at a time: bounds the memory, changes no result."""
+_MANY_COMPONENTS = 100
+"""Components of a state from which products are summed by matrix products."""
 
 
 @dataclass(frozen=True)
@@ -149,6 +152,14 @@ class SeriesAccumulator:
         counts = np.bincount(found.ravel(), minlength=width * len(rows))
         self._counts[rows] += counts.reshape(len(rows), width)
         sums = self._sums[:, rows]
+        if len(sums) >= _MANY_COMPONENTS:
+            for state in states:
+                sums += state
+            self._sums[:, rows] = sums
+            for column, row in enumerate(rows):
+                one = np.ascontiguousarray(states[:, :, column])
+                self._product_sums[:, row] += (one.T @ one)[self._first, self._second]
+            return
         product_sums = self._product_sums[:, rows]
         for start in range(0, len(states), STEPS_PER_BLOCK):
             block = states[start : start + STEPS_PER_BLOCK]

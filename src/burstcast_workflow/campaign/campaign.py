@@ -428,7 +428,8 @@ class Campaign:
 
     def _decodes(self, wildcards: Mapping[str, str], name: ForecasterName) -> bool:
         """Whether a forecaster goes on with equations from decoded states of another case."""
-        case = self.cases.get(wildcards.get("case", ""))
+        part = self.plan(wildcards["strategy"]).observed if "strategy" in wildcards else ""
+        case = self.cases.get(part or wildcards.get("case", ""))
         solves = name.asks_forecasters and kind_class(name.kind).needs_equations
         return solves and case is not None and is_encoded(case)
 
@@ -482,8 +483,14 @@ class Campaign:
 
     def _sensor(self, part: str) -> dict[str, Any]:
         """What is observed of a controlled case by those who observe one of its parts."""
-        parameters = self._plain_cases[part]["parameters"]
-        return {"components": self.data(part).components, "of": parameters["observable_of"]}
+        case = self._plain_cases[part]
+        parameters = case["parameters"]
+        if not is_encoded(self.cases[part]):
+            return {"components": self.data(part).components, "of": parameters["observable_of"]}
+        level = (self.noise_of_data(part) or {"level": 0.0})["level"]
+        return {"parameters": parameters, "noise": level} | {
+            name: case[name] for name in ("sensors", "encoder")
+        }
 
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
         """Modules that a job reaches by a name, by the package whose registry finds them.

@@ -35,6 +35,7 @@ from burstcast_workflow.config.model import (
     Block,
     Case,
     CasePart,
+    Choice,
     Configuration,
     NetworkChoice,
     Simulated,
@@ -210,17 +211,21 @@ def _strategies(config: Configuration) -> Iterator[str]:
 
 def _without_trajectories(config: Configuration) -> Iterator[str]:
     """What is asked of kinds that forecast no states."""
-    blocks = enumerate(config.control.strategies)
-    choices = {
-        "statistics.forecasters": config.statistics.forecasters,
-        "control.forecasters": config.control.forecasters,
-        **{
-            f"control.strategies[{index}].forecasters": block.forecasters for index, block in blocks
-        },
+    choices: dict[str, tuple[Choice | None, bool]] = {
+        "statistics.forecasters": (config.statistics.forecasters, False),
+        "control.forecasters": (config.control.forecasters, False),
     }
-    for place, choice in choices.items():
+    for index, block in enumerate(config.control.strategies):
+        by_probability = strategy_class(block.strategy).by_probability
+        choices[f"control.strategies[{index}].forecasters"] = block.forecasters, by_probability
+    for place, (choice, by_probability) in choices.items():
         for kind in choice.kinds if choice else ():
-            if not kind_class(kind).has_trajectories:
+            if kind_class(kind).has_trajectories and by_probability:
+                yield (
+                    f"{place} names {kind}, which forecasts states; a strategy that acts on "
+                    "probabilities takes classifiers: precursor, esn_direct"
+                )
+            if not (kind_class(kind).has_trajectories or by_probability):
                 yield (
                     f"{place} names {kind}, which gives probabilities of events and forecasts no "
                     "states; leave it out"

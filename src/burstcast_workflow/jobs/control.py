@@ -22,15 +22,18 @@ from burstcast.control.simulation import ControlSimulation
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
 from burstcast.data.dataset import component_scales
+from burstcast.encoders.channels import IDENTITY, EncodedFlow, StateChannels, encoding_case
 from burstcast.files.netcdf import read_rows
-from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters._names import parsed
+from burstcast.forecasters.registry import kind_class
 from burstcast.observation.part import ObservedPart
 from burstcast.statistics.densities import bin_edges
-from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import SHARE, SystemParameters
+from burstcast.systems.registry import make_space
+from burstcast.systems.state_space import MEASURED
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
-from burstcast_workflow.jobs.forecasters import read_forecaster
+from burstcast_workflow.jobs.forecasters import read_kind
 from burstcast_workflow.jobs.systems import equations_of, parameters_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -41,7 +44,7 @@ def control_setup(
     summary: str,
     time_unit: str | Sequence[str],
     forecasters: Sequence[str],
-) -> tuple[ControlStrategy, ControlExperiment, list[Forecaster], FloatArray | None]:
+) -> tuple[ControlStrategy, ControlExperiment, list[Any], FloatArray | None]:
     """Set up a job of control from its settings and inputs.
 
     Returns
@@ -51,20 +54,22 @@ def control_setup(
     """
     strategy = make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
     experiment = control_experiment(settings, ensemble, summary, time_unit)
+    training = read_rows(ensemble, "state", 0, settings["case.training.series"])
+    experiment = replace(experiment, sensor=_sensor(settings, experiment, training))
     if strategy.told:
         names = settings["forecasters.aware"]["parameters"]
         experiment = replace(experiment, values=_values(settings, experiment, names))
-    controller = settings["controller"]
+    kind = parsed(settings["controller"]).kind
     sensor = experiment.sensor
-    asked = [
-        read_forecaster(path, settings, time_unit, name=controller, space=experiment.observed_space)
+    asked: list[Any] = [
+        read_kind(kind_class(kind), path, settings, time_unit, space=experiment.observed_space)
         for path in forecasters
     ]
     noise = None
     if not any(forecaster.sees_truth for forecaster in asked):
-        seen = read_rows(ensemble, "state", 0, settings["case.training.series"])
+        seen = training
         if sensor is not None:
-            seen = np.moveaxis(sensor(np.moveaxis(seen, -1, 0)), 0, -1)
+            seen = np.moveaxis(sensor(np.moveaxis(training, -1, 0)), 0, -1)
         noise = noise_of_flows(
             experiment.series,
             strategy.timing(experiment.schedule).length,
@@ -107,7 +112,6 @@ def control_experiment(
             if reverses and actuation["force"] is not None
             else None
         ),
-        sensor=_sensor(settings, system),
         threshold=settings["case.event_threshold"],
         series=series,
         washouts=np.ascontiguousarray(states[:, :washout] if quiet else states[:, -washout:]),
@@ -128,10 +132,25 @@ def control_experiment(
     )
 
 
-def _sensor(settings: Settings, system: DynamicalSystem) -> ObservedPart | None:
-    """What is observed of the flows; None: all of the state."""
-    said = settings.get("control.sensor")
-    return None if said is None else ObservedPart.of(system, said["components"], said["of"])
+def _sensor(
+    settings: Settings, experiment: ControlExperiment, training: FloatArray
+) -> ObservedPart | EncodedFlow | None:
+    """What is observed of the flows; None: all of the state. Encoders are fitted again."""
+    said, system = settings.get("control.sensor"), experiment.system
+    if said is None:
+        return None
+    if "parameters" not in said:
+        return ObservedPart.of(system, said["components"], said["of"])
+    options = said["encoder"] or {}
+    channels, _ = StateChannels.of_training(
+        options.get("kind", IDENTITY),
+        training,
+        encoding_case(system, said["sensors"], options),
+        said["noise"],
+        experiment.root_seed,
+        experiment.case,
+    )
+    return EncodedFlow(channels, system, make_space(MEASURED, said["parameters"]))
 
 
 def _values(

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from burstcast.arrays import FloatArray
 from burstcast.encoders.state_maps import StateMaps
@@ -22,6 +22,8 @@ from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.data import observed_rows, training_states
 from burstcast_workflow.jobs.systems import parameters_of, system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
+
+Kind = TypeVar("Kind", bound=ForecasterKind)
 
 
 def forecasting_case(
@@ -79,27 +81,43 @@ def read_forecaster(
     settings: Settings,
     time_unit: str | Sequence[str],
     divergence_bound: float | None = None,
-    name: str | None = None,
-    space: StateSpace | None = None,
 ) -> Forecaster:
-    """Read a forecaster of a job.
+    """Read a job's own forecaster of trajectories.
 
     Parameters
     ----------
     path
         The file.
     settings
-        With system, time and ``forecaster.options``.
+        With system, time, ``forecaster`` and ``forecaster.options``.
     time_unit
         The job's input of that name.
     divergence_bound
         Setting of that name, where it is asked whether forecasts have diverged.
-    name
-        Identifier with the forecaster's kind: of a controller; None: of the job's own forecaster.
+    """
+    kind = kind_of(settings["forecaster"])
+    return read_kind(kind, path, settings, time_unit, divergence_bound)
+
+
+def read_kind(
+    kind: type[Kind],
+    path: str,
+    settings: Settings,
+    time_unit: str | Sequence[str],
+    divergence_bound: float | None = None,
+    space: StateSpace | None = None,
+) -> Kind:
+    """Read a forecaster of a kind (see `read_forecaster`).
+
+    Parameters
+    ----------
+    kind
+        Its class.
+    path, settings, time_unit, divergence_bound
+        As of `read_forecaster`.
     space
         What it forecasts, where that is not the state of the job's case.
     """
-    kind = kind_of(name or settings.get("forecaster", ""))
     record = ForecasterRecord(read_netcdf(path), read_attributes(path))
     case = forecasting_case(settings, time_unit)
     options = {**case.options, "divergence_bound": divergence_bound}

@@ -32,13 +32,10 @@ def encode(
     found = read_netcdf(source, "series", "lifetime", "observable")
     observable, count = found["observable"][..., np.newaxis], settings["case.training.series"]
     training = read_rows(source, "state", 0, count)
-    readings = case.readings_of_series(training)
-    scales = component_scales(readings)
     seed, name = settings["random_seed"], of_source["name"]
     level = settings["noise"]["level"] if settings["noise"] else 0.0
-    case = replace(case, noise=level * scales.standard_deviation)
-    seen = observed_series(readings, 0, level, scales, seed, name)
-    channels = StateChannels.fit(options.get("kind", IDENTITY), training, seen, case)
+    kind = options.get("kind", IDENTITY)
+    channels, scales = StateChannels.of_training(kind, training, case, level, seed, name)
     true, observed = [], []
     for row in range(len(observable)):
         # one series after the other, for those of a flow are large

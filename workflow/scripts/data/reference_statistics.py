@@ -17,7 +17,8 @@ from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.data import density_edges
 from burstcast_workflow.jobs.systems import system_of
 
-SERIES_AT_A_TIME = 100
+MOST_SERIES, MOST_NUMBERS = 100, 2**25
+"""Series that are read at a time, and numbers in them: bounds the memory, changes no result."""
 
 
 @job
@@ -34,9 +35,10 @@ def reference_statistics(
     """Write the statistics of the data and of the training set, and the floor of the measures."""
     system = system_of(settings)
     kept = read_json(summary)["series_kept"]
+    series_at_a_time = min(MOST_SERIES, MOST_NUMBERS // read_rows(ensemble, "state", 0, 1).size + 1)
     blocks = (
-        read_rows(ensemble, "state", start, min(start + SERIES_AT_A_TIME, kept))
-        for start in range(0, kept, SERIES_AT_A_TIME)
+        read_rows(ensemble, "state", start, min(start + series_at_a_time, kept))
+        for start in range(0, kept, series_at_a_time)
     )
     series = reduce_series(blocks, system.observable, density_edges(settings, ensemble))
     first = slice(0, settings["case.training.series"])

@@ -9,8 +9,10 @@ from collections.abc import Sequence
 import burstcast.control.controllers
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.monitors.base import Monitor
+from burstcast.control.monitors.encoded import EncodedMonitor
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.discovery import imported
+from burstcast.encoders.channels import EncodedFlow
 from burstcast.forecasters.base import Forecaster
 
 
@@ -44,4 +46,6 @@ def controlling_monitor(
     """
     module = imported(f"{burstcast.control.controllers.__name__}.{name}")
     monitor: Monitor = module.monitor(strategy, experiment, forecasters, alarm_rate, seed)
+    if isinstance(experiment.sensor, EncodedFlow):
+        return EncodedMonitor(monitor, experiment.sensor.encode)
     return monitor

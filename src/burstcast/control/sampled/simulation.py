@@ -72,19 +72,25 @@ class SampledStepper(Stepper[DecisionTiming, Decisions]):
         Steps after a decision over which it is compared with the free flow; 0: it is not.
     told
         Whether the monitor is told of the actuation.
+    hold
+        Steps of the actuation that an alarm sets off; 0: until the next decision takes effect.
     """
 
     judgements: ClassVar[tuple[str, ...]] = ("event_ahead", "washout_actuated", "plan_fails")
 
     horizon: int = 0
     told: bool = False
+    hold: int = 0
 
     @property
     def effect(self) -> tuple[int, int]:
-        """An interval, a delay after the decision (see `Stepper.effect`)."""
+        """An interval, or what an alarm holds, a delay after the decision (see `Stepper.effect`).
+
+        A later decision without an alarm ends no actuation that holds.
+        """
         timing = self.timing
         start = timing.delay * timing.sampling_stride
-        return start, start + timing.interval * timing.sampling_stride
+        return start, start + (self.hold or timing.interval) * timing.sampling_stride
 
     @property
     def pauses(self) -> tuple[int, int]:

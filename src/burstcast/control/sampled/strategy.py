@@ -36,6 +36,10 @@ class SampledStrategy(ControlStrategy):
         """Steps that a decision looks ahead; 0 if it does not."""
         return 0
 
+    def hold(self, timing: DecisionTiming) -> int:
+        """Steps of the actuation that an alarm sets off: until the next decision takes effect."""
+        return timing.interval
+
     def stepper(self, experiment: ControlExperiment, monitor: Monitor) -> SampledStepper:
         """Advance flows under decisions at equal intervals (see `ControlStrategy.stepper`)."""
         timing = self.timing(experiment.schedule)
@@ -47,6 +51,7 @@ class SampledStrategy(ControlStrategy):
             experiment.threshold,
             self.horizon(timing),
             self.told,
+            self.hold(timing),
             reversed_system=experiment.reversed_system,
             sensor=experiment.sensor,
         )

@@ -24,6 +24,8 @@ class ControlStrategy(abc.ABC):
 
     forecasts: ClassVar[bool]
     """Whether it asks forecasters: some strategies do without."""
+    by_probability: ClassVar[bool] = False
+    """Whether its forecasters are classifiers, which give probabilities and no trajectories."""
 
     @property
     def told(self) -> bool:
