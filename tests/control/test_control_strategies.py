@@ -58,6 +58,7 @@ EQUATIONS = EquationsFromTruth(FLOW, 0.25, 4, SystemParameters.of(FLOW, ["reynol
 SETTINGS = {
     "planned": {"horizon_lt": 3.0, "decision_interval_lt": 0.25},
     "prediction_triggered": {"prediction_time_lt": 1.0, "window_lt": 1.0},
+    "probability_triggered": {"probability": 0.3, "hold_lt": 1.0, "decision_interval_lt": 0.25},
     "receding_horizon": {"horizon_lt": 2.0, "decision_interval_lt": 0.25},
     "reactive": {"level": 0.05, "decision_interval_lt": 0.25},
     "random_decisions": {"probability": 0.3, "decision_interval_lt": 0.25},
@@ -149,13 +150,21 @@ def test_the_papers_strategy_is_the_papers() -> None:
     assert late == actuation_interval(timing, -0.5, 1.5) == (40, 160)
 
 
+class NoProbability:
+    """A classifier that expects no event."""
+
+    def probabilities(self, washouts: FloatArray) -> FloatArray:
+        return np.zeros((len(washouts), 1))
+
+
 def test_quiet_flows_of_all_strategies_are_the_same() -> None:
     schedule = replace(SCHEDULE, quiet_lt=3.0)
     given = experiment(8, schedule)
     rows, uncontrolled = [], []
     for name, settings in SETTINGS.items():
         strategy = make_strategy(name, settings)
-        flows = strategy.simulate(given, strategy.monitor(given, [EQUATIONS]), noise=None)
+        asked = NoProbability() if strategy.by_probability else EQUATIONS
+        flows = strategy.simulate(given, strategy.monitor(given, [asked]), noise=None)
         assert flows.timing.counted_from == 4 + 60
         rows.append(flows.rows.tolist())
         uncontrolled.append(flows.uncontrolled)

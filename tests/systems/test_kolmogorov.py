@@ -103,6 +103,18 @@ def test_symmetries_take_solutions_to_solutions(states, symmetry):
     )
 
 
+def test_a_force_on_the_large_scale_mode_makes_it_grow_and_does_work(states):
+    driven = KolmogorovFlow(large_scale_growth=0.2)
+    change = driven.right_hand_side(states) - FLOW.right_hand_side(states)
+    large_scale = [driven.component_names.index(name) for name in ("a_1_0", "b_1_0")]
+    expected = np.zeros_like(states)
+    expected[large_scale] = 0.2 * states[large_scale]
+    np.testing.assert_allclose(change, expected, atol=1e-14)
+    budget = driven.energy_budget(states)
+    power = (states * driven.right_hand_side(states)).sum(axis=0)
+    np.testing.assert_allclose(budget.input - budget.dissipation, power, atol=1e-12)
+
+
 def test_symmetries_are_those_of_the_plane(states):
     state = states[:, 0]
     w = on_a_grid(FLOW, state)[0]

@@ -1,9 +1,10 @@
 """Where skill is lost between a flow and a forecast of its events: average precision of onsets
 against the prediction time. (a) The equations, started from the true state, from noisy or few
 observations of it, and from encoded states. (b) Forecasters that learn from the channels of
-encoded cases, and alarms without a forecast; of networks the committee of each size. Single
-trajectories rank starting points by the largest observable that they forecast. The grey line is
-the base rate, which chance reaches. Bars: bootstrap intervals over test series.
+encoded cases, each in the case where it ranks best, and alarms without a forecast; of networks the
+committee of each size. Single trajectories rank starting points by the largest observable that they
+forecast. The grey line is the base rate, which chance reaches. Bars: bootstrap intervals over test
+series.
 """
 
 from collections.abc import Sequence
@@ -61,9 +62,12 @@ def lost_skill(ranking: pd.DataFrame) -> Figure:
     known = rows["forecaster"].str.startswith("equations")
     figure = new_figure(DOUBLE_COLUMN, 4.2)
     panels: list[Axes] = list(figure.subplots(1, 2, sharey=True))
-    for axes, part in zip(panels, (rows[known], rows[~known]), strict=True):
+    learnt = rows[~known]
+    for axes, part in zip(panels, (rows[known], learnt), strict=True):
         lines = [group for _, group in part.groupby(_CASE_KEYS, dropna=False)]
         lines.sort(key=lambda group: -group["value"].mean())
+        if part is learnt:
+            lines = _best_of_each(lines)
         for group, style in zip(lines, sequence_styles(len(lines)), strict=True):
             group = group.sort_values("prediction_time_lt")
             low, value, high = (
@@ -91,6 +95,12 @@ def lost_skill(ranking: pd.DataFrame) -> Figure:
     panels[0].set_ylabel("Average precision of onsets")
     letter_panels(panels)
     return figure
+
+
+def _best_of_each(lines: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:
+    """The first line of each forecaster, whatever the case."""
+    found = {tuple(group[_CASE_KEYS[2:]].astype(str).iloc[0]): group for group in reversed(lines)}
+    return list(reversed(found.values()))
 
 
 def _label(row: pd.Series) -> str:

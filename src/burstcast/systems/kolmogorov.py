@@ -49,6 +49,10 @@ class KolmogorovFlow(SemilinearSystem):
     largest_wavenumber
         Largest wavenumber K in each direction, a whole number: a state has (2 K + 1)^2 - 1
         components. Flows with 7 burst twice as often as those with 10 or 15.
+    large_scale_growth
+        Growth rate that a force in phase with the large-scale mode, the wave vector (1, 0), gives
+        its amplitude, in inverse units of time; 0: there is no such force. An actuator that keeps
+        up the mode whose collapse precedes a burst.
 
     Raises
     ------
@@ -59,6 +63,7 @@ class KolmogorovFlow(SemilinearSystem):
     reynolds: float = 40.0
     forcing_wavenumber: float = 4
     largest_wavenumber: float = 10
+    large_scale_growth: float = 0.0
 
     observable_name: ClassVar[str] = "dissipation"
     observable_symbol: ClassVar[str] = "D"
@@ -79,6 +84,8 @@ class KolmogorovFlow(SemilinearSystem):
     def __post_init__(self) -> None:
         if not (math.isfinite(self.reynolds) and self.reynolds > 0.0):
             raise ValueError(f"reynolds must be positive and finite, not {self.reynolds}")
+        if not math.isfinite(self.large_scale_growth):
+            raise ValueError(f"large_scale_growth must be finite, not {self.large_scale_growth}")
         for name in ("forcing_wavenumber", "largest_wavenumber"):
             value = getattr(self, name)
             if not (value >= 1 and float(value).is_integer()):
@@ -111,8 +118,9 @@ class KolmogorovFlow(SemilinearSystem):
         return _modes(int(self.largest_wavenumber))
 
     def linear_rates(self) -> FloatArray:
-        """Viscous rates -|k|^2 / Re, ``(dimension,)``."""
+        """Viscous rates -|k|^2 / Re, ``(dimension,)``, and the growth of the large-scale mode."""
         rates: FloatArray = -np.tile(self._modes.square, 2) / self.reynolds
+        rates[self._large_scale] += self.large_scale_growth
         return rates
 
     def nonlinear(self, state: FloatArray) -> FloatArray:
@@ -126,6 +134,12 @@ class KolmogorovFlow(SemilinearSystem):
         return change.reshape(state.shape)
 
     @property
+    def _large_scale(self) -> list[int]:
+        """Components a and b of the wave vector (1, 0)."""
+        place = self._modes.place[1, 0]
+        return [place, place + self.dimension // 2]
+
+    @property
     def _forced(self) -> int:
         """Component that the force drives: a of the wave vector (0, n)."""
         return self._modes.place[0, int(self.forcing_wavenumber)]
@@ -136,8 +150,12 @@ class KolmogorovFlow(SemilinearSystem):
         return _sum_of_components(square * np.square(state)) / self.reynolds
 
     def energy_budget(self, state: FloatArray) -> EnergyBudget:
-        """Work of the force, the mean of u sin(n y), and dissipation of states; ``(...)`` each."""
-        return EnergyBudget(-math.sqrt(0.5) * state[self._forced], self.observable(state))
+        """Work of the forces, the mean of u sin(n y) and more, and dissipation; ``(...)`` each."""
+        work = -math.sqrt(0.5) * state[self._forced]
+        if self.large_scale_growth:
+            large_scale = np.square(state[self._large_scale]).sum(axis=0)
+            work = work + self.large_scale_growth * large_scale
+        return EnergyBudget(work, self.observable(state))
 
     def laminar_state(self) -> FloatArray:
         """Steady flow u = (Re / n^2) sin(n y), ``(dimension,)``: unstable where the flow bursts."""

@@ -15,9 +15,10 @@ from typing import Any
 
 from burstcast import durations
 from burstcast.forecasters._names import ForecasterName, parsed
-from burstcast.forecasters.registry import learns_parameters
+from burstcast.forecasters.registry import kind_class, learns_parameters
+from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.measured_cases import data_files
+from burstcast_workflow.config.measured_cases import data_files, space_of
 from burstcast_workflow.config.model import Simulated
 
 SECONDS_PER = {
@@ -50,6 +51,7 @@ _TABLES, _DRAWING = (0.75, 90), (2.5, 210)
 _MIB_PER_NUMBER = 8 / 2**20
 _CANDIDATES = 5.0  # points of a search that its objective cannot tell from the best
 _SCIPY_SLOWER = 4.0  # a network's step with the backend that is not compiled
+_FIELD_STEP = 8.0  # of a component of a field, in steps of nine compiled equations
 _TYPICAL_LYAPUNOV_TIME = 60  # in steps, where it is not known before it is computed
 
 _SEARCHED = ("spectral_radius", "input_scaling", "penalty")
@@ -109,6 +111,16 @@ class _Job:
         self.start_up = self.members * self.steps("washout_lt")
         self.forecasters = len(campaign.select(case=self.case))
 
+    @property
+    def integration_work(self) -> float:
+        """Integration steps that one of the flow's equations counts as: many for a field."""
+        source = self.campaign.cases[self.campaign.source_case(self.case)]
+        system = space_of(source)
+        solves = not self.name.asks_forecasters or kind_class(self.name.kind).needs_equations
+        if not (solves and isinstance(system, DynamicalSystem) and has_own(system, "flow_map")):
+            return 1.0
+        return _FIELD_STEP * system.dimension
+
     def __call__(self, path: str) -> Any:
         """A setting by its path in the config."""
         return self.campaign.settings([path], {**self.wildcards, "case": self.case}, {})[path]
@@ -164,7 +176,10 @@ class _Work:
 def _integration(job: _Job, count: float, steps: float, unit: str = "integration step") -> _Work:
     numbers = count * steps / job.stride * job.dimension
     # states are held as made and as written
-    return _Work(_PLAIN, {unit: steps * count, "number": numbers}, 2 * numbers)
+    work = job.integration_work
+    if unit == "tangent step":  # of as many perturbations as there are components
+        work = max(1.0, work * work / 512)
+    return _Work(_PLAIN, {unit: work * steps * count, "number": numbers}, 2 * numbers)
 
 
 def _network(job: _Job, steps: float, held: float) -> _Work:
@@ -182,7 +197,8 @@ def _closed_loops(job: _Job, count: float, steps: float) -> _Work:
     # other kinds of forecasters take what the equations take; an ensemble is held several times
     held += (job.members > 1) * min(count, 1000) * 8 * job.members * job.dimension
     start_up = _COMPILED if job.members > 1 else _PLAIN
-    return _Work(start_up, {"integration step": count * steps * job.stride}, held)
+    units = {"integration step": job.integration_work * count * steps * job.stride}
+    return _Work(start_up, units, held)
 
 
 def _training(job: _Job, points: float = 1, loops: float = 0, solves: float = 1) -> _Work:
