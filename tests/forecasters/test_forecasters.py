@@ -14,6 +14,7 @@ from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
+from burstcast.forecasters.esn_true_washout import NetworkFromTruth
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.quadratic import QuadraticModel
