@@ -9,7 +9,7 @@ extrapolated; with how much of the machine's peak it reaches (dgemm, measured in
 against the same work in the textbook implementation (``textbook.py``), without compiled code (numpy
 and the scipy backend) and in ReservoirPy (``reservoirpy_network.py``), in the same run. Times are
 the processor's, the least of several repetitions: other programs on the machine disturb them
-little. ``--write`` puts the tables into docs/performance.md.
+little. ``--write`` puts the tables into benchmarks/measured.md.
 """
 
 import argparse
@@ -73,7 +73,7 @@ from burstcast_workflow.costs.records import costs_of_plan, costs_text, rule_cos
 from snaketrust.plan import planned
 
 ROOT = Path(__file__).resolve().parents[1]
-DOCUMENT = ROOT / "docs" / "performance.md"
+DOCUMENT = ROOT / "benchmarks" / "measured.md"
 CASE = "Re400"
 SPECTRAL_RADIUS, INPUT_SCALING, TIKHONOV = 0.6, 1.0, 1e-9
 CORES = 2  # of the machine that the campaign's duration is predicted for
@@ -803,7 +803,7 @@ def main() -> None:
     )
     parser.add_argument("--sizes", type=int, nargs="+", default=[500, 1000, 2000, 3000])
     parser.add_argument("--quick", action="store_true", help="one size, little of everything")
-    parser.add_argument("--write", action="store_true", help="write docs/performance.md")
+    parser.add_argument("--write", action="store_true", help="write benchmarks/measured.md")
     options = parser.parse_args()
     sizes = [1000] if options.quick else options.sizes
     pin_to_one_core()
