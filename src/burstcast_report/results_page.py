@@ -24,7 +24,7 @@ import jinja2
 import pandas as pd
 
 from burstcast.tables.published import compare
-from burstcast_report import aware_tables, ranking_tables, results_tables
+from burstcast_report import authors_tables, aware_tables, ranking_tables, results_tables
 from burstcast_report.claims import NOT_KEPT, findings
 from burstcast_report.results_tables import (
     OF_SINGLE_NETWORKS,
@@ -286,6 +286,7 @@ def page(kept: Path = KEPT) -> str:
     )
     return environment.get_template(TEMPLATE).render(
         vars(results_tables),
+        authors_tables=authors_tables,
         aware_tables=aware_tables,
         ranking_tables=ranking_tables,
         claims_table=claims_table,

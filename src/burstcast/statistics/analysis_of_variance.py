@@ -1,0 +1,135 @@
+"""Analysis of variance of a balanced design: the scatter that each factor causes.
+
+Sources: Searle, Casella & McCulloch, Variance Components (Wiley 1992), chapter 4, for components by
+the method of moments.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtrit
+
+from burstcast.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class FactorVariance:
+    """Contribution of one factor.
+
+    Attributes
+    ----------
+    degrees
+        Degrees of freedom.
+    mean_square
+        Sum of the squares of the factor's effects in all cells, divided by ``degrees``; NaN without
+        a degree of freedom.
+    standard_deviation
+        Of the factor's effect: the root of its component of variance, which is its mean square less
+        the residual one, over the number of cells of a level. 0 where levels differ by no more than
+        the residual explains; NaN without a degree of freedom.
+    """
+
+    degrees: int
+    mean_square: float
+    standard_deviation: float
+
+
+@dataclass(frozen=True)
+class AnalysisOfVariance:
+    """Analysis of variance by main effects.
+
+    Attributes
+    ----------
+    mean
+        Over all cells.
+    factors
+        Of the factors, in the order of the axes.
+    residual
+        Of all interactions together; its standard deviation is the root of its mean square.
+    """
+
+    mean: float
+    factors: tuple[FactorVariance, ...]
+    residual: FactorVariance
+
+
+def analysis_of_variance(values: FloatArray) -> AnalysisOfVariance:
+    """Separate the main effects of crossed factors, with one value in each cell.
+
+    Parameters
+    ----------
+    values
+        An axis for each factor, its levels along the axis. A factor of one level has no effect. The
+        residual takes what no main effect explains; without degrees of freedom for it (a single
+        factor of more than one level), it is unknown, and counts as none in the components.
+
+    Raises
+    ------
+    ValueError
+        If there is no value, or one is missing.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.statistics.analysis_of_variance import analysis_of_variance
+    >>> found = analysis_of_variance(np.array([[1.0, 2.0], [4.0, 5.0]]))
+    >>> [round(one.mean_square, 6) for one in (*found.factors, found.residual)]
+    [9.0, 1.0, 0.0]
+    """
+    if values.size == 0 or not np.isfinite(values).all():
+        raise ValueError("every cell of a balanced design needs a value")
+    mean, axes = float(values.mean()), range(values.ndim)
+    squares, degrees = [], []
+    for axis in axes:
+        means = values.mean(axis=tuple(other for other in axes if other != axis))
+        squares.append(float(np.square(means - mean).sum()) * values.size / len(means))
+        degrees.append(len(means) - 1)
+    total = float(np.square(values - mean).sum())
+    left = values.size - 1 - sum(degrees)
+    unexplained = _mean_square(max(0.0, total - sum(squares)), left)
+    noise = unexplained if left else 0.0
+    factors = []
+    for axis, (square, free) in enumerate(zip(squares, degrees, strict=True)):
+        mean_square = _mean_square(square, free)
+        component = (mean_square - noise) * values.shape[axis] / values.size
+        deviation = float(np.sqrt(max(0.0, component))) if free else float("nan")
+        factors.append(FactorVariance(free, mean_square, deviation))
+    residual = FactorVariance(left, unexplained, float(np.sqrt(unexplained)))
+    return AnalysisOfVariance(mean, tuple(factors), residual)
+
+
+def _mean_square(squares: float, degrees: int) -> float:
+    return squares / degrees if degrees else float("nan")
+
+
+def student_quantile(degrees: int, confidence: float) -> float:
+    """Half-width of a two-sided interval in standard errors, by Student's distribution."""
+    return float(stdtrit(degrees, 0.5 + 0.5 * confidence)) if degrees > 0 else float("nan")
+
+
+def mean_and_margin(values: Sequence[float], confidence: float) -> tuple[float, float]:
+    """Mean of independent values, and half the width of its confidence interval.
+
+    The margin is that of Student's distribution; NaN for a single value.
+    """
+    count = len(values)
+    error = np.std(values, ddof=1) / np.sqrt(count) if count > 1 else np.nan
+    return float(np.mean(values)), float(student_quantile(count - 1, confidence) * error)
+
+
+def slope_and_margin(
+    x: Sequence[float], y: Sequence[float], confidence: float
+) -> tuple[float, float]:
+    """Slope of the line of least squares, and half the width of its confidence interval.
+
+    The margin is that of Student's distribution; both are NaN for fewer than three points.
+    """
+    count = len(x)
+    if count < 3:
+        return float("nan"), float("nan")
+    across = np.asarray(x) - np.mean(x)
+    slope = float(across @ np.asarray(y) / (across @ across))
+    left = np.asarray(y) - np.mean(y) - slope * across
+    error = np.sqrt(left @ left / (count - 2) / (across @ across))
+    return slope, float(student_quantile(count - 2, confidence) * error)
