@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import linregress
 
 from burstcast.statistics import warning_signs as signs
 from burstcast.systems.integration import integrate
@@ -175,3 +176,25 @@ def test_a_flow_that_its_wavenumbers_do_not_resolve():
     (found,) = signs.unresolved_flow(shares[0])
     assert found.text.startswith("the largest wavenumbers hold 0.0")
     assert signs.unresolved_flow(shares[1]) == []
+
+
+def test_a_slow_trend():
+    generator = np.random.default_rng(3)
+    start = np.sort(generator.uniform(0, 100, 60))
+    states = generator.normal(size=(60, 40, 3))
+    assert signs.slow_trend(start, states, "uvw", 30) == []
+    states[:, :, 1] -= 0.03 * start[:, np.newaxis]
+    (finding,) = signs.slow_trend(start, states, "uvw", 30)
+    # of other software, over the whole record
+    slope = linregress(start, states[:, :, 1].mean(axis=1)).slope
+    drift = slope * np.ptp(start) / states[:, :, 1].std()
+    share = (start[30:].mean() - start[:30].mean()) / np.ptp(start)
+    assert finding.text.endswith(
+        f"standard deviations: v by {drift:+.2g}, {share:.0%} of that from training to the others"
+    )
+    assert signs.slow_trend(start[:3], states[:3], "uvw", 2) == []  # too short for a line
+    # means that wander are no trend: their errors are correlated
+    wandering = np.cumsum(generator.normal(size=(60, 1, 400)), axis=0) * np.ones((60, 5, 400))
+    names = [str(number) for number in range(400)]
+    found = texts(signs.slow_trend(start, wandering, names, 30))
+    assert found[0].count(" by ") < 200

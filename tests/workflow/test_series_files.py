@@ -15,7 +15,10 @@ from burstcast.data.series_files import read_runs
 
 STATES = np.random.default_rng(1).normal(size=(3, 7, 2))  # (series, time, component)
 COLUMNS, LABELS = {"columns": ["u", "v"]}, {"series": "r"}
-NOTHING = {"columns": [], "header": None, "time": None, "series": None, "array": None, "axes": []}
+NOTHING = {
+    **{"columns": [], "header": None, "series": None, "array": None, "axes": []},
+    **{"time": None, "time_unit": None, "time_zone": None},
+}
 
 
 def runs(path, wanted=("u", "v"), **data):

@@ -8,6 +8,9 @@ from burstcast.arrays import FloatArray, IntArray
 from burstcast.files.netcdf import Variable
 from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE, TIME
 
+START = "start"
+"""Variable of an ensemble of a record: the time of the first sample of each series."""
+
 
 def ensemble_variables(
     states: FloatArray,

@@ -218,9 +218,14 @@ def _cut(runs: Sequence[Run], found: Sequence[FloatArray], blocks: Blocks) -> Fl
                 f"{run.name} has {len(states)} rows, but a block (data.blocks.duration) takes "
                 f"{blocks.samples}"
             )
-        starts = range(0, len(states) - blocks.samples + 1, blocks.samples - 1 + blocks.gap)
+        starts = block_starts(len(states), blocks)
         cut += [states[start : start + blocks.samples] for start in starts]
     return np.stack(cut)
+
+
+def block_starts(length: int, blocks: Blocks) -> range:
+    """First samples of the blocks of a run of some length."""
+    return range(0, length - blocks.samples + 1, blocks.samples - 1 + blocks.gap)
 
 
 def blocks_of(duration: float, gap: float, time_step: float) -> Blocks:

@@ -19,6 +19,7 @@ from scipy.io import netcdf_file
 
 from burstcast.arrays import float_array
 from burstcast.data.measured_data import Run
+from burstcast.data.time_stamps import TimeStamps
 from burstcast.discovery import suggestion
 
 Array = npt.NDArray[np.float64]
@@ -39,6 +40,7 @@ _GAPS = frozenset({"", "nan", "na", "n/a", "#n/a", "<na>", "null", "none"})
 """How tables write that there is no number, in small letters."""
 _ERROR_OF_EXCEL = re.compile(r"#([^\s,]+[!?]|N/A|NV\b|N/D|#*[,\t]|#{2,} +[-+.\d])", re.IGNORECASE)
 """Beginnings of rows that are no comments: #N/A, #DIV/0!, ########, in several languages."""
+_DATE = re.compile(r" *\d{4}-\d\d-\d\d")
 _ROWS_AT_ONCE = 65536
 
 
@@ -220,7 +222,13 @@ def _parquet(
         ) from None
     table.columns = pd.Index([str(name) for name in table.columns])
     values = {}
+    read = _time_stamps(data)
     for name in chosen(list(table.columns)):
+        if read is not None and name == data["time"]:
+            texts = ["" if stamp is pd.NaT else str(stamp) for stamp in table[name]]
+            places = [f"{path}, row {row}" for row in range(1, len(texts) + 1)]
+            values[name] = np.array(_times(read, texts, places, name))
+            continue
         if table[name].dtype.kind not in "iuf":
             raise ValueError(f"{path}: column {name!r} has no numbers, but {table[name].dtype}")
         values[name] = table[name].to_numpy(dtype=np.float64, na_value=np.nan)
@@ -248,13 +256,15 @@ def _text(
         parts: dict[str, list[Array]] = {name: [] for name in chosen(names)}
         labels: list[str] = []
         lines: list[int] = []
+        times = _time_stamps(data)
         body = itertools.chain(head[first:], rows)
         while chunk := list(itertools.islice(body, _ROWS_AT_ONCE)):
             for row in chunk:
                 _check_row(path, row, layout, is_first=not lines)
                 lines.append(row.line)
             for name, values in parts.items():
-                values.append(np.array(_numbers(path, name, chunk, names.index(name))))
+                read = times if name == data["time"] else None
+                values.append(np.array(_numbers(path, name, chunk, names.index(name), read)))
             if data["series"] is not None:
                 place = names.index(data["series"])
                 labels += [row.fields[place].strip() for row in chunk]
@@ -369,8 +379,17 @@ def _check_row(path: str, row: _Row, layout: _Layout, *, is_first: bool) -> None
         )
 
 
-def _numbers(path: str, name: str, rows: Sequence[_Row], place: int) -> list[float]:
+def _time_stamps(data: Mapping[str, Any]) -> TimeStamps | None:
+    """Reader of dates, where the unit of time is stated."""
+    return TimeStamps(data["time_unit"], data["time_zone"]) if data["time_unit"] else None
+
+
+def _numbers(
+    path: str, name: str, rows: Sequence[_Row], place: int, read_time: TimeStamps | None
+) -> list[float]:
     texts = [row.fields[place] for row in rows]
+    if read_time is not None:
+        return _times(read_time, texts, [f"{path}, line {row.line}" for row in rows], name)
     together = "".join(texts)
     if together.isascii() and "_" not in together:
         try:
@@ -382,9 +401,22 @@ def _numbers(path: str, name: str, rows: Sequence[_Row], place: int) -> list[flo
         value = _number(text)
         if value is None:
             raise ValueError(
-                f"{path}, line {row.line}: column {name!r} has {text!r}, which is no number"
+                f"{path}, line {row.line}: column {name!r} has {text!r}, which is no number (dates "
+                f"are read as times, in a unit that is stated: data.time and data.time_unit)"
+                if _DATE.match(text)
+                else f"{path}, line {row.line}: column {name!r} has {text!r}, which is no number"
             )
         values.append(value)
+    return values
+
+
+def _times(read: TimeStamps, texts: Sequence[str], places: Sequence[str], name: str) -> list[float]:
+    values = []
+    for text, place in zip(texts, places, strict=True):
+        try:
+            values.append(read(text))
+        except ValueError as error:
+            raise ValueError(f"{place}: column {name!r} {error}") from None
     return values
 
 

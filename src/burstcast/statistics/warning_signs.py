@@ -48,6 +48,13 @@ NOISE_OVER_INCREMENT = 1.0
 """Standard deviation of the noise over the root mean square of what a component changes by from one
 sample to the next: beyond it, a step shows more noise than dynamics."""
 
+TREND = 0.5
+"""Standard deviations of a component that its mean drifts by over a record: scores of its end are
+then of another climate than that of the training series."""
+
+TREND_ERRORS = 3.0
+"""Standard errors that a drift must be from zero."""
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -332,3 +339,46 @@ def unresolved_flow(energy: FloatArray) -> list[Finding]:
         return []
     text = f"the largest wavenumbers hold {share:.2g} of the energy: the flow is not resolved"
     return [Finding("unresolved_flow", text)]
+
+
+def slow_trend(
+    start: FloatArray, states: FloatArray, names: Sequence[str], training: int
+) -> list[Finding]:
+    """Components whose means drift over a record: straight lines through the means of its series.
+
+    Means of neighbouring series are alike. The standard error of a slope is raised for that, by the
+    correlation of each residual with the next, as for an autoregressive process of first order.
+
+    Parameters
+    ----------
+    start
+        Time of the first sample of each series, ``(series,)``.
+    states
+        ``(series, time, component)``.
+    names
+        Of the components.
+    training
+        Number of the first series, which train.
+    """
+    if len(start) < 4 or not np.ptp(start):
+        return []
+    time = (start - start.mean()) / np.ptp(start)
+    means = states.mean(axis=1)
+    slopes = time @ means / (time @ time)
+    residuals = means - means.mean(axis=0) - np.outer(time, slopes)
+    squares = np.sum(residuals**2, axis=0)
+    lagged = np.sum(residuals[1:] * residuals[:-1], axis=0)
+    # a line that fits exactly leaves nothing to correlate
+    alike = np.clip(lagged / np.maximum(squares, np.finfo(float).tiny), 0.0, 0.99)
+    error = np.sqrt(squares / (len(start) - 2) / (time @ time) * (1 + alike) / (1 - alike))
+    drift = slopes / np.maximum(states.std(axis=(0, 1)), np.finfo(float).tiny)
+    strong = (np.abs(drift) >= TREND) & (np.abs(slopes) >= TREND_ERRORS * error)
+    if not strong.any():
+        return []
+    listed = ", ".join(
+        f"{names[one]} by {drift[one]:+.2g}" for one in np.flatnonzero(strong).tolist()
+    )
+    share = (start[training:].mean() - start[:training].mean()) / np.ptp(start)
+    between = f", {share:.0%} of that from training to the others" if training < len(start) else ""
+    text = f"means drift over the record, in standard deviations: {listed}{between}"
+    return [Finding("slow_trend", text)]

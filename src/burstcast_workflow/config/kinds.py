@@ -22,6 +22,7 @@ from pydantic_core import PydanticCustomError
 
 from burstcast.control.strategies.registry import available_strategies as control_strategies
 from burstcast.data.series_files import axis_of
+from burstcast.data.time_stamps import duration_in
 from burstcast.encoders.registry import available_encoders
 from burstcast.tuning.strategies.registry import available_strategies
 from burstcast_workflow.stages.canonical import canonical
@@ -95,6 +96,18 @@ def _named(path: str) -> str:
     return posixpath.normpath(re.sub("^//+", "/", path))
 
 
+def _period(value: Any) -> Any:
+    try:
+        if isinstance(value, bool) or not 0 < duration_in(value, "second") < math.inf:
+            raise ValueError
+    except (ValueError, TypeError):
+        shown = f"the text {value!r}" if isinstance(value, str) else f"{value}"
+        text = f"is {shown}; it must be {_PERIOD}".replace("{", "{{").replace("}", "}}")
+        raise PydanticCustomError("between", text) from None
+    return value
+
+
+_PERIOD = "a number above 0, or one with a unit: 1 day, 12 hours, 1 year"
 _THRESHOLD = "a number, or {quantile: <a number between 0 and 1>}"
 _PAIR = Field(min_length=2, max_length=2)
 _RESERVED = "nan|NaN|inf|Inf|infinity|Infinity|true|True|false|False|tables|figures|logs|benchmarks"
@@ -103,6 +116,11 @@ Whole = Annotated[int, BeforeValidator(_whole)]
 Count = Annotated[Whole, Field(ge=1)]
 Size = Annotated[Whole, Field(ge=2, le=100_000)]
 Positive = Annotated[float, Field(gt=0)]
+Period = Annotated[
+    Positive | str,
+    BeforeValidator(_period),
+    Words(_PERIOD),
+]
 CountOrNull = Annotated[Count | None, Words("a whole number above 0, or null")]
 PositiveOrNull = Annotated[Positive | None, Words("a number above 0, or null")]
 EventShare = Annotated[

@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from typing import Any
 
+from burstcast.data.cycles import Cycle
 from burstcast.data.delay_coordinates import delayed_name
 from burstcast.data.measured_data import Quantity
+from burstcast.data.records import problems_of_treatment
 from burstcast.data.series_files import column_names
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.channels import IDENTITY, channel_names, encoding_case
@@ -31,7 +33,10 @@ SUBSTEPS = 4
 ONLY_ENCODED = "sensors and encoder are for cases of another case's series: data: {case: ...}"
 
 _MEANINGLESS = ("system", "files", "parameters", "ensemble", "actuation", "controlled_density")
-_OF_FILES = ("time_step", "time", "series", "array", "axes", "columns", "header", "blocks")
+_OF_FILES = (
+    *("time_step", "time", "time_unit", "time_zone", "series", "joined", "gaps"),
+    *("longest_interpolation", "cycle", "array", "axes", "columns", "header", "blocks"),
+)
 
 
 _WITHOUT_UNITS: Any = {
@@ -76,6 +81,8 @@ def measured_record(
         steps = {key: whole.get(key) for key in ("time_step", "sampling_stride", "duration")}
         record |= _of_source(source, data)
     data["components"] = said.components or data.get("columns") or _in_header(said)
+    if (cycle := said.cycle) is not None and cycle.components:
+        data["components"] = [*data["components"], *Cycle(1, cycle.harmonics).names]
     names = [Quantity(text).name for text in data["components"]]
     if is_encoded(own) and said.case is not None:
         names = _channels(own, source)
@@ -153,7 +160,7 @@ def header(data: Data) -> list[str]:
     ValueError, OSError
         If they cannot be read.
     """
-    whole = Data.model_validate({"observable": "", **data.dump()})
+    whole = Data.model_validate({"observable": "", **data.dump(), "cycle": None})
     return _header(data_files(data)[0], whole.model_dump_json())
 
 
@@ -278,6 +285,7 @@ def problems_of_data(case: Measured) -> Iterator[str]:
         appended = of_present.dimension > len(names)
         if data.case is None:
             data_files(data)
+            yield from problems_of_treatment(data.dump())
         else:
             for text in [*data.components, *([data.observable] if appended else [])]:
                 Quantity(text).columns([*data.columns, OBSERVABLE])

@@ -24,6 +24,7 @@ from burstcast_workflow.config.kinds import (
     EventShare,
     NetworkOrNull,
     ParameterName,
+    Period,
     Positive,
     PositiveOrNull,
     PositiveRange,
@@ -344,6 +345,23 @@ class Blocks(Section):
     gap: float = setting("from the end of a block to the start of the next", TIME, ge=0, default=0)
 
 
+class Cycle(Section):
+    """A cycle of the day or the year in measured records."""
+
+    period: Period = setting("length of the cycle; text such as 1 day takes data.time_unit", TIME)
+    harmonics: Count = setting("waves of the cycle: its period, half of it, ...", default=1)
+    components: bool = setting(
+        "whether the waves (cycle_cos, cycle_sin, cycle_cos_2, ...) are components, which tell "
+        "forecasters the phase",
+        default=True,
+    )
+    removed_from: Distinct[str] = setting(
+        "columns that the cycle is removed from, its mean included, as fitted to the training "
+        "series; thresholds of an observable made of them are departures from the cycle",
+        default=[],
+    )
+
+
 class Data(Section):
     """Measured series instead of equations; null: the series are simulated."""
 
@@ -381,6 +399,31 @@ class Data(Section):
         "time between two rows, which are the steps of a forecast", TIME, default=None
     )
     time: str | None = setting("column of times, to be checked against the time step", default=None)
+    time_unit: Literal["second", "minute", "hour", "day"] | None = setting(
+        "what a time unit is, where times are dates (ISO 8601); null: times are numbers",
+        default=None,
+    )
+    time_zone: str | None = setting(
+        "zone of dates without an offset, such as Europe/Berlin; null: a clock that is never put "
+        "forward or back, such as UTC",
+        default=None,
+    )
+    joined: bool | None = setting(
+        "whether all files, or all series of a table, are parts of one record, in their order in "
+        "time; otherwise each is a record",
+        default=None,
+    )
+    gaps: Annotated[Literal["cut"] | None, Words("cut, or null")] = setting(
+        "cut: gaps cut a record, and parts shorter than a block are left out; null: gaps are "
+        "errors",
+        default=None,
+    )
+    longest_interpolation: PositiveOrNull = setting(
+        "longest time between two complete rows that is interpolated linearly; null: none",
+        TIME,
+        default=None,
+    )
+    cycle: Cycle | None = setting("a cycle of known period; null: none", default=None)
     series: str | None = setting(
         "column of labels that distinguish series, where a table holds several, in "
         "successive rows unless time orders them",

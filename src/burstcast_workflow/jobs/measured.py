@@ -7,14 +7,8 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.delay_coordinates import delay_coordinates
-from burstcast.data.measured_data import (
-    Quantity,
-    Run,
-    blocks_of,
-    check_equidistant,
-    series_of_runs,
-)
-from burstcast.data.series_files import read_runs
+from burstcast.data.measured_data import Quantity, Run, series_of_runs
+from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.files.netcdf import read_netcdf
 from burstcast.systems.measured import MeasuredSeries
 from burstcast_workflow.harness.settings import Settings
@@ -59,13 +53,13 @@ def with_past(settings: Settings, states: FloatArray) -> FloatArray:
     return np.concatenate([seen, states[:, max(delays) :, count:]], axis=2)
 
 
-def measured_series(settings: Settings, sources: Sequence[str]) -> FloatArray:
-    """Series of states without past values, ``(series, time, component)``, checked.
+def measured_series(settings: Settings, sources: Sequence[str]) -> RecordedSeries:
+    """Series of states without past values, checked.
 
     Parameters
     ----------
     settings
-        With ``case.data``, ``case.parameters`` and the time step.
+        With ``case.data``, ``case.parameters``, ``case.training.series`` and the time step.
     sources
         The files, in the order of their series.
 
@@ -75,25 +69,12 @@ def measured_series(settings: Settings, sources: Sequence[str]) -> FloatArray:
         If anything is wrong with them.
     """
     data, time_step = settings["case.data"], sampling_interval(settings)
-    space = present_space(settings)
+    space, training = present_space(settings), settings["case.training.series"]
+    if data["case"] is None:
+        return recorded_series(sources, data, space, time_step, training)
+    runs = _runs_of_case(sources[0], data["columns"])
     quantities = [Quantity(text) for text in data["components"]]
-    blocks = data["blocks"]
-    cut = blocks and blocks_of(blocks["duration"], blocks["gap"], time_step)
-    if data["case"] is not None:
-        runs = _runs_of_case(sources[0], data["columns"])
-        return series_of_runs(runs, space, quantities, cut)
-    time = data["time"]
-    taken = [*quantities, *([Quantity(space.observable_of)] if space.appended else [])]
-
-    def needed(known: Sequence[str]) -> list[str]:
-        asked = [*taken, *([Quantity(time)] if time else [])]
-        return list(dict.fromkeys(name for one in asked for name in one.columns(known)))
-
-    runs = [run for path in sources for run in read_runs(path, data, needed)]
-    if time is not None:
-        for run in runs:
-            check_equidistant(run.name, time, Quantity(time).values(run.columns), time_step)
-    return series_of_runs(runs, space, quantities, cut)
+    return RecordedSeries(series_of_runs(runs, space, quantities, None))
 
 
 def _runs_of_case(ensemble: str, components: Sequence[str]) -> list[Run]:

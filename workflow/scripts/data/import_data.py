@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from burstcast.data.ensemble_files import ensemble_variables
+from burstcast.data.ensemble_files import START, ensemble_variables
 from burstcast.data.measured_data import kept_series
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast.files.netcdf import Variable
+from burstcast.files.units import TIME
+from burstcast_workflow.harness.job import Provenance, job, tell
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.data import test_series
@@ -22,7 +24,10 @@ def import_data(
     provenance: Provenance,
 ) -> None:
     """Write the series, their observable, and a summary."""
-    states = measured_series(settings, sources)
+    measured = measured_series(settings, sources)
+    if measured.left_out:
+        tell(measured.left_out)
+    states = measured.states
     training, test = settings["case.training.series"], test_series(settings, len(states))
     if training + test > len(states):
         raise ValueError(
@@ -42,5 +47,8 @@ def import_data(
         np.maximum(lifetimes - past, 0),
         sampling_interval(settings),
     )
+    if measured.start is not None:
+        start = measured.start[index] + past * sampling_interval(settings)
+        variables[START] = Variable(("series",), start, TIME, "time of the first sample")
     write_netcdf(ensemble, variables, provenance)
     write_json(summary, {**of_all, "provenance": provenance})

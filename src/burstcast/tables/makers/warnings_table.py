@@ -7,14 +7,15 @@ import numpy as np
 import pandas as pd
 
 from burstcast.arrays import FloatArray
-from burstcast.files.netcdf import read_rows
+from burstcast.data.ensemble_files import START
+from burstcast.files.netcdf import read_netcdf, read_rows, variable_names
 from burstcast.forecasters._names import PERMANENT_ALARM
 from burstcast.statistics import warning_signs
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.statistics.warning_signs import Finding
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.registry import make_space
-from burstcast.systems.state_space import StateSpace
+from burstcast.systems.state_space import StateSpace, component_names
 from burstcast.tables.makers.registry import PATH, Declaration, Rows
 from burstcast.tuning.negligible_ridge import negligible_ridge
 
@@ -59,6 +60,8 @@ ADVICE = {
     "no_better_than_permanent_alarm": "more neurons or longer series; shorter prediction times, "
     "or rarer events (event_threshold)",
     "unresolved_flow": "raise parameters.largest_wavenumber, or lower the Reynolds number",
+    "slow_trend": "train on later series, or remove the trend from the file; a cycle longer than "
+    "the record looks like a trend, too",
     "noise_drowns_components": "lower training.noise, or raise ensemble.sampling_stride",
 }
 """Settings to change where a sign of `burstcast.statistics.warning_signs` was found."""
@@ -85,7 +88,7 @@ def make(
 ) -> dict[str, Rows]:
     """A row for each sign; of networks, one for those of a size and strategy."""
     states = read_rows(ensemble, "state", 0, training_series)
-    samples = len(states) * states.shape[1]
+    samples, space = len(states) * states.shape[1], make_space(system, parameters)
     histogram = LongTermStatistics.from_arrays(data).histogram
     of_case = [
         *warning_signs.few_events(
@@ -99,7 +102,8 @@ def make(
         ),
         *warning_signs.outside_bins(histogram.below, histogram.above, int(histogram.counts.sum())),
         *warning_signs.noise_drowns_components(states, noise),
-        *_of_truncation(make_space(system, parameters), states),
+        *_of_truncation(space, states),
+        *_of_trend(ensemble, space, training_series),
         *_of_numbers(dataset, classification),
     ]
     found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
@@ -131,6 +135,15 @@ def _of_truncation(space: StateSpace, states: FloatArray) -> list[Finding]:
     if not (isinstance(space, DynamicalSystem) and has_own(space, "energy_of_last_shell")):
         return []
     return warning_signs.unresolved_flow(space.energy_of_last_shell(np.moveaxis(states, -1, 0)))
+
+
+def _of_trend(ensemble: str, space: StateSpace, training: int) -> list[Finding]:
+    """Of a record whose series have a time."""
+    if START not in variable_names(ensemble):
+        return []
+    data = read_netcdf(ensemble, START, "state")
+    names = component_names(space)
+    return warning_signs.slow_trend(data[START], data["state"], names, training)
 
 
 def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator[Finding]:

@@ -1,0 +1,133 @@
+"""Cycles of a known period in measured records: of the day, of the year."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.data.measured_data import Run
+
+PHASES = 4
+"""Parts of the shortest wave of a cycle in which there must be training samples: with an empty one,
+a wave is fitted to what is elsewhere."""
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A cycle: a period with its first harmonics.
+
+    Attributes
+    ----------
+    period
+        In time units.
+    harmonics
+        Number of waves: of the period, half the period, a third of it, ...
+    """
+
+    period: float
+    harmonics: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the waves as components: cycle_cos, cycle_sin, cycle_cos_2, cycle_sin_2, ..."""
+        return tuple(
+            f"cycle_{wave}{f'_{number}' if number > 1 else ''}"
+            for number in range(1, self.harmonics + 1)
+            for wave in ("cos", "sin")
+        )
+
+    def waves(self, time: FloatArray) -> FloatArray:
+        """Cosine and sine of each harmonic at some times, ``(time, 2 harmonics)``."""
+        phase = 2 * np.pi * np.mod(time, self.period) / self.period
+        angles = np.arange(1, self.harmonics + 1) * phase[:, np.newaxis]
+        return np.stack([np.cos(angles), np.sin(angles)], axis=2).reshape(len(time), -1)
+
+    def fit(self, time: FloatArray, values: FloatArray) -> FloatArray:
+        """Mean and amplitudes of the waves by least squares, ``(1 + 2 harmonics, columns)``.
+
+        Parameters
+        ----------
+        time
+            Times of the samples, ``(samples,)``.
+        values
+            ``(samples, columns)``.
+
+        Raises
+        ------
+        ValueError
+            If a part of the cycle has no samples.
+        """
+        parts = PHASES * self.harmonics
+        part = np.minimum(np.floor(np.mod(time, self.period) / self.period * parts), parts - 1)
+        filled = len(np.unique(part))
+        if filled < parts:
+            raise ValueError(
+                f"data.cycle: the training series have samples in {filled} of {parts} equal parts "
+                f"of the period, {self.period:g}: to fit {self.harmonics} harmonics, they must "
+                f"have some in all of them (training.series, data.cycle.harmonics)"
+            )
+        return np.asarray(np.linalg.lstsq(self._terms(time), values, rcond=None)[0], np.float64)
+
+    def values(self, time: FloatArray, fitted: FloatArray) -> FloatArray:
+        """The fitted cycle, its mean included, at some times: ``(time, columns)``."""
+        return np.asarray(self._terms(time) @ fitted)
+
+    def _terms(self, time: FloatArray) -> FloatArray:
+        return np.column_stack([np.ones(len(time)), self.waves(time)])
+
+
+def with_waves(runs: Sequence[Run], cycle: Cycle, time: str) -> list[Run]:
+    """Runs with the waves of a cycle as further columns.
+
+    Raises
+    ------
+    ValueError
+        If a run has a column of that name already.
+    """
+    found = []
+    for run in runs:
+        if taken := [name for name in cycle.names if name in run.columns]:
+            raise ValueError(
+                f"{run.name} has a column {taken[0]!r}, as a wave of data.cycle is called: rename "
+                f"it, or leave the waves out (data.cycle.components: false)"
+            )
+        waves = dict(zip(cycle.names, cycle.waves(run.columns[time]).T, strict=True))
+        found.append(replace(run, columns={**run.columns, **waves}))
+    return found
+
+
+def without_cycle(
+    runs: Sequence[Run], cycle: Cycle, time: str, names: Sequence[str], training: Sequence[slice]
+) -> list[Run]:
+    """Runs with some columns as departures from their cycle, which training samples tell.
+
+    Parameters
+    ----------
+    runs
+        All of them, each with a column of times.
+    cycle
+        What is fitted.
+    time
+        Name of the column of times.
+    names
+        Columns that the cycle is removed from, its mean included.
+    training
+        Rows of a run that belong to training series, for each of the first runs.
+
+    Raises
+    ------
+    ValueError
+        If the training samples do not tell the cycle.
+    """
+    of_training = list(zip(runs, training, strict=False))
+    times = np.concatenate([run.columns[time][rows] for run, rows in of_training])
+    values = np.concatenate(
+        [np.stack([run.columns[name][rows] for name in names], axis=1) for run, rows in of_training]
+    )
+    fitted, found = cycle.fit(times, values), []
+    for run in runs:
+        usual = cycle.values(run.columns[time], fitted)
+        rest = {name: run.columns[name] - usual[:, place] for place, name in enumerate(names)}
+        found.append(replace(run, columns={**run.columns, **rest}))
+    return found
