@@ -33,12 +33,7 @@ SUBSTEPS = 4
 ONLY_ENCODED = "sensors and encoder are for cases of another case's series: data: {case: ...}"
 
 _MEANINGLESS = ("system", "files", "parameters", "ensemble", "actuation", "controlled_density")
-_OF_FILES = (
-    *("time_step", "time", "time_unit", "time_zone", "series", "joined", "gaps"),
-    *("longest_interpolation", "cycle", "array", "axes", "columns", "header", "blocks"),
-)
-
-
+_OF_CASES = ("case", "components", "delays", "observable", "observable_name", "observable_symbol")
 _WITHOUT_UNITS: Any = {
     "lyapunov": {"time_unit"},
     "training": {"series"},
@@ -256,8 +251,8 @@ def own_problems(own: Case) -> Iterator[str]:
                     )
         elif not data.components:
             yield "data.components is missing: what forecasters see of the other case"
-        for key in _OF_FILES:
-            if getattr(data, key) not in (None, []):
+        for key, value in data:
+            if key not in _OF_CASES and value not in (None, []):
                 yield f"data.{key} means nothing where the series are those of another case"
 
 
