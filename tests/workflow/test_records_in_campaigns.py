@@ -61,6 +61,7 @@ def write_config(project, changes):
     config = {
         "results": "results/plant",
         "campaign": [{"cases": ["plant"], "forecasters": forecasters}],
+        "washout_lt": 2,
         "cases": {"plant": {**CASE, "data": {**DATA, **changes}}},
     }
     (project.directory / "plant.yaml").write_text(yaml.safe_dump(config))
@@ -111,6 +112,7 @@ def test_a_clock_that_jumps_fails_with_file_and_row(project, lines, message):
         ({"time_unit": None, "time_zone": None}, "data.cycle.period: '1 day' takes a unit of time"),
         ({"time_unit": None}, "data.time_zone needs data.time_unit"),
         ({"blocks": None}, "data.gaps needs data.blocks"),
+        ({"blocks": {"duration": 5}}, "or data.blocks.duration: series of 6 samples"),
         ({"gaps": None, "longest_interpolation": 3}, "longest_interpolation needs data.gaps"),
         ({"gaps": "fill"}, "data.gaps is the text 'fill'; it must be cut"),
         ({"longest_interpolation": 0}, "longest_interpolation is 0; it must be a number above 0"),

@@ -16,7 +16,7 @@ from burstcast_workflow.config.cases import (
     case_record,
     data_of,
 )
-from burstcast_workflow.config.lengths import lag_misfits, misfits
+from burstcast_workflow.config.lengths import lag_misfits, misfits, room_misfits
 from burstcast_workflow.config.measured_cases import (
     ONLY_ENCODED,
     is_encoded,
@@ -239,6 +239,7 @@ def _measured(config: Configuration, name: str) -> Iterator[str]:
     if knowing := [kind for kind in kinds if learns_parameters(kind)]:
         yield f"measured series have no parameters to be known ({', '.join(knowing)})"
     yield from lag_misfits(config, case, kinds)
+    yield from room_misfits(config, case)
     filters = [kind for kind in kinds if kind_class(kind).has_filter]
     if any(not (is_encoded(case) and kind in needing) for kind in filters):
         yield from _filter(config.forecasters.filter, case, name)

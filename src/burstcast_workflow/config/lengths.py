@@ -157,6 +157,22 @@ def lag_misfits(config: Configuration, case: Case, kinds: Iterable[str]) -> Iter
             yield str(error)
 
 
+def room_misfits(config: Configuration, case: Case) -> Iterator[str]:
+    """Whether the blocks of a record are too short for a washout and a forecast."""
+    exponent, blocks = case.lyapunov.known_exponent, case.data and case.data.blocks
+    if exponent is None or not blocks:
+        return
+    interval, classified = case.ensemble.sampling_interval, config.classification
+    reach_lt = classified.longest_prediction_time_lt + classified.window_lt
+    try:
+        steps = durations.steps_per_lyapunov_time(exponent, interval)
+        washout = durations.positive_steps(config.washout_lt, steps, "washout_lt")
+        samples = round(blocks.duration / interval) + 1
+        starting_points(1, samples, 1, washout, durations.steps(reach_lt, steps))
+    except ValueError as error:
+        yield f"{CLASSIFICATION} or data.blocks.duration: {error}"
+
+
 def _control(
     config: Configuration,
     name: str,
