@@ -22,7 +22,12 @@ from burstcast_workflow.harness.tables import read_table
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_encoded.yaml").read_text())
 FLOW = KolmogorovFlow(40.0, 4, 4)
-TARGETS = ("tables/ranking.csv", "tables/dataset.csv", "figures/forecast_skill_sensors.png")
+TARGETS = (
+    "tables/ranking.csv",
+    "tables/dataset.csv",
+    "tables/control_strategies.csv",
+    "figures/forecast_skill_sensors.png",
+)
 
 
 def config(change=None):
@@ -35,6 +40,17 @@ def config(change=None):
 
 def case(name, **changes):
     return {"cases": {name: changes}}
+
+
+def controlled(strategy, kind, **settings):
+    """Control of the flow by forecasters of its invariants."""
+    block = {
+        "strategy": strategy,
+        "settings": {"decision_interval_lt": [0.5], **settings},
+        "observed": ["invariants"],
+        "forecasters": {kind: {}},
+    }
+    return {"control": {"strategies": [block]}}
 
 
 @pytest.mark.parametrize(
@@ -69,12 +85,26 @@ def case(name, **changes):
             ["the encoder invariants cannot be decoded", "(equations_filtered)"],
         ),
         (
-            case("sensors", data={"delays": [2]}),
+            case("sensors_pod", data={"delays": [2]}),
             ["data.delays means nothing beside sensors or an encoder"],
         ),
         (case("turbulence", sensors={}), ["sensors and encoder are for cases of another case's"]),
         (case("sensors_pod", training={"noise": 0}), ["training.noise is 0"]),
         (case("turbulence", lyapunov={"series": 7}), ["lyapunov.series is 7; it must be at most"]),
+        (
+            controlled("receding_horizon", "precursor", horizon_lt=[1]),
+            ["control.strategies[0].forecasters names precursor", "forecasts no states"],
+        ),
+        (
+            controlled("probability_triggered", "esn", probability=[0.2], hold_lt=[1]),
+            ["control.strategies[0].forecasters names esn", "takes classifiers: precursor"],
+        ),
+        (
+            controlled(
+                "probability_triggered", "precursor", probability=[0.2], hold_lt=[1], windows=[4]
+            ),
+            ["control.strategies[0].settings.windows: classifiers have 3"],
+        ),
     ],
 )
 def test_a_mistake_is_told_before_any_job(change, parts):
@@ -178,6 +208,23 @@ def test_ranking_by_other_means(results):
     alarms = set(table[table["case"] == "turbulence"]["alarm"])
     assert {"published_precursor", "observable_now", "equations"} <= alarms
     assert "published_precursor" not in set(table[table["case"] == "invariants"]["alarm"])
+
+
+def test_control_through_sensors_and_encoders(results):
+    """Exceedance of each run, from the observables of its flows."""
+    table = read_table(results / "tables" / "control_strategies.csv")
+    table = table[table["metric"] == "exceedance_controlled"]
+    found = dict(zip(table["forecaster"], table["observed"], strict=True))
+    assert found == {"equations": "", "equations_filtered": "sensors", "precursor": "invariants"}
+    uncontrolled = []
+    for forecaster in found:
+        (path,) = (results / "turbulence" / "control" / forecaster).iterdir()
+        counts = json.loads((path / "counts.json").read_text())
+        row = table[table["forecaster"] == forecaster]
+        assert row["value"].item() == pytest.approx(counts["exceedance_controlled"])
+        uncontrolled.append(counts["exceedance_uncontrolled"])
+        assert 0 < counts["control_fraction"] < 1
+    assert uncontrolled == [uncontrolled[0]] * 3
 
 
 def test_the_flow_is_that_of_the_case():

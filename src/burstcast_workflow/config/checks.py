@@ -206,6 +206,10 @@ def _strategies(config: Configuration) -> Iterator[str]:
                     )
             except ValueError as error:
                 yield f"{place}.settings: {error}"
+        most = len(config.classification.prediction_times_lt)
+        windows = block.settings.get("windows", [])
+        if any(isinstance(count, float) and count > most for count in windows):
+            yield f"{place}.settings.windows: classifiers have {most}, one for each prediction time"
         yield from _votes(block, place)
 
 

@@ -52,6 +52,7 @@ _MIB_PER_NUMBER = 8 / 2**20
 _CANDIDATES = 5.0  # points of a search that its objective cannot tell from the best
 _SCIPY_SLOWER = 4.0  # a network's step with the backend that is not compiled
 _FIELD_STEP = 8.0  # of a component of a field, in steps of nine compiled equations
+_FIELD_PERTURBATIONS = 7.0  # of a field, in those of nine equations
 _TYPICAL_LYAPUNOV_TIME = 60  # in steps, where it is not known before it is computed
 
 _SEARCHED = ("spectral_radius", "input_scaling", "penalty")
@@ -177,8 +178,8 @@ def _integration(job: _Job, count: float, steps: float, unit: str = "integration
     numbers = count * steps / job.stride * job.dimension
     # states are held as made and as written
     work = job.integration_work
-    if unit == "tangent step":  # of as many perturbations as there are components
-        work = max(1.0, work * work / 512)
+    if unit == "tangent step" and work > 1.0:  # of more perturbations than nine
+        work *= _FIELD_PERTURBATIONS
     return _Work(_PLAIN, {unit: work * steps * count, "number": numbers}, 2 * numbers)
 
 
@@ -280,7 +281,9 @@ def _classifiers(job: _Job) -> _Work:
     spacing = "forecasters.classifiers.start_spacing_lt"
     points = job.training_series * job.starts(spacing, reach)
     washout = job.steps("washout_lt")
-    fits = len(job("classification.prediction_times_lt")) * job("forecasters.classifiers.folds")
+    times = len(job("classification.prediction_times_lt"))
+    own = job("probability.calibration_series")
+    fits = times * (1 if own else 1 + job("forecasters.classifiers.folds"))
     held = points * washout * job.dimension
     if "neurons" not in options:
         features = job.dimension * (1 + len(options["lags_lt"]))
@@ -288,7 +291,7 @@ def _classifiers(job: _Job) -> _Work:
         return _Work(_SEARCHING, units, held + points * features)
     # a reservoir: its states after the washouts, and steps of Newton's method
     neurons = options["neurons"]
-    fits += math.prod(len(options[name]) for name in _SEARCHED)
+    fits += times * math.prod(len(options[name]) for name in _SEARCHED)
     units = {
         "neuron step": fits * points * washout * neurons,
         "gram product": fits * _NEWTON_STEPS * points * neurons**2,
