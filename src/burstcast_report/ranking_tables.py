@@ -7,9 +7,18 @@ import pandas as pd
 
 from burstcast.probability.ranking import ONSET
 from burstcast.tables.ranked import SAME_EVERYWHERE, shown_once
-from burstcast_report.results_tables import Tables, markdown, name_of, significant, with_ends
+from burstcast_report.results_tables import (
+    Tables,
+    markdown,
+    name_of,
+    percent_with_ends,
+    significant,
+    with_ends,
+)
 
 _METRIC = "average_precision"
+_MOST_LEFT, _MOST_TIME = 0.01, 0.1
+"""Shares of the exceedance and of the time that control was to leave and to take at most."""
 _KEYS = ["case", "alarm", "forecaster", "neurons", "validation"]
 
 
@@ -69,7 +78,48 @@ def targets(tables: Tables) -> str:
             _reached(filtered >= whole - 0.05),
         ]
     )
-    return markdown(["average precision of onsets", "wanted", "found", ""], shown)
+    shown += _control(tables)
+    return markdown(["average precision of onsets, control", "wanted", "found", ""], shown)
+
+
+def _control(tables: Tables) -> list[list[str]]:
+    """Least exceedance that control leaves at a tenth of the time, by all and from sensors."""
+    found = tables.rows("control_strategies")
+    if found.empty:
+        return []
+    runs = [str(name) for name in found if name not in ("metric", "value", "low", "high")]
+    records = [
+        {row["metric"]: row for row in part.to_dict("records")}
+        for _, part in found.groupby(runs, dropna=False, sort=False)
+    ]
+    shown = []
+    for whose in ("by true states", "from sensors"):
+        some = [
+            run
+            for run in records
+            if run["control_fraction"]["value"] <= _MOST_TIME
+            and isinstance(run["control_fraction"].get("observed"), str)
+            == (whose != "by true states")
+        ]
+        if not some:
+            continue
+        best = min(some, key=lambda run: run["relative_exceedance"]["value"])
+        left, time = best["relative_exceedance"], best["control_fraction"]
+        shown.append(
+            [
+                f"exceedance left under control {whose}, at a tenth of the time at most",
+                "1 % at most",
+                f"{percent_with_ends(left)} % at {percent_with_ends(time)} % of the time: "
+                f"{_strategy(left)} of `{left['case']}`",
+                _reached(left["value"] <= _MOST_LEFT),
+            ]
+        )
+    return shown
+
+
+def _strategy(row: Mapping[Any, Any]) -> str:
+    by = "" if row["forecaster"] == "none" else f" by {row['forecaster']}".replace("_", " ")
+    return f"{row['strategy']}".replace("_", " ") + by
 
 
 def _rows(tables: Tables, event: str) -> pd.DataFrame:

@@ -816,8 +816,8 @@ class StrategyBlock(Section):
         default=[],
     )
     observed: Distinct[CaseName] = setting(
-        "cases that are parts of the controlled case's state (`data.case`), which forecasters and "
-        "rules observe instead of all of it; forecasters are those of the part",
+        "cases of parts of the controlled case's state, or of its sensors and encoders "
+        "(`data.case`), which forecasters and rules observe; forecasters are those of these cases",
         default=[],
     )
 
