@@ -27,6 +27,8 @@ COLUMNS = {
         "laminarised_fraction",
         "mean_observable",
         "events_per_series",
+        "event_share",
+        "training_event_share",
         "lyapunov_exponent",
         "lyapunov_exponent_low",
         "lyapunov_exponent_high",
@@ -203,6 +205,8 @@ def test_dataset(finished):
     assert row["mean_observable"] == pytest.approx(energy.mean())
     rises = (energy[:, :-1] < 0.07) & (energy[:, 1:] >= 0.07)
     assert row["events_per_series"] == pytest.approx(rises.sum() / len(energy))
+    assert row["event_share"] == pytest.approx((energy >= 0.07).mean())
+    assert row["training_event_share"] == pytest.approx((energy[:3] >= 0.07).mean())
     assert row["lyapunov_exponent_paper"] == 0.0163
     assert row["steps_per_lyapunov_time"] == 61
     assert row["lyapunov_exponent_low"] < row["lyapunov_exponent"] < row["lyapunov_exponent_high"]

@@ -249,6 +249,8 @@ class Recomputation:
                     "laminarised_fraction": 1 - len(energy) / series,
                     "mean_observable": energy.mean(),
                     "events_per_series": (~above[:, :-1] & above[:, 1:]).sum() / len(energy),
+                    "event_share": above.mean(),
+                    "training_event_share": above[: record["training"]["series"]].mean(),
                     "lyapunov_exponent": exponents["mean"],
                     "lyapunov_exponent_low": exponents["low"],
                     "lyapunov_exponent_high": exponents["high"],
