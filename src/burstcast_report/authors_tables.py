@@ -66,6 +66,8 @@ class Score:
         if self.time_lt is not None:
             where["prediction_time_lt"] = self.time_lt
         ends = tables.rows(f"{self.table}_intervals", forecaster="esn", metric=self.metric, **where)
+        if ends.empty:
+            return float("nan")
         return float((ends["high"] - ends["low"]).median()) / (2 * 1.96)
 
 
