@@ -1,4 +1,4 @@
-"""docs/event_forecast.ipynb: its cells run as they are, and show what running them showed."""
+"""The notebooks in docs: their cells run as they are, and show what running them showed."""
 
 import json
 import re
@@ -9,46 +9,101 @@ import numpy as np
 import pytest
 
 DOCS = Path(__file__).parents[1] / "docs"
-NOTEBOOK = DOCS / "event_forecast.ipynb"
+NOTEBOOKS = sorted(DOCS.glob("*.ipynb"))
+NUMBER = r"[-+]?\d+(?:\.\d+)?"
+
+
+def code_cells(path):
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    return [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+
+
+def printed(cells):
+    """Text that the cells printed when the notebook was saved."""
+    texts = [
+        "".join(output["text"]) for cell in cells for output in cell["outputs"] if "text" in output
+    ]
+    return "".join(texts)
 
 
 @pytest.fixture(scope="module")
 def cells():
-    notebook = json.loads(NOTEBOOK.read_text(encoding="utf-8"))
-    return [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    return code_cells(DOCS / "event_forecast.ipynb")
+
+
+@pytest.fixture
+def run(capsys):
+    """Runs a notebook; the names it defines, the numbers it prints, and those it shows."""
+
+    def run(name):
+        matplotlib.use("agg")
+        names: dict[str, object] = {}
+        cells = code_cells(DOCS / f"{name}.ipynb")
+        for cell in cells:
+            exec("".join(cell["source"]), names)
+        said, shown = capsys.readouterr().out, printed(cells)
+        # whatever the last digits are on another machine
+        assert re.sub(NUMBER, "", said).split() == re.sub(NUMBER, "", shown).split()
+        return names, *(list(map(float, re.findall(NUMBER, text))) for text in (said, shown))
+
+    return run
 
 
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
-def test_the_cells_run(cells, capsys):
-    matplotlib.use("agg")
-    names: dict[str, object] = {}
-    for cell in cells:
-        exec("".join(cell["source"]), names)
-    said = capsys.readouterr().out
+def test_a_scored_forecast(cells, run, capsys):
+    names, said, shown = run("event_forecast")
     assert len(names["figure"].axes[0].lines) == 8  # six networks, the truth, the threshold
-    # as it was shown, whatever the last digits are on another machine
-    shown = "".join(
-        "".join(output["text"]) for cell in cells for output in cell["outputs"] if "text" in output
-    )
-    number = r"[-+]?\d+(?:\.\d+)?"
-    assert re.sub(number, "", said).split() == re.sub(number, "", shown).split()
-    score = {
-        text: [float(found) for found in re.findall(r"f_score ([\d.]+)", text)]
-        for text in (said, shown)
-    }
-    np.testing.assert_allclose(score[said], score[shown], atol=0.1)
-    assert score[shown][0] > 0.9
+    np.testing.assert_allclose(said, shown, atol=0.1, rtol=0.1)
+    assert names["forecaster"].score(names["test"]) > 0.9
     assert np.array_equal(
         names["again"].predict(names["test"]), names["forecaster"].predict(names["test"])
     )
 
 
-def test_it_was_executed_from_top_to_bottom(cells):
+def test_a_record_with_gaps(run):
+    names, said, shown = run("own_data")
+    np.testing.assert_allclose(said, shown, rtol=0.05)
+    # nothing is filled in: every sample of the series is in the record, without a gap in time
+    series, record = names["series"], names["record"].dropna()
+    rows = {tuple(row): time for time, *row in record.to_numpy()}
+    times = np.array([[rows[tuple(sample)] for sample in one] for one in series])
+    np.testing.assert_allclose(np.diff(times), 0.02, atol=1e-9)
+    assert names["found"].low < 0.906 < names["found"].high
+    # the probability is that of the same samples at once
+    whole = names["forecaster"].predict_proba(names["live"][np.newaxis])[0, 1]
+    assert names["probability"][-1] == whole
+
+
+def test_control_by_what_if(run):
+    names, said, shown = run("what_if")
+    np.testing.assert_allclose(said, shown, rtol=0.2, atol=0.02)
+    free, controlled = names["free"], names["controlled"]
+    assert free.shape == controlled.shape
+    assert (controlled >= 41).mean() < 0.2 * (free >= 41).mean()
+    # before its first actuation a flow is the free one
+    first = np.argmax(names["actuated"], axis=1)
+    for flow, stop in enumerate(first):
+        np.testing.assert_allclose(controlled[flow, :stop], free[flow, :stop], rtol=1e-6)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_it_was_executed_from_top_to_bottom(path):
+    cells = code_cells(path)
     assert [cell["execution_count"] for cell in cells] == list(range(1, len(cells) + 1))
-    assert all(cell["outputs"] for cell in cells)
-    kinds = [output["output_type"] for cell in cells for output in cell["outputs"]]
-    assert "error" not in kinds
-    assert NOTEBOOK.stat().st_size < 100_000
+    outputs = [output for cell in cells for output in cell["outputs"]]
+    assert outputs
+    assert "error" not in {output["output_type"] for output in outputs}
+    assert "stderr" not in {output.get("name") for output in outputs}
+    assert path.stat().st_size < 100_000
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_its_links_lead_somewhere(path):
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "markdown":
+            for link in re.findall(r"\]\(([^)#\s]+)", "".join(cell["source"])):
+                assert (DOCS / link).exists()
 
 
 def test_the_page_says_what_the_notebook_does(cells):

@@ -3,6 +3,7 @@
 Pages are the Markdown files in ``docs``. Added to them are
 
 * the README of the repository, on the home page, and files of the repository that pages link to;
+* a page for each notebook in ``docs``, with its output;
 * a gallery on the page of figures: each figure with its caption, the command that makes it, and a
   picture, drawn from the tables in ``docs/results``, or of the demo, from ``docs/images``;
 * the API reference, one page for each package of the library.
@@ -13,6 +14,8 @@ build.
 
 import argparse
 import ast
+import base64
+import json
 import posixpath
 import re
 import shutil
@@ -40,7 +43,8 @@ LIBRARY = ROOT / "src" / "burstcast"
 NAVIGATION = {
     "Run and change": ["installing", "settings", "figures", "tables", "cluster"],
     "Your data, system, model": [
-        *("notebook", "tutorial_data", "tutorial", "fitzhugh_nagumo", "aware"),
+        *("notebook", "event_forecast", "own_data", "what_if", "campaign"),
+        *("tutorial_data", "tutorial", "fitzhugh_nagumo", "aware"),
         "sensors",
         *("benchmark", "leaderboard"),
     ],
@@ -66,7 +70,8 @@ def _in_site(path: Path) -> str:
     if path == DOCS / "README.md":
         return "index.md"
     if path.is_relative_to(DOCS):
-        return path.relative_to(DOCS).as_posix()
+        page = path.with_suffix(".md") if path.suffix == ".ipynb" else path
+        return page.relative_to(DOCS).as_posix()
     return f"repository/{path.relative_to(ROOT).as_posix()}"
 
 
@@ -237,6 +242,52 @@ def gallery(drawn: Mapping[str, str]) -> str:
     return "\n".join(lines)
 
 
+# -- notebooks -------------------------------------------------------------------------------------
+
+
+def _notebooks() -> dict[str, dict[str, Any]]:
+    return {
+        path.stem: json.loads(path.read_text(encoding="utf-8"))
+        for path in sorted(DOCS.glob("*.ipynb"))
+    }
+
+
+def _outputs(cell: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Kind ("image/png" or "text/plain") and content of each output of a cell."""
+    for output in cell.get("outputs", []):
+        found = output.get("data", {"text/plain": output.get("text", "")})
+        kind = "image/png" if "image/png" in found else "text/plain"
+        yield kind, "".join(found[kind])
+
+
+def notebook_pictures(name: str, notebook: Mapping[str, Any]) -> dict[str, bytes]:
+    """PNG of each picture that a notebook shows, by file name."""
+    found = [
+        base64.b64decode(content)
+        for cell in notebook["cells"]
+        for kind, content in _outputs(cell)
+        if kind == "image/png"
+    ]
+    return {f"{name}_{number}.png": picture for number, picture in enumerate(found)}
+
+
+def notebook_page(name: str, notebook: Mapping[str, Any]) -> str:
+    """A notebook as a page: its text, code and output, with a link to the file."""
+    parts, pictures = [], iter(notebook_pictures(name, notebook))
+    for cell in notebook["cells"]:
+        text = "".join(cell["source"])
+        parts.append(text if cell["cell_type"] == "markdown" else f"```python\n{text}\n```")
+        for kind, content in _outputs(cell):
+            if kind == "image/png":
+                parts.append(f"![output](images/{next(pictures)})")
+            else:
+                parts.append(f"```text\n{content.rstrip()}\n```")
+    title, *rest = parts
+    heading, _, introduction = title.partition("\n")
+    file = f"Download: [{name}.ipynb]({name}.ipynb)"
+    return "\n\n".join([heading, introduction.strip(), file, *rest, ""])
+
+
 # -- the site --------------------------------------------------------------------------------------
 
 
@@ -246,6 +297,7 @@ def pages(drawn: Mapping[str, str]) -> dict[str, str]:
     for path in [*DOCS.glob("*.md"), *(one for one in _linked_files() if one.suffix == ".md")]:
         name = _in_site(path)
         found[name] = _relinked(path.read_text(encoding="utf-8"), path, name)
+    found |= {f"{name}.md": notebook_page(name, one) for name, one in _notebooks().items()}
     readme = ROOT / "README.md"
     front = _relinked(readme.read_text(encoding="utf-8"), readme, "index.md")
     trees = [_toctree(title, names) for title, names in NAVIGATION.items()]
@@ -271,11 +323,15 @@ def assemble(source: Path) -> None:
     shutil.copytree(DOCS / "images", source / "images")
     for name, (_, picture) in drawn.items():
         (source / "images" / f"{name}.png").write_bytes(picture)
-    for path in [*_linked_files(), DOCS / "event_forecast.ipynb"]:
+    for path in _linked_files():
         if path.suffix != ".md":
             target = source / _in_site(path)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(path, target)
+    for name, notebook in _notebooks().items():
+        shutil.copy(DOCS / f"{name}.ipynb", source)
+        for file, picture in notebook_pictures(name, notebook).items():
+            (source / "images" / file).write_bytes(picture)
     shutil.copy(DOCS / "site" / "conf.py", source)
     (source / "_static").mkdir()
     shutil.copy(DOCS / "site" / "extra.css", source / "_static")

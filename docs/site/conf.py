@@ -1,10 +1,10 @@
 """Settings of Sphinx; ``docs/site/build.py`` assembles the pages and calls it."""
 
-from importlib.metadata import version
+from importlib import metadata
 from typing import Any
 
 project = "burstcast"
-release = version("burstcast")
+release = metadata.version("burstcast")
 author = "The burstcast developers"
 copyright = author  # noqa: A001
 html_title = f"burstcast {release}"

@@ -1,7 +1,11 @@
 """`burstcast_workflow.open_campaign`: results to look at in a notebook."""
 
+import json
+import re
 import shutil
+from pathlib import Path
 
+import matplotlib
 import pandas as pd
 import pytest
 from numpy.testing import assert_array_equal
@@ -11,6 +15,8 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture(scope="module")
@@ -92,3 +98,26 @@ def test_a_directory_without_results_is_refused(tmp_path):
     (tmp_path / ".run.json").write_text("[]")
     with pytest.raises(ValueError, match="the directory that the config calls `results`"):
         burstcast_workflow.open_campaign(tmp_path)
+
+
+def test_the_notebook_reads_a_campaign(finished, tmp_path, monkeypatch, capsys):
+    """docs/campaign.ipynb, with the tiny campaign in place of the demo."""
+    matplotlib.use("agg")
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "quick").symlink_to(finished.project.results)
+    monkeypatch.chdir(tmp_path)
+    notebook = json.loads((DOCS / "campaign.ipynb").read_text(encoding="utf-8"))
+    names: dict[str, object] = {}
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "code":
+            exec("".join(cell["source"]), names)
+    said = capsys.readouterr().out
+    table = pd.read_csv(finished.project.results / "tables" / "classification.csv")
+    rows = table[table["prediction_time_lt"] == table["prediction_time_lt"].min()]
+    assert len(re.findall(r"^ +esn .*RV", said.partition("p25")[0], re.MULTILINE)) == len(
+        rows[rows["validation"] == "RV"]
+    )
+    assert_array_equal(
+        names["forecast"][:, :, 0],
+        names["network"].advance(names["memory"][:, :1], names["steps"])[0][:, :, 0],
+    )
