@@ -19,6 +19,7 @@ from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.control_tradeoff import control_tradeoff
 from burstcast.figures.economic_value import draw as economic_value
+from burstcast.figures.encoder_loss import encoder_loss
 from burstcast.figures.forecast_skill import draw as forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
@@ -63,6 +64,7 @@ def ranking_rows() -> pd.DataFrame:
         *(("invariants", f"esn-N50-RV-seed{seed}", "esn", 50, seed) for seed in range(2)),
         ("invariants", "esn-N50-RV-committee", "esn_committee", 50, None),
         ("invariants", "esn-N90-RV-seed0", "esn", 90, 0),
+        ("sensors_invariants", "esn-N90-RV-seed0", "esn", 90, 0),  # a little worse
         *((case, "observable_now", "observable_now", None, None) for case in ("flow", "sensors")),
     ]
     rows = []
@@ -88,6 +90,19 @@ def plane_burst() -> Figure:
     return burst_vorticity(
         time, observable, times, fields, (2 * np.pi, 2 * np.pi), 0.2, "Dissipation, $D$"
     )
+
+
+def plane_modes() -> Figure:
+    """Modes that hold energy before they hold the observable."""
+    x, y = np.meshgrid(*[np.linspace(0, 2 * np.pi, 33)] * 2, indexing="ij")
+    numbers = np.array([1, 2, 4, 8, 16, 32])
+    kept = {
+        "variance": 1 - 0.5 / numbers,
+        "mean": 1 - 0.8 / np.sqrt(numbers),
+        "correlation": np.array([-0.2, -0.8, -0.6, 0.5, 0.9, 1.0]),
+    }
+    modes = {1: np.sin(x), 3: np.sin(4 * y), 5: np.sin(2 * x) * np.cos(y)}
+    return encoder_loss(numbers, kept, modes, (2 * np.pi, 2 * np.pi), "D")
 
 
 def _evaluations() -> Figure:
@@ -625,4 +640,5 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     "skill_by_parameter": lambda: skill_by_parameter(*parameter_rows(), PARAMETER, [2, 3]),
     "lost_skill": lambda: lost_skill(ranking_rows()),
     "burst_vorticity": plane_burst,
+    "encoder_loss": plane_modes,
 }

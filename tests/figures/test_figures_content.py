@@ -38,7 +38,10 @@ from helpers_figures import (
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from sklearn.decomposition import PCA
 
+from burstcast.encoders.base import EncodingCase
+from burstcast.encoders.pod import PodEncoder
 from burstcast.figures.alarm_lead_times import draw as alarm_lead_times
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
@@ -49,6 +52,7 @@ from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.control_tradeoff import control_tradeoff
+from burstcast.figures.encoder_loss import kept
 from burstcast.figures.forecast_skill import draw as forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
@@ -80,6 +84,7 @@ from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 from burstcast.forecasters._labels import forecaster_label
+from burstcast.systems.kolmogorov import KolmogorovFlow
 
 
 def lines_with(axes: Axes, y: list[float]) -> int:
@@ -660,6 +665,29 @@ def test_lost_skill_draws_onsets_of_committees_and_says_each_alarm_once():
     line = equations.containers[0].lines[0]
     np.testing.assert_allclose(line.get_xdata(), [0.5, 1, 2])
     np.testing.assert_allclose(line.get_ydata(), 0.9 * np.exp(-0.3 * np.array([0.5, 1, 2])))
+
+
+def test_all_modes_hold_all_and_few_leading_ones_what_their_coefficients_say():
+    """Modes, shares and decoded observables by scikit-learn's PCA."""
+    flow = KolmogorovFlow(40.0, 1, 2)
+    states = np.random.default_rng(2).normal(0.1, 1.0, (1, 400, flow.dimension))
+    states *= np.linspace(2.0, 0.5, flow.dimension)
+    encoder = PodEncoder.fit(
+        states, EncodingCase(flow, {"modes": flow.dimension, "symmetrised": False})
+    )
+    numbers = np.array([1, 5, flow.dimension])
+    found = kept(encoder, flow, states[0].T, numbers)
+    assert [found[name][-1] for name in found] == pytest.approx([1.0, 1.0, 1.0])
+    pca = PCA().fit(states[0])
+    np.testing.assert_allclose(
+        found["variance"], np.cumsum(pca.explained_variance_ratio_)[numbers - 1]
+    )
+    for number, mean, correlation in zip(numbers, found["mean"], found["correlation"], strict=True):
+        few = PCA(number).fit(states[0])
+        decoded = flow.observable(few.inverse_transform(few.transform(states[0])).T)
+        true = flow.observable(states[0].T)
+        assert mean == pytest.approx(decoded.mean() / true.mean())
+        assert correlation == pytest.approx(np.corrcoef(decoded, true)[0, 1])
 
 
 def test_burst_vorticity_has_one_scale_and_the_times_of_its_fields():

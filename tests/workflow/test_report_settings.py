@@ -73,6 +73,7 @@ def test_the_paper_has_all_figures_and_those_of_other_cases():
         "control_choices",
         "control_conditions",
         "control_frontier",
+        "encoder_loss",
         "lost_skill",
         "observed_components",
         "skill_by_parameter",
