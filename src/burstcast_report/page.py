@@ -37,7 +37,7 @@ SWITCHES = ("case", "validation")
 """Key columns of tables that buttons choose from, as far as there are few values."""
 
 _FIRST = {
-    "forecast_skill": "who forecasts extreme events how well, and how far ahead",
+    "forecast_skill": "how well each forecaster predicts extreme events, and how far ahead",
     "classification_scores": "precision and recall of the networks, by prediction time and size",
     "horizon_by_size": "how early an event is predicted, by the size of the networks",
     "by_reynolds": "how both change with the Reynolds number",
@@ -50,7 +50,7 @@ _SPELT = {
     "lyapunov": "Lyapunov",
     "reynolds": "Reynolds number",
 }
-# What differs from config.yaml in every campaign, and is told elsewhere on the page.
+# What differs from config.yaml in every campaign, and is shown elsewhere on the page.
 _TOLD_ELSEWHERE = ("campaign", "results", "figures", "captions")
 
 

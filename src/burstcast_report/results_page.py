@@ -6,8 +6,8 @@
     make results ARGS="collect RESULTS"         # a campaign's tables into docs/results
     make results ARGS="same paper RESULTS"      # whether another run's rows are in it
 
-The page is docs/results/page.md.jinja with tables and numbers in it: nobody types a number. A
-campaign of which there are no tables is left out of it.
+The page is docs/results/page.md.jinja rendered with tables and numbers; no number is typed. A
+campaign without kept tables is left out.
 """
 
 import argparse
@@ -48,8 +48,8 @@ DOCS = project_root() / "docs"
 KEPT = DOCS / "results"
 TEMPLATE = "page.md.jinja"
 
-# Probabilities of single networks are many, and nobody asks for them: those of committees are kept
-# where a campaign is about them.
+# Probabilities of single networks fill large tables: only committees are kept, in campaigns about
+# probabilities.
 WITH_PROBABILITIES = ("beyond_the_paper",)
 
 
@@ -100,7 +100,7 @@ def collect(results: Path) -> None:
         if costs.exists():
             shutil.copyfile(costs, new / costs.name)
         made_by = versions(results)
-        del made_by["revision"]  # that of who collects
+        del made_by["revision"]  # the collecting revision, not the computing one
         text = json.dumps(made_by, indent=2, sort_keys=True)
         (new / VERSIONS).write_text(f"{text}\n", encoding="utf-8")
         if target.exists():

@@ -623,7 +623,7 @@ def sweep(tables: Tables, metric: str = "f_score") -> str:
 
 
 def choices_compared(best: Tables, other: Tables, case: str) -> str:
-    """Networks whose hyperparameters were chosen in two ways: medians, extremes, and who is lower.
+    """Networks whose hyperparameters were chosen in two ways: medians, extremes, lower counts.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from snaketrust.modules import UnlikeCodeError
 from snaketrust.run import OvertakenError
 
 REFUSALS = (ConfigError, OvertakenError, UnlikeCodeError)
-"""Why a run does not start: what a person is told, without a traceback."""
+"""Errors that stop a run before it starts, shown without a traceback."""
 
 
 OFF_WITHOUT_NETWORKS = "hyperparameters, examples of forecasts, control by networks, their figures"
@@ -76,7 +76,7 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Star
 
 
 def _load(config: Mapping[str, Any], files: Sequence[str], defaults: Path) -> dict[str, Any]:
-    """Load the config; mistakes are told with the cost of what is too large."""
+    """Load the config; messages of mistakes name the cost of what is too large."""
     try:
         return load(config, files, defaults=defaults)
     except ConfigError as error:

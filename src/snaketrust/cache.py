@@ -108,7 +108,7 @@ def store(entry: Path, rule: str, outputs: Mapping[str, Path], seconds: float) -
     entry
         Its directory (`Cache.entry`).
     rule, seconds
-        The job's rule and what the outputs cost, for those who look at the cache.
+        The job's rule and the cost of its outputs, for readers of the cache.
     outputs
         The job's files, by their names.
     """
@@ -167,7 +167,7 @@ def _copy(source: Path, target: Path) -> str:
 
 
 def _discard(entry: Path, reason: str) -> None:
-    """Remove an entry so that nobody finds half of it."""
+    """Remove an entry atomically: no reader finds half of it."""
     logger.warning("cache entry %s is damaged and removed: %s", entry.name, reason)
     rubbish = _building(entry)
     try:

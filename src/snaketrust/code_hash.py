@@ -242,7 +242,7 @@ def _leave_out_words(tree: ast.Module, nodes: Iterable[ast.AST]) -> None:
 
 
 def _mentioned(nodes: Iterable[ast.AST]) -> Counter[str]:
-    """Count names other than those that are read: all that could be bound anew, and more."""
+    """Count names that are not only read: all that could be bound anew, and more."""
     return Counter(
         value
         for node in nodes

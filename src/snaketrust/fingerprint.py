@@ -49,8 +49,8 @@ class Sources:
     project
         Where they are.
     own_modules
-        Modules outside the project that are found by name, with the files that they read; None
-        where nobody says which.
+        Modules outside the project that are found by name, with the files that they read; None if
+        these are not declared.
     memory
         File in which is kept what sources do (`Codes`).
     """
@@ -210,7 +210,7 @@ class Sources:
         return [module.path for module in self._own(self._own_modules)]
 
     def undeclared(self) -> list[tuple[Path, str]]:
-        """Files of users' modules, and places in them that read what nobody has declared."""
+        """Files of users' modules, and places in them that read undeclared files."""
         silent = [name for name, files in self._own_modules.items() if files is None]
         return [
             (module.path, place)

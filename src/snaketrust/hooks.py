@@ -1,8 +1,8 @@
-"""All that is done to Snakemake: four of its functions are replaced, for which there is no setting.
+"""Changes to Snakemake: four of its functions are replaced, for which there is no setting.
 
 `HOOKS` lists them with the reasons. With a release of Snakemake that is not among `TESTED` a run
-says so, and goes on if the functions still have the parameters that they had: otherwise it does
-without those that only save time or lines on the terminal, and refuses to start without the others.
+warns, and continues if the functions have the same parameters. If they differ, it does without the
+replacements that only save time or lines on the terminal, and refuses to start without the others.
 """
 
 import inspect
@@ -25,7 +25,7 @@ TESTED = ("9.20.0", "9.23.1", "9.25.2", "9.27.1")
 """Releases of Snakemake that the tests of this package were run with."""
 
 DEFAULT_LIMIT = 100, 1
-"""So many jobs start in so many seconds at the most, where nobody says otherwise."""
+"""Default of Snakemake's limit: number of jobs that may start, in how many seconds."""
 
 FIRST_LINE = (
     b"import signal; signal.getsignal(2) is signal.SIG_IGN or signal.signal(2, signal.SIG_DFL)\n"
@@ -145,7 +145,7 @@ def plan_by(known: KnownResults) -> None:
 
 
 def metadata_of(own: Any, known: KnownResults, *_: object) -> Callable[..., MetadataRecord | None]:
-    """What Snakemake is told of results, in place of what it has noted."""
+    """Replace Snakemake's metadata of results by their records."""
     told: dict[str, tuple[object, MetadataRecord | None]] = {}
 
     def metadata(self: PersistenceBase, target: Any) -> MetadataRecord | None:

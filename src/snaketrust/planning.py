@@ -1,13 +1,13 @@
-"""What is known of results that are there: their own records, and nothing else.
+"""Planning by the records of results.
 
-Snakemake keeps records of its own, by the paths of files, in the directory that it runs in. They
-say nothing about files that were exchanged, restored, made by another copy of the project, or that
-outlived that directory. It is told what the results' own records say instead
+Snakemake keeps metadata by the paths of files, in the directory that it runs in. They say nothing
+about files that were exchanged, restored, made by another copy of the project, or that outlived
+that directory. Planning therefore reads the records of the results instead
 (`snaketrust.records`, `snaketrust.hooks`).
 
-By itself, Snakemake checks nothing about an intermediate file that was deleted. Here the record of
-a deleted file counts like that of any other file: its job runs again if settings, code or inputs
-have changed, and is left out otherwise, until a job needs the file.
+By itself, Snakemake does not check a deleted intermediate file. Here its record counts like the
+record of any other file: its job runs again if settings, code or inputs have changed; otherwise it
+waits until a job needs the file.
 """
 
 import os

@@ -7,8 +7,8 @@ all its outputs are in place. What is planned rests on records alone
 uses them; and each job verifies its inputs by them.
 
 A file is read as a whole to verify it. Of a large one this is remembered: its record keeps the
-stamp (size, times, inode) with which the digest was last found right. Nobody can set the time of a
-file's last status change: it tells of changes, even if the other times were put back.
+stamp (size, times, inode) with which the digest was last found right. The time of a
+file's last status change cannot be set: it reveals changes, even if other times were put back.
 """
 
 import json
@@ -246,12 +246,12 @@ class Inputs:
         return cls(by_name, digests, stamps)
 
     def check(self) -> None:
-        """Check that nobody has changed them since.
+        """Check that the files are unchanged since.
 
         Raises
         ------
         DamagedFileError
-            If somebody has.
+            If a file has changed.
         """
         changed = [
             path

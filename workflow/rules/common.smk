@@ -151,7 +151,7 @@ JOB_GROUPS = {
 
 
 def group_of(name):
-    """Group of a rule's jobs where they are submitted; those that run right here are in none.
+    """Group of a rule's submitted jobs; jobs that run locally are in none.
 
     Snakemake would plan by the groups all the same, at each job by all jobs of its group.
     """
@@ -193,7 +193,7 @@ def stage(
     name
         Of the script below ``workflow/scripts``: "evaluation/horizon" makes the rule horizon.
     does
-        What a person is told while it runs, after whose job it is.
+        Message while it runs, after the name of the job.
     outputs, inputs
         Files by the names of the script's arguments. Later stages find outputs by `files`.
     settings, values

@@ -40,7 +40,7 @@ stage(
     source=of_case(Campaign.source_system),
 )
 stage(
-    # the series of another case, those that are trained on being others
+    # the series of another case with other training series
     "data/training_realisation",
     "choose other training series",
     inputs={"source": stages.ensemble_of_source},

@@ -31,7 +31,7 @@ stage(
     cached=True,
 )
 stage(
-    # of points that the objective cannot tell apart: nobody asks for it unless search.choice does
+    # of equally good points: requested only by search.choice
     "forecasters/survival_choice",
     "choose hyperparameters by survival",
     inputs={**files("ensemble time_unit trace"), "scheduled": stages.scheduled},

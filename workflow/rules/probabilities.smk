@@ -62,7 +62,7 @@ stage(
     "probability.prior_forecasts probability.threshold_factors",
 )
 stage(
-    # of those who are shown: members of the example's ensemble, and of other ensembles
+    # of the shown ensembles: the example's and others
     "probabilities/committee_event",
     "an event as committees see it",
     inputs={

@@ -142,7 +142,7 @@ parameter_stage(
     "search.spectral_radius search.input_scaling search.tikhonov",
     cases=campaign.settings_of_cases("case.training.noise"),
 )
-# the tables whose scatter over seeds is told apart from that over training sets
+# tables whose scatter over seeds is separated from the scatter over training sets
 scattered = [
     name
     for name in ("classification", "horizon", "statistics", "survival")

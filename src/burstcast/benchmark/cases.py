@@ -46,7 +46,7 @@ class BenchmarkCase:
     initial_state, perturbed_component, perturbation
         Initial conditions (`burstcast.data.dataset.initial_states`).
     series, training_series, test_series
-        Series that are generated; how many of those that do not laminarise are for training and
+        Generated series; how many of the series that do not laminarise are for training and
         for the test.
     time_step, sampling_stride, transient, duration
         Of the integration, in time units; the stride counts integration steps in a sample.

@@ -62,7 +62,7 @@ def choose(candidates: Sequence[FlowSample], tolerance: float) -> int:
 
     Returns
     -------
-    Number of the chosen candidate: of those that leave no more than ``tolerance``, the one with the
+    Number of the chosen candidate: among candidates that leave at most ``tolerance``, that with the
     least effort, or the least time under actuation where efforts were not recorded. If none does,
     the one that leaves the least. The first one of equals.
 

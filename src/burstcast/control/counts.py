@@ -54,7 +54,7 @@ class FlowCounts:
         Steps of each flow that counts in each bin, ``(flows, bins)``, in the same three samples.
         Values outside the edges are in no bin.
     row
-        Row of each of these flows among those that were given, ``(flows,)``.
+        Row of each of these flows among the given flows, ``(flows,)``.
     """
 
     flows: int

@@ -81,7 +81,7 @@ class ControlExperiment:
     root_seed, case
         Names of random streams.
     values
-        What forecasters that know the parameters are told; None: there is nothing to tell.
+        Values given to forecasters that know the parameters; None: no forecaster needs them.
     reversed_system
         The equations under the reversed actuation, that is with the opposite force; None: there is
         none.

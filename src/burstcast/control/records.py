@@ -30,7 +30,7 @@ from burstcast.statistics.resampling import bootstrap_weights, percentile_interv
 class FlowRecords:
     """Records of each flow; arrays of shape ``(flows,)``.
 
-    Steps and integration steps are those that count (`burstcast.control.timing.Clock`).
+    Only steps and integration steps that count are recorded (`burstcast.control.timing.Clock`).
 
     Attributes
     ----------

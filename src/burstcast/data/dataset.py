@@ -30,7 +30,7 @@ class KeptSeries:
     states
         Sampled states, ``(kept, time, component)``.
     lifetimes
-        Sampling steps until each series of the batch, those that are discarded among them, has
+        Sampling steps until each series of the batch, discarded series included, has
         laminarised; all steps of a kept one. ``(batch,)``.
     """
 

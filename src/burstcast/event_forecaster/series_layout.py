@@ -52,7 +52,7 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
             named = ", ".join(map(str, data.dims))
             raise ValueError(
                 f"{what} must have the dimensions {', '.join(LAYOUT)}, not {named}: rename them "
-                f"(.rename), or add those that are missing (.expand_dims)"
+                f"(.rename), or add the missing ones (.expand_dims)"
             )
         data = data.transpose(*LAYOUT).to_numpy()
     if isinstance(data, list | tuple):

@@ -102,7 +102,7 @@ def skill_by_parameter(
         ``case``, ``forecaster`` ("data" for the true flow), ``escape_rate``, ``escape_rate_low``,
         ``escape_rate_high``.
     parameter
-        ``name`` of the parameter, its ``values`` by case, those that were ``trained`` on, and the
+        ``name`` of the parameter, its ``values`` by case, the ``trained`` values, and the
         ``kinds`` of forecasters that know it.
     prediction_times_lt
         Of the panels; times that the scores do not have are left out.

@@ -195,7 +195,7 @@ def validation_strategies(
                     end - start,
                     0.8 * row,
                     facecolor=colour,
-                    # Neighbours alternate, so that intervals laid end to end can be told apart.
+                    # Neighbours alternate, so that adjacent intervals are distinguishable.
                     alpha=1.0 if index % 2 == 0 else 0.55,
                     linewidth=0,
                 )

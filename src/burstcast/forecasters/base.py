@@ -5,11 +5,11 @@ memory is an array whose last axis is the batch, so that forecasts can be picked
 at any step. A new kind of forecaster is one new module of this package with one concrete subclass
 of `Forecaster` in it; its name is the module's.
 
-Parameters of the equations may differ between series, and change in time: those that the system has
-itself, such as a Reynolds number, or the share of an actuator that is in force
-(`burstcast.systems.parameters`). A *schedule* is an array of their values, each in force from one
-state to the next; like states, it has the parameters in the middle and the batch last. Kinds that
-are `aware` use schedules. All others ignore them.
+Parameters of the equations may differ between series, and change in time: parameters of the system,
+such as a Reynolds number, or the share of an actuator in force (`burstcast.systems.parameters`). A
+*schedule* is an array of their values, each in force from one state to the next; like states, it
+has the parameters in the middle and the batch last. Kinds that are `aware` use schedules. All
+others ignore them.
 """
 
 import abc

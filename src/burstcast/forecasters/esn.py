@@ -28,8 +28,7 @@ class NetworkForecaster(Forecaster):
     seed
         What its reservoir is made from.
     divergence_bound
-        A forecast beyond this many training ranges of any component has diverged; None where nobody
-        asks.
+        A forecast beyond this many training ranges of any component has diverged; None: not judged.
     """
 
     has_search: ClassVar[bool] = True

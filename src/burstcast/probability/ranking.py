@@ -2,7 +2,7 @@
 
 A single trajectory forecasts an event or none. The largest observable that it reaches in a window
 ranks starting points more finely, so that single trajectories, ensembles and probabilities can be
-compared. Two events are told apart, and never mixed: the *onset*, a crossing of the threshold from
+compared. Two events are distinguished: the *onset*, a crossing of the threshold from
 below within the window, and *any* time above it, which is easier, since an event that is under way
 when the window begins counts.
 """
@@ -74,7 +74,7 @@ def ranking_scores(
     Parameters
     ----------
     strength
-        Of each point, ``(points,)``; equal ones are told apart by nobody.
+        Of each point, ``(points,)``. Points of equal strength count as not distinguished.
     happened
         Whether the event followed, ``(points,)``.
     weights

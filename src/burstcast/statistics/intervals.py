@@ -27,7 +27,7 @@ def resampled_measures(
     runs
         Reductions of each run.
     kept
-        Runs that count, ``(runs,)``; those that are discarded are drawn, too, and left out.
+        Runs that count, ``(runs,)``; discarded runs are drawn, too, and left out.
     weights
         How often each run is in each sample, ``(resamples, runs)``
         (`burstcast.statistics.resampling.bootstrap_weights`).

@@ -190,7 +190,7 @@ def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> list[Fin
     Parameters
     ----------
     lost, diverged
-        Shares of each network's runs: those that laminarise, settle or diverge, and the last alone.
+        Shares of each network's runs that laminarise, settle or diverge, and that diverge.
     """
     found = []
     for shares, limit, what in (

@@ -300,7 +300,7 @@ def _noted_step(
 
 
 def _symbols(notes: _Notes, names: list[str]) -> FloatArray:
-    # a batch of one trajectory; the array is one of numbers to those who compute with it
+    # a batch of one trajectory: an array that computes like one of numbers
     return np.array([[_Symbol(notes, name)] for name in names], dtype=object)
 
 

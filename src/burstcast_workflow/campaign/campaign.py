@@ -1,4 +1,4 @@
-"""The campaign: cases, forecasters, who controls what, and the settings that stages read."""
+"""The campaign: its cases, forecasters and control runs, and the settings that stages read."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -42,7 +42,7 @@ GROUPS = {
     # from which a Lyapunov time follows, if the config knows it
     "TIME": "case.ensemble.time_step case.ensemble.sampling_stride "
     "case.lyapunov.time_unit case.lyapunov.published_exponent",
-    # what everybody observes: the true states with noise
+    # observations: the true states with noise
     "OBSERVED": "random_seed case.training.noise case.training.series",
     # how forecasts are cut into windows
     "WINDOWS": "classification.resolution_lt classification.window_lt "
@@ -144,7 +144,7 @@ class Campaign:
         self.config = Configuration.model_validate(config)
         self.cases = cases_of(self.config)
 
-    # -- who is in it ------------------------------------------------------------------------------
+    # -- members -----------------------------------------------------------------------------------
 
     @cached_property
     def forecasters(self) -> tuple[CaseForecaster, ...]:
@@ -165,12 +165,12 @@ class Campaign:
 
     @cached_property
     def trajectory_forecasters(self) -> tuple[CaseForecaster, ...]:
-        """Those that forecast states, and not only the probability of an event."""
+        """Forecasters that forecast states, and not only the probability of an event."""
         return tuple(one for one in self.forecasters if one.kind.has_trajectories)
 
     @cached_property
     def classifiers(self) -> tuple[CaseForecaster, ...]:
-        """Those that give probabilities without a trajectory."""
+        """Forecasters that give probabilities without a trajectory."""
         return tuple(one for one in self.forecasters if not one.kind.has_trajectories)
 
     @cached_property
@@ -248,7 +248,7 @@ class Campaign:
 
     @cached_property
     def control_runs(self) -> tuple[ControlRun, ...]:
-        """The paper's control: who controls which case how far ahead; random alarms beside it."""
+        """The paper's control: controllers, cases, prediction times; random alarms beside."""
         control = self.config.control
         runs = [
             ControlRun(one.case, one.name, paper_plan(time, control.window_lt))
@@ -371,8 +371,8 @@ class Campaign:
         ----------
         paths
             And names of `GROUPS`. ``case.`` stands for the job's case, ``forecaster.options`` for
-            its kind's settings without ``forecaster.divergence_bound``, which only those read who
-            judge long forecasts (None where the kind has none; left out for controllers that ask
+            its kind's settings without ``forecaster.divergence_bound``, which only jobs that judge
+            long forecasts read (None where the kind has none; left out for controllers that ask
             no forecaster), ``control.run`` for its plan of control. Kinds that see the truth are
             given no noise, ``forecasters.aware`` is for forecasters that know the parameters, with
             the case's own values (``own``), and ``control.cost`` is left out where it is false.
@@ -434,14 +434,14 @@ class Campaign:
         return solves and case is not None and is_encoded(case)
 
     def _tells(self, name: ForecasterName, wildcards: Mapping[str, str]) -> bool:
-        """Whether a job's forecaster learns about parameters, or is told of those in force."""
+        """Whether a job's forecaster learns about parameters, or is given those in force."""
         plan = self.plan(wildcards["strategy"]) if "strategy" in wildcards else None
         told = plan and make_strategy(plan.strategy, dict(plan.settings)).told
         switched = wildcards.get("case") in self.switched_cases
         return bool(told) or switched or learns_parameters(name.kind)
 
     def own_values(self, case: str) -> list[float]:
-        """Values of the parameters that forecasters are told of, in a case without actuation."""
+        """Values of the parameters that forecasters are given, in a case without actuation."""
         names, one = self.config.forecasters.aware.parameters, self.cases[case]
         if names == [SHARE]:
             return [0.0]
@@ -482,7 +482,7 @@ class Campaign:
         return run
 
     def _sensor(self, part: str) -> dict[str, Any]:
-        """What is observed of a controlled case by those who observe one of its parts."""
+        """Observations of a controlled case for forecasters of one of its parts."""
         case = self._plain_cases[part]
         parameters = case["parameters"]
         if not is_encoded(self.cases[part]):
@@ -513,7 +513,7 @@ class Campaign:
             strategies.split("+") if strategies else {one.validation for one in forecasters}
         )
         encoded = [self.cases[case] for case in cases if is_encoded(self.cases[case])]
-        # and those that encoded cases are made from
+        # and the sources of encoded cases
         cases += [one.data.case for one in encoded if one.data and one.data.case]
         encoders = {one.encoder.kind for one in encoded if one.encoder}
         return {
@@ -620,7 +620,7 @@ class Campaign:
 
     @property
     def ranked_cases(self) -> tuple[str, ...]:
-        """Encoded cases, and those that they are made from."""
+        """Encoded cases and their sources."""
         encoded = self.encoded_cases
         ranked = {*encoded, *map(self.source_case, encoded)}
         return tuple(case for case in self.case_names if case in ranked)

@@ -30,16 +30,16 @@ _MOST_NAMES = 6
 
 
 class Shelf(Mapping[str, Found], Generic[Found]):
-    """Results by name, each read when it is asked for.
+    """Lazy mapping of results by name: each is read on access.
 
     Parameters
     ----------
     what
-        What they are called: "tables".
+        Noun for messages: "tables".
     names
-        Of those that are there.
+        Names of the existing results.
     read
-        Reads one by its name.
+        Reads one result by its name.
     """
 
     def __init__(self, what: str, names: Iterable[str], read: Callable[[str], Found]) -> None:
@@ -57,7 +57,7 @@ class Shelf(Mapping[str, Found], Generic[Found]):
         return len(self._names)
 
     def __repr__(self) -> str:
-        """How many there are, and what the first are called."""
+        """Number of results, and the first names."""
         some = ", ".join(self._names[:_MOST_NAMES])
         more = len(self._names) - _MOST_NAMES
         names = f": {some}" if some else ""
@@ -73,12 +73,12 @@ class OpenedCampaign:
     Parameters
     ----------
     results
-        The directory, as the config calls it.
+        The results directory: ``results`` in the config.
 
     Attributes
     ----------
     results
-        The same.
+        The results directory.
     config
         The whole config of the newest run.
 
@@ -101,7 +101,7 @@ class OpenedCampaign:
         self._campaign = Campaign(self.config)
 
     def __repr__(self) -> str:
-        """What it has, in a few lines."""
+        """Overview of the results, in a few lines."""
         return (
             f"campaign in {self.results} of {', '.join(self._campaign.case_names)}\n"
             f"  .forecasters  {self.forecasters} (of {len(self._campaign.forecasters)})\n"
@@ -113,17 +113,17 @@ class OpenedCampaign:
 
     @cached_property
     def forecasters(self) -> Shelf[Forecaster]:
-        """All that are there, by case and identifier: ``["Re400/esn-N500-RV-seed0"]``."""
+        """Existing forecasters by case and identifier: ``["Re400/esn-N500-RV-seed0"]``."""
         return self._shelf("forecasters", self._campaign.forecasters)
 
     @cached_property
     def networks(self) -> Shelf[Forecaster]:
-        """Those of them that are echo state networks."""
+        """Existing echo state networks by case and identifier."""
         return self._shelf("networks", self._campaign.networks)
 
     @cached_property
     def tables(self) -> "Shelf[pd.DataFrame]":
-        """All tables that are there, by name."""
+        """Existing tables by name."""
 
         def read(name: str) -> "pd.DataFrame":
             # pandas takes longer to load than all the rest
@@ -135,7 +135,7 @@ class OpenedCampaign:
 
     @cached_property
     def figures(self) -> Shelf[Path]:
-        """Paths of all figures that are there, as PNG, by name; a PDF lies beside each."""
+        """Paths of existing figures by name, as PNG; a PDF lies beside each."""
         directory = self.results / "figures"
         return Shelf(
             "figures", self._stems("figures", "png"), lambda name: directory / f"{name}.png"
@@ -144,16 +144,16 @@ class OpenedCampaign:
     def series(
         self, case: str, start: int = 0, stop: int | None = None, *, observed: bool = True
     ) -> FloatArray:
-        """Series of a case: the first ``training.series`` of them have trained its forecasters.
+        """Series of a case; its first ``training.series`` series are the training series.
 
         Parameters
         ----------
         case
-            Its name.
+            Name of the case.
         start, stop
-            Which; all from ``start`` on if there is no ``stop``.
+            Range of series; without ``stop``, all series from ``start`` on.
         observed
-            Whether with the observation noise, as forecasters see them, or as they truly are.
+            Whether series have observation noise, as forecasters see them, or are the truth.
 
         Returns
         -------
@@ -162,7 +162,7 @@ class OpenedCampaign:
         Raises
         ------
         ValueError
-            If there is no such case, or its series are not made yet.
+            If there is no such case, or its series do not exist yet.
         """
         names = self._campaign.case_names
         if case not in names:
@@ -207,5 +207,5 @@ class OpenedCampaign:
 
 
 def open_campaign(results: str | Path) -> OpenedCampaign:
-    """Open the results of a campaign (`OpenedCampaign`): ``open_campaign("results/quick")``."""
+    """Open the results of a campaign: ``open_campaign("results/quick")`` (`OpenedCampaign`)."""
     return OpenedCampaign(results)

@@ -19,7 +19,7 @@ MOST_ROWS = 16
 MOST_WARNINGS = 8
 
 LOOK_FIRST_AT = ("classification_scores", "forecast_skill")
-"""Figures that tell most, of those that there are."""
+"""Figures that the summary names first, if they exist."""
 
 _WARNINGS = "warnings.csv"
 _KEYS = ["case", "forecaster", "neurons", "validation"]

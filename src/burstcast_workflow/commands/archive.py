@@ -38,7 +38,7 @@ LIBRARIES = (
     *("burstcast", "llvmlite", "matplotlib", "netCDF4", "numpy", "pandas", "pydantic"),
     *("scikit-image", "scikit-learn", "scikit-optimize", "scipy", "snakemake"),
 )
-"""Libraries whose versions are told."""
+"""Libraries whose versions are recorded."""
 
 _TIME = (1980, 1, 1, 0, 0, 0)  # the first that a zip can tell
 _README = """\

@@ -1,4 +1,4 @@
-"""The command ``burstcast``: all that is asked of a campaign beside running it.
+"""The command ``burstcast``: everything about a campaign beside running it.
 
 ``python -m burstcast_workflow`` is the same command. Running is Snakemake's: ``snakemake``.
 """

@@ -4,10 +4,9 @@
 
     burstcast why [options of snakemake]
 
-Snakemake's dry run says which jobs would run. Here the settings, code and inputs that each of them
-has now are compared with those that its results were made with, as their records say
-(`snaketrust.records`), and the differences are named: settings by their path in the
-config, modules, files.
+Snakemake's dry run lists the jobs that would run. This command compares their present settings,
+code and inputs with the records of their results (`snaketrust.records`), and names the differences:
+settings by their path in the config, modules, files.
 """
 
 from collections import Counter
@@ -193,7 +192,7 @@ def _shown(value: Any) -> str:
 
 
 def changed_modules(old: Sequence[str], new: Sequence[str]) -> list[str]:
-    """Names of the modules whose fingerprints differ; of those that are new or gone otherwise."""
+    """Names of modules with other fingerprints; if there are none, of new and removed modules."""
     before, after = (dict(entry.rsplit("@", 1) for entry in entries) for entries in (old, new))
     changed = sorted(name for name in before if name in after and before[name] != after[name])
     return changed or sorted(before.keys() ^ after.keys())
@@ -273,7 +272,7 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
 
 
 def _downstream(jobs: Sequence[Job]) -> list[set[int]]:
-    """All jobs that a job sets off, itself included; jobs come after those that they come from."""
+    """All jobs that a job sets off, itself included; jobs come after their upstream jobs."""
     reached: list[set[int]] = [{number} for number in range(len(jobs))]
     for number in reversed(range(len(jobs))):
         for earlier in jobs[number].upstream:
@@ -324,8 +323,7 @@ def jobs_to_run(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
 
     Returns
     -------
-    Jobs in the order of the workflow, and the wildcards of those that have results already, by
-    rule.
+    Jobs in the order of the workflow, and the wildcards of jobs that have results already, by rule.
     """
     dag, results = workflow.dag, KnownResults(names_of_rules(workflow)["run"].results)
     known: dict[str, list[Identity]] = {}

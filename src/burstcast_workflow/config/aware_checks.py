@@ -65,7 +65,7 @@ def problems_of_parameters(config: Configuration, name: str, case: Simulated) ->
 
 
 def extrapolations(config: Configuration) -> Iterator[str]:
-    """Values of parameters that forecasters are told, but that training does not have."""
+    """Warn of parameter values outside of those in training."""
     for name in campaign_cases(config):
         kinds = [kind for block in blocks_of(config, name) for kind in block.forecasters.kinds]
         if not any(map(learns_parameters, kinds)):

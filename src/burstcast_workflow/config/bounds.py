@@ -25,7 +25,7 @@ _HOLDS: dict[str, Callable[[Any, Any], bool]] = {
 
 
 def out_of_bounds(section: Section) -> Iterator[str]:
-    """Check settings against those that bound them; a message for each mistake."""
+    """Check settings against the settings that bound them; a message for each mistake."""
     settings = section.dump()
     for place in Place(type(section)).settings():
         # what bounds a setting of a case is in the same case

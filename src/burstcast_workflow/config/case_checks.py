@@ -190,7 +190,7 @@ def _kinds(config: Configuration, name: str) -> list[str]:
 
 def _filter(settings: Filter, case: Case, whose: str) -> Iterator[str]:
     members, space = settings.members, space_of(case)
-    # without a space, something is wrong that is told with the case
+    # without a space, the error is reported with the case
     if space is not None and (members % 2 or members < 2 * space.dimension):
         yield (
             f"forecasters.filter.members is {members}; it must be even, and at least twice the "

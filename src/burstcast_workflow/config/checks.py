@@ -44,10 +44,10 @@ from burstcast_workflow.config.model import (
 
 
 def contradictions(config: Configuration) -> list[str]:
-    """Check what the model cannot; one message for each thing that is wrong.
+    """Check relations between settings; one message for each mistake.
 
-    Cases that the campaign does not use are not looked at: an overlay may shorten the series of all
-    cases without adjusting those that it leaves out.
+    Unused cases are not checked: an overlay may shorten the series of all cases without adjusting
+    cases that it does not use.
     """
     if unsound := list(_class_defaults(config)):  # no case can be made of them
         return unsound
@@ -92,7 +92,7 @@ def _class_defaults(config: Configuration) -> Iterator[str]:
 
 
 def _sound_case(config: Configuration, name: str) -> Case | None:
-    """A case; None where something is wrong with it, which is told with the case."""
+    """A case; None if it is invalid, which is reported with the case."""
     try:
         return case_of(config, name)
     except (ValueError, TypeError):
@@ -214,7 +214,7 @@ def _strategies(config: Configuration) -> Iterator[str]:
 
 
 def _without_trajectories(config: Configuration) -> Iterator[str]:
-    """What is asked of kinds that forecast no states."""
+    """Stages that need trajectories, chosen for kinds that forecast no states."""
     choices: dict[str, tuple[Choice | None, bool]] = {
         "statistics.forecasters": (config.statistics.forecasters, False),
         "control.forecasters": (config.control.forecasters, False),
@@ -254,7 +254,7 @@ def _untold(block: StrategyBlock) -> list[str]:
 
 
 def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
-    """What is wrong with who votes in a block of strategies of control."""
+    """Mistakes in the voting settings of a block of control strategies."""
     shares = block.settings.get(VOTE_SHARE, [])
     if not block.committee:
         if shares:

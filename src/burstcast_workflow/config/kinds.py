@@ -260,7 +260,7 @@ def _part_of(kind: Any) -> Any:
     return part_of(kind) if is_section(kind) and kind is not Quantile else kind
 
 
-# what can be asked of a setting relative to another: names of arguments of `setting`, in words
+# relations between settings: names of arguments of `setting`, in words
 RELATIONS = {
     "below": "must be below",
     "at_most": "must be at most",

@@ -1,6 +1,6 @@
 """Loading a configuration: checked, and in canonical form.
 
-Everything that can be wrong is told at once, before any job, in messages that name the setting.
+All mistakes are reported at once, before any job, in messages that name the setting.
 """
 
 import os

@@ -111,7 +111,7 @@ def undecoded(case: Case) -> str | None:
 
 
 def encoding_of(case: Case, source: Mapping[str, Any]) -> tuple[str, EncodingCase]:
-    """Kind of the encoder of a case, and what it is told.
+    """Kind of the encoder of a case, and its inputs.
 
     Parameters
     ----------

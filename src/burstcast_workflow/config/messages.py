@@ -1,4 +1,4 @@
-"""What is wrong with a config by its model, in words for the person who wrote it."""
+"""Messages for errors that the model of the config finds, in words for its author."""
 
 import difflib
 import math

@@ -654,7 +654,7 @@ class Aware(Section):
     """Kinds that know the parameters in force, whose factors what they learn is linear in."""
 
     parameters: Some[ParameterName] = setting(
-        "parameters of the equations that they are told, or share: that of the actuator"
+        "parameters of the equations that forecasters are given, or share: share of the actuator"
     )
     transform: Literal["identity", "inverse"] = setting(
         "function of a parameter that the factors are made of, scaled to [-1, 1] in training"

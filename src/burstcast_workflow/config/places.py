@@ -22,10 +22,10 @@ _KINDS = {
 
 @dataclass(frozen=True)
 class Place:
-    """A place in the configuration; ``name`` is as a person reads it: ``campaign[0].neurons``.
+    """A place in the configuration, with its readable ``name``: ``campaign[0].neurons``.
 
-    The others are its type, the bounds of its values, what `setting` was told, and the value that
-    it has where a section is given without it (`PydanticUndefined` if it must not be left out).
+    The others are its type, the bounds of its values, the arguments of `setting`, and the value
+    that it has where a section is given without it (`PydanticUndefined` if it is required).
     """
 
     kind: Any

@@ -197,11 +197,11 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "reynolds_cases": lambda campaign, case: _reynolds_cases(campaign),
     "controlled_cases": _controlled_cases,
     "aware_cases": lambda campaign, case: _aware_cases(campaign),
-    # a case and those that are encoded from it
+    # a case and the cases encoded from it
     "encoded_cases": lambda campaign, case: [
         one for one in campaign.ranked_cases if campaign.source_case(one) == case
     ],
-    # a case and those that are parts of it
+    # a case and its parts
     "parts": lambda campaign, case: list(_observed(campaign, case)),
 }
 _OF_SEVERAL_CASES = (

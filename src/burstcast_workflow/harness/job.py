@@ -1,4 +1,4 @@
-"""What every script of the workflow runs in: its log, its failure, its provenance.
+"""Harness of the workflow's scripts: log, failure, provenance.
 
 A script is one function with explicit arguments, at its end::
 
@@ -7,7 +7,7 @@ A script is one function with explicit arguments, at its end::
 
 The arguments are the rule's inputs and outputs by their names, ``settings`` the settings that the
 rule declares and ``provenance`` what goes into the output files as their origin; a function takes
-those that it needs.
+the ones that it needs.
 """
 
 import atexit
@@ -103,7 +103,7 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
 
 
 def tell(message: str) -> None:
-    """Say something to the person who runs the workflow, while it runs: it is in the log, too."""
+    """Print a message on the terminal of the run, and log it."""
     _told.warning(message)
 
 

@@ -56,7 +56,7 @@ class Settings(Mapping[str, Any]):
         return len(self._declared)
 
     def unread(self) -> list[str]:
-        """Declared settings, down to their leaves, that nobody has read so far."""
+        """Declared settings, down to their leaves, that have not been read."""
         return [
             leaf
             for path, value in self._declared.items()

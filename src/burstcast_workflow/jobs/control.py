@@ -156,7 +156,7 @@ def _sensor(
 def _values(
     settings: Settings, experiment: ControlExperiment, names: Sequence[str]
 ) -> ActuationValues:
-    """What forecasters are told of the actuator, off and on."""
+    """Parameter values for forecasters, with the actuator off and on."""
     off = parameters_of(settings, names)
     if list(names) == [SHARE]:
         strength = settings["control.run.strength"]

@@ -28,7 +28,7 @@ def windows_of(settings: Settings) -> tuple[float, int]:
 
 
 def test_rows(settings: Settings, ensemble: str) -> range:
-    """Kept series that forecasts are tested on: those that follow the training series.
+    """Test series: the kept series after the training series.
 
     Raises
     ------

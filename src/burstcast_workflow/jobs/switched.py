@@ -24,7 +24,7 @@ def switched_series(
     Parameters
     ----------
     settings
-        With ``parameters``, the names of what forecasters are told.
+        With ``parameters``, the names of the parameters that forecasters are given.
     ensemble
         Path of the ensemble.
     rows

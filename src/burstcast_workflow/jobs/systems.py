@@ -16,7 +16,7 @@ def system_of(settings: Settings) -> StateSpace:
 
 
 def parameters_of(settings: Settings, names: Sequence[str]) -> Parameters:
-    """Parameters of a job's case that forecasters are told, by their names."""
+    """Parameters of a job's case that forecasters are given, by their names."""
     if list(names) == [SHARE]:
         actuation = settings.get("case.actuation")
         if actuation is None:

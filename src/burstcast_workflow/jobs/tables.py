@@ -29,7 +29,7 @@ def case_keys(settings: Settings) -> dict[str, Any]:
 def content(path: str, variables: str = "") -> Any:
     """Content of a file: a table, what a JSON file says beside its origin, or of a NetCDF file.
 
-    Of the latter, attributes and variables: all of them, or those that are named.
+    Of a NetCDF file, attributes and variables: all, or the named ones.
     """
     if path.endswith(".csv"):
         return read_table(path)
@@ -88,7 +88,7 @@ def write_tables(paths: Iterable[str], settings: Settings, **rows: Rows) -> None
     Raises
     ------
     ValueError
-        If the columns of the rows are not those that are declared; the message names them.
+        If the columns of the rows differ from the declared columns; the message names them.
     """
     files = {Path(path).stem: path for path in paths}
     declared = settings["tables"]

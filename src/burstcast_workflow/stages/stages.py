@@ -159,7 +159,7 @@ class Stages:
         )
 
     def tables_of_case(self, names: str) -> dict[str, OfJob]:
-        """Tables of a job's case, by their names; nothing for those that it does not have."""
+        """Tables of a job's case, by their names; empty for tables that it does not have."""
         return {
             name: self.file_of_case(f"tables/{name}.csv", cases_of(self.campaign, name))
             for name in names.split()

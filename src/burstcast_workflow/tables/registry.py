@@ -1,4 +1,4 @@
-"""Which tables a campaign has, and what jobs and the report are told of their declarations."""
+"""Tables of a campaign, and the parts of their declarations that jobs and the report read."""
 
 from collections.abc import Container, Iterable
 from dataclasses import replace
@@ -25,7 +25,7 @@ _MEDIANS = "Medians over the networks of an ensemble (quartiles)."
 
 
 def plain(columns: Iterable[str]) -> list[str]:
-    """Names of columns, without the mark of those that may be left out."""
+    """Names of columns, without the mark of optional columns."""
     return [column.removesuffix(OPTIONAL) for column in columns]
 
 
@@ -50,7 +50,7 @@ def table_of(name: str) -> Table:
 
 
 def column_of(name: str, table: str = "") -> Column:
-    """Column of a table; one without any meaning if nobody declared it."""
+    """Column of a table; an empty declaration if there is none."""
     own = TABLES[table].own if table in TABLES else {}
     return own.get(name) or COLUMNS.get(name, Column(""))
 
@@ -90,7 +90,7 @@ def made_by(script: str) -> list[str]:
 
 
 def written(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
-    """What a job that writes tables is told: their columns, and what it takes percentiles of.
+    """Declarations for a job that writes tables: columns, and metrics with percentiles.
 
     Columns that a campaign has no use for are left out.
     """
@@ -109,7 +109,7 @@ def _written(table: Table, unused: Container[str]) -> dict[str, Any]:
 
 
 def joined(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
-    """What a job that joins tables of cases is told: all columns that they may have."""
+    """Declarations for a job that joins tables of cases: all possible columns."""
     tables = {name: table_of(name) for name in names}
     return {
         name: [one for one in plain([*table.keys, *table.columns]) if one not in unused]
@@ -118,7 +118,7 @@ def joined(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
 
 
 def typeset(names: Iterable[str]) -> dict[str, Any]:
-    """What a job that typesets tables is told: the layouts, by the name of the LaTeX file."""
+    """Declarations for a job that typesets tables: layouts by the name of the LaTeX file."""
     return {
         name: _typeset(source, layout)
         for source in names

@@ -1,4 +1,4 @@
-"""Choose, of hyperparameters that the search cannot tell apart, those that survive best."""
+"""Choose, of equally good hyperparameters, the ones with the best survival."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Calibrate the probabilities of all who raise alarms in a case, and choose their thresholds."""
+"""Calibrate the probabilities of all sources of alarms in a case, and choose their thresholds."""
 
 from typing import Any
 
@@ -25,7 +25,7 @@ def calibrate(
     points = forecast_points(settings, calibration_set, calibration_forecasts)
     alarms: dict[str, Any] = {}
     for alarm in points.alarms:
-        # the sweep of the event threshold is for those who are compared
+        # the sweep of the event threshold is for compared forecasters
         factors = settings["probability.threshold_factors"] if alarm.compared else []
         for factor in sorted({1.0, *factors}):
             event_threshold = factor * settings["case.event_threshold"]

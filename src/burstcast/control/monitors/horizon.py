@@ -19,9 +19,9 @@ class HorizonMonitor(Monitor):
     asked whether the forecast was below the level before. A forecast counts as long as it is
     finite.
 
-    A forecaster that knows the parameters may be told of the actuation: of the past one, and of
-    that which is on its way. It then forecasts the flow with the actuator off from the step on at
-    which the decision takes effect, and only what comes after that step counts.
+    A forecaster that knows the parameters may be given the past actuation and the actuation already
+    triggered. It then forecasts the flow with the actuator off from the step at which the decision
+    takes effect, and only later steps count.
 
     Attributes
     ----------
@@ -34,8 +34,8 @@ class HorizonMonitor(Monitor):
     level
         Of the observable: the event threshold less a margin.
     values
-        Values of the parameters with the actuator off and on, which the forecaster is told; None:
-        it is told nothing.
+        Values of the parameters with the actuator off and on, given to the forecaster; None: the
+        forecaster does not know the actuation.
     """
 
     forecaster: Forecaster

@@ -95,8 +95,8 @@ class PlannedMonitor(Monitor):
         above, peak = (height >= self.level).sum(axis=0), height.max(axis=0)
         steps_on = (self.sequences != 0).sum(axis=1)
         cost = np.broadcast_to(steps_on[:, np.newaxis], above.shape)
-        # sufficient plans are alike in what is above the level: the cheapest goes first; the
-        # others are told apart by it before anything else
+        # among sufficient plans the cheapest goes first; the others are ordered by the steps
+        # above the level
         first = np.where(above == 0, cost, above)
         order = np.lexsort((cost, peak, first, above > 0), axis=0)
         return np.asarray(order[0], dtype=np.int64)

@@ -118,7 +118,7 @@ def pulses(starts: Sequence[int], lengths: Sequence[int], steps: int) -> BoolArr
     starts, lengths
         In steps.
     steps
-        Of the plans; those that would end later end with them.
+        Length of the plans; longer actuations are cut at their end.
 
     Returns
     -------

@@ -4,15 +4,15 @@ Receding-horizon control is of this kind, and so is a rule that reacts to what i
 differ in the monitor.
 
 The monitor is given the last observed states, whatever equations they came under. Those under
-actuation belong to another flow than the one that forecasters were trained on; what is asked of a
-forecaster is the free flow from the present state on, were the actuation off. The present state
-lies in the same state space, and a reservoir forgets its inputs within a few steps, but its washout
-is not one that it has seen. Each decision is therefore also compared with the truth, apart for
-decisions whose washout has steps under actuation and for those whose has none (`Decisions`).
+actuation belong to another flow than the one that forecasters were trained on; a forecaster
+forecasts the free flow from the present state, as if the actuation were off. The present state
+lies in the same state space, and a reservoir forgets its inputs within a few steps, but the washout
+is unlike those of the training. Each decision is therefore also compared with the truth, separately
+for decisions with and without actuation in their washout (`Decisions`).
 
-A forecaster that knows the parameters may be told of the actuation that was and of the one that is
-on its way. Its decisions are compared with the true flow under the same assumption: what is on its
-way, then none. A monitor that plans is compared with the true flow under its own plan, too.
+A forecaster that knows the parameters may be given the past actuation and the actuation already
+triggered. Its decisions are compared with the true flow under the same assumption: the triggered
+actuation, then none. A monitor that plans is compared with the true flow under its own plan, too.
 """
 
 from dataclasses import dataclass
@@ -44,8 +44,8 @@ class Decisions:
     event_ahead
         Whether the free flow from the state at the decision, under no actuation from there on, is
         at or above the event threshold within the horizon; None for a horizon of 0. Where the
-        monitor is told of the actuation: whether the flow is, after the step at which the decision
-        takes effect, under no actuation but what is on its way.
+        monitor knows the actuation: whether the flow is, after the step at which the decision takes
+        effect, under no other actuation than the one already triggered.
     washout_actuated
         Whether the flow came to any step of the washout, after its first, under actuation.
     plan_fails
@@ -71,7 +71,7 @@ class SampledStepper(Stepper[DecisionTiming, Decisions]):
     horizon
         Steps after a decision over which it is compared with the free flow; 0: it is not.
     told
-        Whether the monitor is told of the actuation.
+        Whether the monitor knows the actuation.
     hold
         Steps of the actuation that an alarm sets off; 0: until the next decision takes effect.
     """

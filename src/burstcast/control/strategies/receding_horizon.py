@@ -38,9 +38,9 @@ class RecedingHorizon(SampledStrategy):
         Of several forecasters, the share that must forecast an event: the alarm probability at
         which a committee acts.
     aware
-        Whether the forecaster, which must know the parameters, is told of the past actuation and
-        of what is on its way. It then acts on what the forecast holds after the delay. Otherwise
-        it forecasts the free flow from now on.
+        Whether the forecaster, which must know the parameters, is given the past actuation and the
+        actuation already triggered. It then acts on the forecast after the delay. Otherwise it
+        forecasts the free flow.
     """
 
     forecasts: ClassVar[bool] = True
