@@ -40,7 +40,7 @@ def data():
 @pytest.fixture(scope="session")
 def true_observable(data):
     """True observable after each starting point of the test, ``(points, steps)``."""
-    ahead = 1 + np.arange(data.steps)
+    ahead = 1 + np.arange(data.task.steps)
     points = data.test.points
     return data.observable[points.series[:, np.newaxis], points.step[:, np.newaxis] + ahead]
 

@@ -14,8 +14,14 @@ from burstcast.benchmark.data import make_case
 from burstcast.benchmark.export import export
 from burstcast.files.netcdf import read_attributes, read_netcdf
 
+LARGE = ("Kolmogorov",)
+"""Cases whose data take minutes."""
 
-@pytest.mark.parametrize("name", list(CASES))
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.long] * (name in LARGE)) for name in CASES],
+)
 def test_the_data_of_each_case_are_frozen(name):
     """A change of anything that data depend on must raise the version of the case."""
     case = CASES[name]
@@ -73,25 +79,25 @@ def test_points_of_the_horizon_are_those_that_the_search_asks_for(data):
 
 
 def test_an_export_has_what_forecasts_need_and_no_truth(data, tmp_path):
-    export(tmp_path, [data])
+    export(tmp_path, [data.exported])
     assert sorted(path.name for path in tmp_path.iterdir()) == ["README.md", "small.nc"]
     found, facts = read_netcdf(tmp_path / "small.nc"), read_attributes(tmp_path / "small.nc")
     assert np.array_equal(found["training"], data.training)
     assert np.array_equal(found["washout"], data.test.washouts)
     energy = 0.5 * (found["washout"] ** 2).sum(axis=2)
     np.testing.assert_allclose(found["washout_observable"], energy, rtol=1e-14)
-    assert facts["forecast_steps"] == data.steps == found["window_last_step"][-1]
+    assert facts["forecast_steps"] == data.task.steps == found["window_last_step"][-1]
     assert facts["components"].split() == [f"a{number}" for number in range(1, 10)]
     assert facts["digest"] == data.digest
     # nothing reaches beyond a starting point, and nothing true is there
     assert found["washout"].shape[1] == found["horizon_washout"].shape[1] == data.search.washout
-    truth = data.true_states[:, -1].ravel()
+    truth = data.true_states.ravel()
     for array in found.values():
         assert not np.isin(truth, array).any()
 
 
 def test_the_page_names_everything_in_the_file(data, tmp_path):
-    export(tmp_path, [data])
+    export(tmp_path, [data.exported])
     page = (tmp_path / "README.md").read_text(encoding="utf-8")
     for name in read_netcdf(tmp_path / "small.nc"):
         assert f"`{name}`" in page, name
@@ -103,7 +109,7 @@ def test_the_page_names_everything_in_the_file(data, tmp_path):
 
 
 def test_the_script_of_the_page_runs_without_burstcast(data, tmp_path):
-    export(tmp_path, [data])
+    export(tmp_path, [data.exported])
     page = (tmp_path / "README.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     assert "burstcast" not in script

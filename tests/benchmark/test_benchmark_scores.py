@@ -254,7 +254,7 @@ def test_csv_and_netcdf_have_the_same_scores(data, facts, true_observable, tmp_p
 @pytest.mark.usefixtures("small_is_known")
 def test_nothing_is_written_where_forecasts_are_wrong(data, facts, tmp_path, capsys):
     path = tmp_path / "a.nc"
-    values = np.full((len(data.test.points), data.steps), np.nan)
+    values = np.full((len(data.test.points), data.task.steps), np.nan)
     write_netcdf(path, facts, observable=(("point", "step"), values))
     board = tmp_path / "board.csv"
     assert main(["benchmark", "score", str(path), "--leaderboard", str(board)]) == 2

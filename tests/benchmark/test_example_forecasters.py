@@ -21,7 +21,7 @@ CASE = "Re400"
 @pytest.fixture(scope="module")
 def cases(tmp_path_factory):
     directory = tmp_path_factory.mktemp("cases")
-    export(directory, [make_case(CASES[CASE])])
+    export(directory, [make_case(CASES[CASE]).exported])
     return directory
 
 

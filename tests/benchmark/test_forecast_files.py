@@ -19,14 +19,14 @@ def generator():
 
 
 def trajectories(data, generator, members=()):
-    return generator.uniform(0, 0.1, (*members, len(data.test.points), data.steps))
+    return generator.uniform(0, 0.1, (*members, len(data.test.points), data.task.steps))
 
 
 def test_trajectories_of_members_are_read_from_netcdf(data, facts, generator, tmp_path):
     values = trajectories(data, generator, (3,))
     path = write_netcdf(tmp_path / "a.nc", facts, observable=(("member", "point", "step"), values))
     assert case_of([path]) == (data.case, 2026)
-    found = read_forecasts([path], data)
+    found = read_forecasts([path], data.task)
     assert len(found.members) == 3
     assert found.probability is None
     assert found.horizon is None
@@ -40,24 +40,24 @@ def test_a_csv_file_in_any_order_of_rows_is_the_same(data, generator, tmp_path):
     values = trajectories(data, generator, (2,))
     rows = generator.permutation(table(values, (0, 1)))
     path = write_csv(tmp_path / "a.csv", "member,point,step,observable", rows)
-    found = read_forecasts([path], data)
+    found = read_forecasts([path], data.task)
     assert len(found.members) == 2
     expected = summarise(values[1].T, data.case.boundaries)
     assert np.array_equal(found.members[1].largest, expected.largest)
 
 
 def test_the_observable_is_computed_from_components(data, facts, generator, tmp_path):
-    states = generator.uniform(-0.2, 0.2, (len(data.test.points), data.steps, 9))
+    states = generator.uniform(-0.2, 0.2, (len(data.test.points), data.task.steps, 9))
     path = write_netcdf(tmp_path / "a.nc", facts, state=(("point", "step", "component"), states))
     energy = 0.5 * np.square(states).sum(axis=2)
-    (found,) = read_forecasts([path], data).members
+    (found,) = read_forecasts([path], data.task).members
     expected = summarise(energy.T, data.case.boundaries)
     np.testing.assert_allclose(found.largest, expected.largest, rtol=1e-14)
     names = ",".join(data.case.component_names)
     indices = table(energy, (0, 1))[:, :2]
     rows = np.column_stack([indices, states.reshape(-1, 9)])
     path = write_csv(tmp_path / "b.csv", f"point,step,{names}", rows)
-    (same,) = read_forecasts([path], data).members
+    (same,) = read_forecasts([path], data.task).members
     assert np.array_equal(same.largest, found.largest)
 
 
@@ -75,7 +75,7 @@ def test_probabilities_and_a_horizon_are_scored_together(data, facts, generator,
     other = write_netcdf(
         tmp_path / "h.nc", facts, **{name: (("horizon_point", "horizon_step"), horizon)}
     )
-    found = read_forecasts([path, other], data)
+    found = read_forecasts([path, other], data.task)
     assert np.array_equal(found.probability, values)
     assert np.array_equal(found.horizon, horizon.astype(np.float64))
 
@@ -87,16 +87,16 @@ def test_forecasts_are_given_once(data, facts, generator, tmp_path):
     )
     for paths in ([one, two], [one, one]):
         with pytest.raises(ForecastFileError, match=r"windows \(observable\), and so has .*a"):
-            read_forecasts(paths, data)
+            read_forecasts(paths, data.task)
     probability = (("point", "prediction_time"), np.zeros((len(data.test.points), 2)))
     path = write_netcdf(tmp_path / "c.nc", facts, observable=values, probability=probability)
     with pytest.raises(ForecastFileError, match="give one of them"):
-        read_forecasts([path], data)
+        read_forecasts([path], data.task)
 
 
 def said(paths, data):
     with pytest.raises(ForecastFileError) as caught:
-        read_forecasts([paths], data)
+        read_forecasts([paths], data.task)
     text = str(caught.value)
     assert text.startswith(str(paths))
     assert "\n" not in text
@@ -228,7 +228,7 @@ def test_a_point_that_was_never_written_is_named(data, facts, tmp_path):
     with netCDF4.Dataset(path, "w") as file:
         file.setncatts(facts)
         file.createDimension("point", len(data.test.points))
-        file.createDimension("step", data.steps)
+        file.createDimension("step", data.task.steps)
         variable = file.createVariable("observable", "f4", ("point", "step"))
         variable[:7] = 0.05
         variable[8:] = 0.05
@@ -241,12 +241,12 @@ def test_variables_that_are_unknown_or_count_otherwise_are_named(data, facts, ge
     path = write_netcdf(tmp_path / "a.nc", facts, observables=right)
     assert "unknown variable 'observables' (did you mean 'observable'?)" in said(path, data)
     path = write_netcdf(
-        tmp_path / "b.nc", facts, observable=right, step=(("step",), np.arange(data.steps))
+        tmp_path / "b.nc", facts, observable=right, step=(("step",), np.arange(data.task.steps))
     )
     assert "step must count 1, 2, ..., 183" in said(path, data)
-    steps = (("step",), 1 + np.arange(data.steps))
+    steps = (("step",), 1 + np.arange(data.task.steps))
     path = write_netcdf(tmp_path / "c.nc", facts, observable=right, step=steps)
-    assert len(read_forecasts([path], data).members) == 1
+    assert len(read_forecasts([path], data.task).members) == 1
 
 
 def test_a_file_without_forecasts_of_the_windows_is_not_scored(data, facts, tmp_path):
@@ -261,8 +261,9 @@ def test_a_file_without_forecasts_of_the_windows_is_not_scored(data, facts, tmp_
     ("change", "expected"),
     [
         ({"case": "large"}, "no case 'large'"),
-        ({"case_version": 2}, "of version 2 .* scores version 3: export the case again"),
-        ({"case_version": "new"}, "must be whole numbers, not new and 2026"),
+        ({"case_version": 2}, "of version 2 .* and version 3 is scored: export the case again"),
+        ({"case_version": "new"}, "of version new .* and version 3 is scored"),
+        ({"seed": "first"}, "seed must be a whole number, not first"),
         ({"seed": -1}, "the seed must not be negative"),
     ],
 )

@@ -58,7 +58,7 @@ def results(tmp_path_factory, job_server):
 def exported(tmp_path_factory):
     directory = tmp_path_factory.mktemp("exported")
     data = {name: make_case(CASES[name]) for name in CASE_NAMES}
-    export(directory, list(data.values()))
+    export(directory, [one.exported for one in data.values()])
     return directory, data
 
 

@@ -82,7 +82,11 @@ NETWORKS = r"esn(_aware|_true_washout)?-N\d+-[A-Z]+-seed\d+"
 OTHERS = r"(?!esn(_aware|_true_washout)?-)[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*"
 # Kinds that give probabilities without a trajectory have one stage for all that.
 CLASSIFIERS = one_of(sorted({one.name.kind for one in campaign.classifiers}))
-NO_CLASSIFIER = rf"(?!({CLASSIFIERS})(/|$))"
+# Forecasts of other programs come in files.
+EXTERNAL = one_of(
+    sorted({one.name.identifier for one in campaign.external_forecasters})
+)
+NO_CLASSIFIER = rf"(?!({CLASSIFIERS}|{EXTERNAL})(/|$))"
 # Who makes the ensemble of a case.
 SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
 REALISED = one_of(campaign.realised_cases)

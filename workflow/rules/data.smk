@@ -133,6 +133,19 @@ stage(
     cost="data",
 )
 stage(
+    # nobody asks for it but people whose programs forecast the case
+    "data/forecast_task",
+    "export the washouts for other programs",
+    inputs=files("ensemble evaluation_set events summary time_unit"),
+    outputs={
+        "forecast_task": f"{CASE}/forecast_task.nc",
+        "page_of_task": f"{CASE}/forecast_task.md",
+    },
+    settings="TASK",
+    cost="data",
+    noise=of_case(Campaign.noise),
+)
+stage(
     "data/reference_statistics",
     "long-term statistics of the data",
     inputs=files("ensemble summary"),

@@ -11,6 +11,22 @@ stage(
     constraints={"forecaster": f"{NO_CLASSIFIER}[^/]+"},
 )
 stage(
+    "evaluation/external_forecasts",
+    "read forecasts of another program",
+    inputs={
+        "files": stages.external_files,
+        **files("ensemble evaluation_set events summary time_unit"),
+    },
+    outputs={
+        "forecast": f"{FORECASTER}/forecast.nc",
+        "horizon": f"{FORECASTER}/horizon.nc",
+    },
+    settings="TASK classification.resolution_lt",
+    cost="data",
+    constraints={"forecaster": EXTERNAL},
+    noise=of_case(Campaign.noise),
+)
+stage(
     "evaluation/horizon",
     "prediction horizons",
     inputs=files("forecaster events summary time_unit"),
@@ -18,6 +34,7 @@ stage(
     settings="FORECASTER HORIZON case.event_threshold washout_lt",
     cost="horizon",
     cached=True,
+    constraints={"forecaster": f"{NO_CLASSIFIER}[^/]+"},
 )
 stage(
     "evaluation/long_term",

@@ -53,13 +53,16 @@ stage(
     "probabilities/calibrate",
     "calibrate the probabilities, choose the thresholds of alarms",
     inputs={
-        "calibration_forecasts": files_in_case("calibration_forecast.nc"),
+        "calibration_forecasts": files_in_case(
+            "calibration_forecast.nc", campaign.fitted_forecasters
+        ),
         **files("calibration_set time_unit"),
     },
     outputs={"calibration": f"{CASE}/calibration.json"},
     settings="TIME case.event_threshold classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt "
     "probability.prior_forecasts probability.threshold_factors",
+    uncalibrated=of_case(Campaign.alarm_thresholds),
 )
 stage(
     # of the shown ensembles: the example's and others

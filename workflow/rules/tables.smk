@@ -34,9 +34,10 @@ table_stage(
     inputs={
         "forecasts": files_in_case("forecast.nc"),
         **files("evaluation_set"),
-        # the alarm thresholds of classifiers
+        # the alarm thresholds of those that give probabilities
         "calibration": stages.file_of_case(
-            "calibration.json", {one.case for one in campaign.classifiers}
+            "calibration.json",
+            {one.case for one in campaign.forecasters if not one.kind.has_trajectories},
         ),
     },
     settings="KEYS SCORED case.event_threshold",
@@ -45,7 +46,7 @@ table_stage(
 table_stage(
     "horizon_table",
     "table of the prediction horizons",
-    inputs={"horizons": files_in_case("horizon.nc", campaign.trajectory_forecasters)},
+    inputs={"horizons": files_in_case("horizon.nc", campaign.horizon_forecasters)},
     settings="KEYS random_seed bootstrap",
 )
 table_stage(
@@ -176,10 +177,10 @@ rule tables:
 rule forecasters:
     # all that is computed forecaster by forecaster: the target for planning a large campaign in batches
     input:
-        of_forecasters("forecaster.nc"),
+        of_forecasters("forecaster.nc", campaign.fitted_forecasters),
         of_forecasters("forecast.nc"),
-        of_forecasters("calibration_forecast.nc"),
-        of_forecasters("horizon.nc", campaign.trajectory_forecasters),
+        of_forecasters("calibration_forecast.nc", campaign.fitted_forecasters),
+        of_forecasters("horizon.nc", campaign.horizon_forecasters),
         of_forecasters("long_term.nc", campaign.long_term_forecasters),
         of_forecasters("lyapunov_spectrum.nc", campaign.spectrum_forecasters),
         of_forecasters("flows.nc", campaign.strategy_runs),

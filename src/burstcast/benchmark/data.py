@@ -4,7 +4,6 @@ Series, noise and resamples have the streams of random numbers that a case of th
 the same settings and the same seed, both have the same data, bit for bit.
 """
 
-import hashlib
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,6 +12,14 @@ import numpy as np
 from burstcast import random_streams
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.benchmark.cases import SEED, BenchmarkCase
+from burstcast.benchmark.task import (
+    ForecastTask,
+    TaskData,
+    before_horizon,
+    data_digest,
+    horizon_starts,
+    horizon_stream,
+)
 from burstcast.data.dataset import (
     component_scales,
     generate_ensemble,
@@ -27,11 +34,8 @@ from burstcast.data.starting_points import (
 )
 from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
+from burstcast.systems.sampling import sampled_initial_states
 from burstcast.systems.state_space import component_names
-
-_DIGEST_DECIMALS = 6
-"""Data are rounded to so many decimals before they are digested: rounding errors of a machine, such
-as those of another logarithm, then do not count, and chaos amplifies all that do."""
 
 
 @dataclass(frozen=True)
@@ -47,13 +51,13 @@ class CaseData:
     test
         Starting points in the test series, their observed washouts, and the true windows.
     true_states
-        True observed components of the washouts of `test`, ``(points, steps, component)``: for
+        True states of the system at the starting points of `test`, ``(points, component)``: for
         bounds alone.
     observable
         True observable of the test series, ``(series, time)``.
     before_events, before_events_true
-        Observed and true components up to each event whose prediction horizon is measured,
-        ``(events, steps, component)``.
+        Observed components, and true states of the system, up to each event whose prediction
+        horizon is measured, ``(events, steps, component)``.
     truth_before_events
         True observable of the same steps, ``(events, steps)``.
     event_points
@@ -75,52 +79,63 @@ class CaseData:
     mean_observable: float
 
     @property
-    def steps(self) -> int:
-        """Steps of a forecast from a starting point of the test."""
-        return self.case.boundaries[-1]
-
-    @property
     def search(self) -> HorizonSearch:
         """How prediction horizons are looked for."""
         return self.case.horizon_search(self.mean_observable)
 
     @cached_property
     def horizon_starts(self) -> tuple[IntArray, IntArray]:
-        """Starting points of prediction horizons: row of the event, and step of its segment.
-
-        In a random order, which does not tell how far the event is. Points that are the same step
-        of the same series, before two events, are there once.
-        """
-        search = self.search
-        leads = np.array([self.case.steps(lead) for lead in search.lead_times_lt])
-        event = np.repeat(np.arange(len(self.event_points)), len(leads))
-        step = np.tile(self.before_events.shape[1] - 1 - leads, len(self.event_points))
-        before = search.steps_before_event
-        in_series = self.event_points.step[event] - before + step
-        where = np.stack([self.event_points.series[event], in_series], axis=1)
-        _, first = np.unique(where, axis=0, return_index=True)
-        stream = random_streams.stream(self.seed, "benchmark horizon", self.case.name)
-        chosen = stream.permutation(np.sort(first))
-        return event[chosen], step[chosen]
+        """Starting points of prediction horizons (`burstcast.benchmark.task.horizon_starts`)."""
+        stream = horizon_stream(self.seed, self.case.name)
+        return horizon_starts(self.event_points, self.search, stream)
 
     def before_horizon(self, states: FloatArray) -> FloatArray:
         """Washouts ``(points, steps, component)`` of `horizon_starts`, from segments of events."""
-        event, step = self.horizon_starts
-        starts = SeriesPoints(event, step)
-        return segments(states, starts, self.search.washout - 1, 0)
+        return before_horizon(states, self.horizon_starts, self.search.washout)
 
     @cached_property
     def digest(self) -> str:
         """Sixteen hexadecimal digits that depend on all data that are exported."""
-        found = hashlib.sha256()
-        for array in (self.training, self.test.washouts, self.before_horizon(self.before_events)):
-            # zero has one sign
-            found.update((np.round(array, _DIGEST_DECIMALS) + 0.0).tobytes())
-        return found.hexdigest()[:16]
+        horizon = self.before_horizon(self.before_events)
+        return data_digest([self.training, self.test.washouts, horizon])
+
+    @cached_property
+    def task(self) -> ForecastTask:
+        """What is asked of forecasts."""
+        return ForecastTask(
+            case=self.case.name,
+            version=str(self.case.version),
+            seed=self.seed,
+            space=self.case.space,
+            points=len(self.test.points),
+            boundaries=self.case.boundaries,
+            prediction_times_lt=self.case.prediction_times_lt,
+            horizon_points=len(self.horizon_starts[0]),
+            horizon_steps=self.search.longest_lead_time,
+        )
+
+    @property
+    def exported(self) -> TaskData:
+        """What is exported: nothing of it is the truth."""
+        case = self.case
+        return TaskData(
+            task=self.task,
+            about=case.about,
+            training=self.training,
+            points=self.test.points,
+            washouts=self.test.washouts,
+            horizon_washouts=self.before_horizon(self.before_events),
+            noise=case.noise,
+            event_threshold=case.event_threshold,
+            sampling_interval=case.sampling_interval,
+            window_lt=case.window_lt,
+            search=self.search,
+            tolerance=case.tolerance,
+        )
 
 
 def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
-    """Make the data of a case: a second or two.
+    """Make the data of a case: a second or two; a turbulent flow takes a minute.
 
     Parameters
     ----------
@@ -135,13 +150,17 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
         If too many series laminarise under this seed, or if data under `SEED` are not those of the
         frozen case.
     """
-    start = initial_states(
-        np.array(case.initial_state),
-        case.perturbed_component,
-        case.perturbation,
-        case.series,
-        random_streams.stream(seed, "ensemble", case.ensemble_name),
-    )
+    stream = random_streams.stream(seed, "ensemble", case.ensemble_name)
+    if case.initial_state is None:
+        start = sampled_initial_states(case.system, case.series, stream)
+    else:
+        start = initial_states(
+            np.array(case.initial_state),
+            case.perturbed_component,
+            case.perturbation,
+            case.series,
+            stream,
+        )
     batches = generate_ensemble(
         case.system,
         start,
@@ -159,10 +178,7 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
             f"laminarise, and it takes {training + test}: choose another seed"
         )
     observable = np.stack([case.system.observable(series.T) for series in states])
-    true = _observed_components(case, states, observable)
-    observed = observed_series(
-        true, 0, case.noise, component_scales(true[:training]), seed, case.name
-    )
+    observed = _observed(case, states, observable, seed)
     rows = slice(training, training + test)
     points = observed_points(
         observed[rows],
@@ -182,10 +198,10 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
         seed=seed,
         training=observed[:training],
         test=points,
-        true_states=segments(true[rows], points.points, points.washouts.shape[1] - 1, 0),
+        true_states=segments(states[rows], points.points, 0, 0)[:, 0],
         observable=observable[rows],
         before_events=segments(observed, events, before, 0),
-        before_events_true=segments(true, events, before, 0),
+        before_events_true=segments(states, events, before, 0),
         truth_before_events=segments(observable, events, before, 0),
         event_points=events,
         mean_observable=mean,
@@ -199,13 +215,26 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
     return found
 
 
-def _observed_components(
-    case: BenchmarkCase, states: FloatArray, observable: FloatArray
+def _observed(
+    case: BenchmarkCase, states: FloatArray, observable: FloatArray, seed: int
 ) -> FloatArray:
-    """True values of what is observed, ``(series, time, component)``."""
-    if case.space is case.system:
-        return states
-    names = component_names(case.system)
-    seen = states[..., [names.index(name) for name in case.observed]]
-    # in one layout: the last bits of sums over components depend on it
-    return np.ascontiguousarray(np.concatenate([seen, observable[..., np.newaxis]], axis=2))
+    """What is observed of true states, with noise, ``(series, time, component)``."""
+    measured = observable[..., np.newaxis]
+    if case.sensors is not None:
+        # a series at a time: those of a turbulent flow are large
+        readings = [np.moveaxis(case.sensors(np.moveaxis(one, -1, 0)), 0, -1) for one in states]
+        parts = [(np.stack(readings), case.ensemble_name)]
+        parts.append((measured, f"{case.ensemble_name} observable"))
+    elif case.space is case.system:
+        parts = [(states, case.name)]
+    else:
+        names = component_names(case.system)
+        seen = states[..., [names.index(name) for name in case.observed]]
+        # in one layout: the last bits of sums over components depend on it
+        both = np.concatenate([seen, measured], axis=2)
+        parts = [(np.ascontiguousarray(both), case.name)]
+    noisy = []
+    for true, stream in parts:
+        scales = component_scales(true[: case.training_series])
+        noisy.append(observed_series(true, 0, case.noise, scales, seed, stream))
+    return noisy[0] if len(noisy) == 1 else np.concatenate(noisy, axis=2)

@@ -1,14 +1,18 @@
 """Export of the benchmark: a NetCDF file for each case, and the page that explains them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from string import Template
+from textwrap import fill
 
-from burstcast.benchmark.cases import BenchmarkCase
-from burstcast.benchmark.data import CaseData
+import numpy as np
+
+from burstcast.benchmark.task import TaskData
 from burstcast.files.atomic_files import atomic
 from burstcast.files.netcdf import Variable, write_netcdf
 from burstcast.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE, TIME
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.state_space import component_names
 
 PAGE = "README.md"
 """Name of the page in an export."""
@@ -16,10 +20,9 @@ PAGE = "README.md"
 _TEMPLATE = Path(__file__).with_name("page.md")
 
 
-def case_variables(data: CaseData) -> dict[str, Variable]:
+def case_variables(data: TaskData) -> dict[str, Variable]:
     """Variables of the file of a case: training series, washouts, starting points."""
-    case, points, space = data.case, data.test.points, data.case.space
-    before = data.before_horizon(data.before_events)
+    points, space, before = data.points, data.task.space, data.horizon_washouts
     in_washout = ("washout_step", "component")
     of_training = ("training_series", "time", "component")
     name = space.observable_name
@@ -28,19 +31,19 @@ def case_variables(data: CaseData) -> dict[str, Variable]:
         "start_step": Variable(("point",), points.step, NUMBER, "sample of the starting point"),
         "start_time": Variable(
             ("point",),
-            points.step * case.sampling_interval,
+            points.step * data.sampling_interval,
             TIME,
             "time of the starting point in its test series",
         ),
         "washout": Variable(
             ("point", *in_washout),
-            data.test.washouts,
+            data.washouts,
             COMPONENT,
             "observed components up to and including the starting point",
         ),
         "washout_observable": Variable(
             ("point", "washout_step"),
-            data.test.seen,
+            space.observable(data.washouts.transpose(2, 0, 1)),
             OBSERVABLE,
             f"observed {name} of the washout",
         ),
@@ -71,14 +74,14 @@ def case_variables(data: CaseData) -> dict[str, Variable]:
         **of_horizon,
         "prediction_time_lt": Variable(
             ("prediction_time",),
-            case.prediction_times_lt,
+            data.task.prediction_times_lt,
             LYAPUNOV_TIMES,
             "time from the starting point to the first step of each prediction window",
         ),
         **{
             f"window_{end}_step": Variable(
                 ("prediction_time",),
-                [steps[place] for steps in case.window_steps],
+                [steps[place] for steps in data.window_steps],
                 NUMBER,
                 f"{end} step of each prediction window, counted from the starting point",
             )
@@ -87,27 +90,27 @@ def case_variables(data: CaseData) -> dict[str, Variable]:
     }
 
 
-def case_attributes(data: CaseData) -> dict[str, str | int | float]:
+def case_attributes(data: TaskData) -> dict[str, str | int | float]:
     """Attributes of the file of a case: which it is, and the numbers that scores depend on."""
-    case = data.case
+    task = data.task
     return {
-        "case": case.name,
-        "case_version": case.version,
-        "seed": data.seed,
+        "case": task.case,
+        "case_version": int(task.version) if task.version.isdecimal() else task.version,
+        "seed": task.seed,
         "digest": data.digest,
-        "about": case.about,
-        "components": " ".join(case.component_names),
-        "observable": case.space.observable_name,
-        "event_threshold": case.event_threshold,
-        "sampling_interval": case.sampling_interval,
-        "steps_per_lyapunov_time": case.steps_per_lyapunov_time,
-        "forecast_steps": data.steps,
-        "horizon_steps": data.search.longest_lead_time,
-        "noise": case.noise,
+        "about": data.about,
+        "components": " ".join(component_names(task.space)),
+        "observable": task.space.observable_name,
+        "event_threshold": data.event_threshold,
+        "sampling_interval": data.sampling_interval,
+        "steps_per_lyapunov_time": data.search.steps_per_lyapunov_time,
+        "forecast_steps": task.steps,
+        "horizon_steps": task.horizon_steps,
+        "noise": data.noise,
     }
 
 
-def export(directory: Path, found: Sequence[CaseData]) -> list[Path]:
+def export(directory: Path, found: Sequence[TaskData]) -> list[Path]:
     """Write cases and the page into a directory, which is made.
 
     Parameters
@@ -124,53 +127,83 @@ def export(directory: Path, found: Sequence[CaseData]) -> list[Path]:
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     for data in found:
-        paths.append(directory / f"{data.case.name}.nc")
+        paths.append(directory / f"{data.task.case}.nc")
         write_netcdf(paths[-1], case_variables(data), case_attributes(data))
     with atomic(directory / PAGE) as partial:
-        Path(partial).write_text(page(found), encoding="utf-8")
+        Path(partial).write_text(page(found, _SCORING), encoding="utf-8")
     return [*paths, directory / PAGE]
 
 
-def page(found: Sequence[CaseData]) -> str:
-    """The page that explains an export to readers without burstcast."""
+_SCORING = "`burstcast benchmark score persistence.nc` checks and scores the file."
+
+
+def page(found: Sequence[TaskData], scoring: str, file: str = "") -> str:
+    """The page that explains an export to readers without burstcast.
+
+    Parameters
+    ----------
+    found
+        Data of the cases.
+    scoring
+        How a file of forecasts is scored.
+    file
+        Name of the file of a single case, where it is not that of the case.
+    """
     first = found[0]
     return Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(
-        cases="\n".join(map(_about, found)),
-        seed=first.seed,
-        example=first.case.name,
-        version=first.case.version,
-        steps=first.steps,
-        points=len(first.test.points),
-        threshold=_range([case.event_threshold for case in _cases(found)]),
-        window=_range([case.window_lt for case in _cases(found)]),
-        times=", ".join(f"{time:g}" for time in first.case.prediction_times_lt),
-        longest=_range([case.longest_lead_time_lt for case in _cases(found)]),
-        lead_step=_range([case.lead_time_step_lt for case in _cases(found)]),
-        tolerance=_range([case.tolerance for case in _cases(found)]),
-        components=",".join(first.case.component_names),
+        cases="\n".join(_about(data, file or f"{data.task.case}.nc") for data in found),
+        seed=first.task.seed,
+        case=first.task.case,
+        file=file or f"{first.task.case}.nc",
+        version=first.task.version,
+        observables=_observables(found),
+        threshold=_listed(f"{data.event_threshold:g}" for data in found),
+        window=_listed(f"{data.window_lt:g}" for data in found),
+        times=_listed(
+            ", ".join(f"{time:g}" for time in data.task.prediction_times_lt) for data in found
+        ),
+        longest=_listed(f"{data.search.longest_lead_time_lt:g}" for data in found),
+        lead_step=_listed(f"{data.search.lead_time_step_lt:g}" for data in found),
+        tolerance=_listed(f"{data.tolerance:g}" for data in found),
+        components=_named(component_names(first.task.space)),
+        scoring=scoring,
     )
 
 
-def _cases(found: Sequence[CaseData]) -> list[BenchmarkCase]:
-    return [data.case for data in found]
+def _observables(found: Sequence[TaskData]) -> str:
+    """What the observables are, and whether they are components of their own."""
+    names = _listed(data.task.space.observable_name for data in found)
+    said = f"The observable is the {names}."
+    if any(isinstance(data.task.space, MoehlisFaisstEckhardt) for data in found):
+        said += " The kinetic energy is (a1^2 + ... + a9^2) / 2 of all nine modes."
+    own = [data for data in found if "observable" in component_names(data.task.space)]
+    if own:
+        cases = " and ".join(f"`{data.task.case}`" for data in own)
+        said += f" In {cases} it is the last component, which is called `observable`."
+    return fill(said, 100)
 
 
-def _about(data: CaseData) -> str:
+def _named(names: Sequence[str]) -> str:
+    """Names of columns, separated by commas; the first and last of many."""
+    return ",".join(names if len(names) <= 12 else [*names[:3], "...", names[-1]])
+
+
+def _about(data: TaskData, file: str) -> str:
     """Row of the page's table of cases."""
-    case, series = data.case, data.training.shape
+    series = data.training.shape
     cells = (
-        f"`{case.name}.nc`",
-        f"version {case.version}. {case.about}",
+        f"`{file}`",
+        f"version {data.task.version}. {data.about}",
         f"{series[0]} of {series[1]} samples",
-        f"{len(data.test.points)} in {len(data.observable)} series",
-        str(len(data.horizon_starts[0])),
-        str(case.steps_per_lyapunov_time),
-        str(data.steps),
-        str(data.search.longest_lead_time),
+        f"{data.task.points} in {len(np.unique(data.points.series))} series",
+        str(data.task.horizon_points),
+        str(data.search.steps_per_lyapunov_time),
+        str(data.task.steps),
+        str(data.task.horizon_steps),
     )
     return f"| {' | '.join(cells)} |"
 
 
-def _range(values: Sequence[float]) -> str:
-    """A number that all cases share, or each number once."""
-    return " or ".join(f"{value:g}" for value in dict.fromkeys(values))
+def _listed(values: Iterable[str]) -> str:
+    """A value that all cases share, or each value once."""
+    return " or ".join(dict.fromkeys(values))

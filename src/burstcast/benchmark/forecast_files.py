@@ -16,9 +16,10 @@ import numpy.typing as npt
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.benchmark.cases import BenchmarkCase, case_named
-from burstcast.benchmark.data import CaseData
+from burstcast.benchmark.task import ForecastTask
 from burstcast.discovery import suggestion
 from burstcast.forecast.windows import WindowSummaries, summarise
+from burstcast.systems.state_space import component_names
 
 MEMBER = "member"
 CSV, NETCDF = (".csv",), (".nc", ".nc4")
@@ -32,10 +33,10 @@ class ForecastFileError(ValueError):
 
 
 class Facts(NamedTuple):
-    """Which case forecasts are of."""
+    """Which case forecasts are of. Versions are numbers in the benchmark, digests elsewhere."""
 
     case: str
-    case_version: int
+    case_version: str
     seed: int
 
 
@@ -95,14 +96,13 @@ class _Form:
         return [*(name for name, _ in self.axes), *self.columns]
 
 
-def _forms(data: CaseData) -> list[_Form]:
-    case = data.case
-    points = ("point", np.arange(float(len(data.test.points))))
-    horizon_points = ("horizon_point", np.arange(float(len(data.horizon_starts[0]))))
-    steps = ("step", np.arange(1.0, data.steps + 1.0))
-    horizon_steps = ("step", np.arange(1.0, data.search.longest_lead_time + 1.0))
-    times = (_TIME_COLUMN, np.array(case.prediction_times_lt, dtype=np.float64))
-    names = tuple(case.component_names)
+def _forms(task: ForecastTask) -> list[_Form]:
+    points = ("point", np.arange(float(task.points)))
+    horizon_points = ("horizon_point", np.arange(float(task.horizon_points)))
+    steps = ("step", np.arange(1.0, task.steps + 1.0))
+    horizon_steps = ("step", np.arange(1.0, task.horizon_steps + 1.0))
+    times = (_TIME_COLUMN, np.array(task.prediction_times_lt, dtype=np.float64))
+    names = component_names(task.space)
     return [
         _Form("observable", (points, steps), ("observable",), False, True),
         _Form("state", (points, steps), names, True, True),
@@ -147,11 +147,15 @@ def facts_of(path: Path) -> Facts:
     except OSError as error:
         raise ForecastFileError(f"{path} cannot be read: {error.strerror or error}") from error
     try:
-        return Facts(str(given[0]), int(given[1]), int(given[2]))
+        return Facts(str(given[0]), _version(given[1]), int(given[2]))
     except (TypeError, ValueError):
-        raise ForecastFileError(
-            f"{path}: case_version and seed must be whole numbers, not {given[1]} and {given[2]}"
-        ) from None
+        raise ForecastFileError(f"{path}: seed must be a whole number, not {given[2]}") from None
+
+
+def _version(value: Any) -> str:
+    """Version of a case in words: 3 and 3.0 are the same."""
+    number = isinstance(value, int | float | np.number) and float(value).is_integer()
+    return str(int(value) if number else value)
 
 
 def case_of(paths: Sequence[Path]) -> tuple[BenchmarkCase, int]:
@@ -172,29 +176,40 @@ def case_of(paths: Sequence[Path]) -> tuple[BenchmarkCase, int]:
             case = case_named(facts.case)
         except ValueError as error:
             raise ForecastFileError(f"{path}: {error}") from None
-        if facts.case_version != case.version:
-            raise ForecastFileError(
-                f"{path} is of version {facts.case_version} of the case {facts.case}, and this "
-                f"burstcast scores version {case.version}: export the case again"
-            )
+        check_version(path, facts, str(case.version))
         if facts.seed < 0:
             raise ForecastFileError(f"{path}: the seed must not be negative, not {facts.seed}")
     return case, found[0].seed
+
+
+def check_version(path: Path, facts: Facts, version: str) -> None:
+    """Check that forecasts are of one version of their case.
+
+    Raises
+    ------
+    ForecastFileError
+        If they are of another one.
+    """
+    if facts.case_version != version:
+        raise ForecastFileError(
+            f"{path} is of version {facts.case_version} of the case {facts.case}, and version "
+            f"{version} is scored: export the case again, and forecast from the new washouts"
+        )
 
 
 def _told(facts: Facts) -> str:
     return f"the case {facts.case}, version {facts.case_version}, seed {facts.seed}"
 
 
-def read_forecasts(paths: Sequence[Path], data: CaseData) -> Forecasts:
+def read_forecasts(paths: Sequence[Path], task: ForecastTask) -> Forecasts:
     """Read and check all files of one forecaster.
 
     Parameters
     ----------
     paths
         Files of forecasts for the windows, and for the prediction horizon.
-    data
-        Data of their case (`case_of`).
+    task
+        What is asked of them.
 
     Raises
     ------
@@ -207,7 +222,7 @@ def read_forecasts(paths: Sequence[Path], data: CaseData) -> Forecasts:
     source: dict[bool, str] = {}
     for path in paths:
         read = _csv if path.suffix.lower() in CSV else _netcdf
-        for form, blocks in read(path, _forms(data)):
+        for form, blocks in read(path, _forms(task)):
             if form.of_horizon in source:
                 raise ForecastFileError(
                     f"{path} has forecasts of the {_subject(form)} ({form.name}), and so has "
@@ -217,12 +232,11 @@ def read_forecasts(paths: Sequence[Path], data: CaseData) -> Forecasts:
             if form.name == "probability":
                 (probability,) = (block[..., 0] for block in blocks)
                 continue
-            observables = (_observable(data, form, block) for block in blocks)
+            observables = (_observable(task, form, block) for block in blocks)
             if form.of_horizon:
                 (horizon,) = observables
             else:
-                boundaries = data.case.boundaries
-                members = tuple(summarise(one.T, boundaries) for one in observables)
+                members = tuple(summarise(one.T, task.boundaries) for one in observables)
     if False not in source:
         raise ForecastFileError(
             f"{' and '.join(map(str, paths))} must have forecasts of the windows: one of "
@@ -235,11 +249,11 @@ def _subject(form: _Form) -> str:
     return "prediction horizon" if form.of_horizon else "windows"
 
 
-def _observable(data: CaseData, form: _Form, block: FloatArray) -> FloatArray:
+def _observable(task: ForecastTask, form: _Form, block: FloatArray) -> FloatArray:
     """Observable ``(points, steps)`` of a member's forecasts ``(points, steps, values)``."""
     if not form.components:
         return block[..., 0]
-    return data.case.space.observable(np.moveaxis(block, -1, 0))
+    return task.space.observable(np.moveaxis(block, -1, 0))
 
 
 def _check_values(form: _Form, block: FloatArray, where: Callable[[tuple[int, ...]], str]) -> None:

@@ -78,14 +78,16 @@ class HorizonSearch:
             self.longest_lead_time_lt - index * self.lead_time_step_lt for index in range(count)
         ]
         # a start less than a step before the event leaves nothing to forecast
-        return [
-            start for start in starts if durations.steps(start, self.steps_per_lyapunov_time) > 0
-        ]
+        return [start for start in starts if self.steps(start) > 0]
+
+    def steps(self, duration_lt: float) -> int:
+        """Steps of a forecast in a duration of Lyapunov times, rounded down."""
+        return durations.steps(duration_lt, self.steps_per_lyapunov_time)
 
     @property
     def longest_lead_time(self) -> int:
         """First tau_e in steps."""
-        return durations.steps(self.longest_lead_time_lt, self.steps_per_lyapunov_time)
+        return self.steps(self.longest_lead_time_lt)
 
     @property
     def steps_before_event(self) -> int:

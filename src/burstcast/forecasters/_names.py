@@ -1,9 +1,9 @@
 """Identifiers of forecasters and controllers in paths, tables, figures and messages.
 
 An identifier of a forecaster is the kind, and then what tells forecasters of a kind apart:
-``equations``, ``esn-N2000-RV-seed3``. Kinds are modules of `burstcast.forecasters`. A controller is
-a forecaster, ``none``, random alarms beside a forecaster (``esn-N2000-RV-seed3-random``) or a
-committee (``esn-N2000-RV-committee``).
+``equations``, ``esn-N2000-RV-seed3``, ``external-lstm``. Kinds are modules of
+`burstcast.forecasters`. A controller is a forecaster, ``none``, random alarms beside a forecaster
+(``esn-N2000-RV-seed3-random``) or a committee (``esn-N2000-RV-committee``).
 """
 
 import re
@@ -17,7 +17,7 @@ PERMANENT_ALARM = "permanent_alarm"
 """What tables call an alarm at every time, in the place of a forecaster."""
 
 _PATTERN = re.compile(
-    r"(?P<kind>[a-z][a-z0-9_]*)(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
+    r"(?P<kind>[a-z][a-z0-9_]*)(-(?!(committee|random|seed\d+)(-|$))(?P<label>[a-z][a-z0-9]*))?(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
     r"(-(?P<role>committee|random))?"
 )
 
@@ -34,6 +34,8 @@ class ForecasterName:
         Of a network.
     role
         Of a controller that is no single forecaster: a module of `burstcast.control.controllers`.
+    label
+        Name that a user gives to forecasts from files.
     """
 
     kind: str
@@ -41,6 +43,7 @@ class ForecasterName:
     validation: str | None = None
     seed: int | None = None
     role: str | None = None
+    label: str | None = None
 
     @property
     def asks_forecasters(self) -> bool:
@@ -54,6 +57,7 @@ class ForecasterName:
             f"{prefix}{value}"
             for prefix, value in (
                 ("", self.kind),
+                ("", self.label),
                 ("N", self.neurons),
                 ("", self.validation),
                 ("seed", self.seed),
@@ -66,9 +70,10 @@ class ForecasterName:
     @property
     def keys(self) -> dict[str, Any]:
         """Its key columns in tables."""
+        kind = f"{self.kind}_{self.label}" if self.label else self.kind
         return {
-            "forecaster": {"committee": f"{self.kind}_committee", "random": "random"}.get(
-                self.role or "", self.kind
+            "forecaster": {"committee": f"{kind}_committee", "random": "random"}.get(
+                self.role or "", kind
             ),
             "neurons": self.neurons,
             "validation": self.validation,
@@ -102,4 +107,5 @@ def parsed(identifier: str) -> ForecasterName:
     neurons, seed = (
         None if match[name] is None else int(match[name]) for name in ("neurons", "seed")
     )
-    return ForecasterName(match["kind"], neurons, match["validation"], seed, match["role"])
+    names = match["kind"], neurons, match["validation"], seed, match["role"], match["label"]
+    return ForecasterName(*names)

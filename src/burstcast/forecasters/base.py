@@ -82,7 +82,7 @@ class ForecasterKind(abc.ABC):
     """What all kinds of forecasters have: properties of the kind, and a record of what was learnt.
 
     A kind forecasts trajectories (`Forecaster`), or probabilities of events without them
-    (`burstcast.forecasters._event_classifier.EventClassifier`).
+    (`burstcast.forecasters._event_classifier.EventClassifier`), or has forecasts of others.
     """
 
     has_trajectories: ClassVar[bool] = True
@@ -98,6 +98,9 @@ class ForecasterKind(abc.ABC):
     aware: ClassVar[bool] = False
     """Whether it uses schedules of parameters. Without a schedule, an aware forecaster assumes the
     case's own values."""
+    from_files: ClassVar[bool] = False
+    """Whether its forecasts come in files, made by other programs from the points of the test:
+    nothing is fitted, and probabilities are taken as they are."""
     has_search: ClassVar[bool] = False
     """Whether a search finds its hyperparameters before it is trained."""
     searched_as: ClassVar[str] = ""

@@ -16,8 +16,13 @@ AWARE_KINDS = ("esn_aware", "quadratic_aware", "quadratic_aware_filtered")
 
 def available_kinds() -> list[str]:
     """Names of all the kinds that learn from series alone, sorted."""
-    others = (*_OTHERS, *AWARE_KINDS)
-    return [name for name in module_names(burstcast.forecasters) if name not in others]
+    learning = [kind for kind in all_kinds() if kind not in AWARE_KINDS]
+    return [kind for kind in learning if not kind_class(kind).from_files]
+
+
+def all_kinds() -> list[str]:
+    """Names of all kinds, sorted."""
+    return [name for name in module_names(burstcast.forecasters) if name not in _OTHERS]
 
 
 def trajectory_kinds() -> list[str]:
@@ -47,8 +52,7 @@ def kind_class(kind: str) -> type[ForecasterKind]:
     TypeError
         If its module does not define just one.
     """
-    available = [*available_kinds(), *AWARE_KINDS]
-    if kind not in available:
+    if kind not in (available := all_kinds()):
         raise ValueError(
             f"unknown kind of forecaster {kind!r}{suggestion(kind, available)}; "
             f"the available kinds are {', '.join(available)}"

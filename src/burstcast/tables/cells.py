@@ -42,7 +42,7 @@ def medians_over_seeds(found: Iterable[tuple[ForecasterName, Scores]]) -> dict[s
     """
     alike: dict[ForecasterName, list[tuple[str, Scores]]] = {}
     for name, scores in found:
-        common = replace(name, kind=name.keys["forecaster"], seed=None, role=None)
+        common = replace(name, kind=name.keys["forecaster"], seed=None, role=None, label=None)
         identifier = replace(common, seed=name.seed).identifier
         alike.setdefault(common, []).append((identifier, scores))
     return dict(

@@ -24,6 +24,7 @@ from burstcast_workflow.campaign.control_plans import (
     paper_plan,
 )
 from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of
+from burstcast_workflow.config.external_files import external_forecasts
 from burstcast_workflow.config.kinds import Quantile, Section
 from burstcast_workflow.config.measured_cases import is_encoded, space_of
 from burstcast_workflow.config.model import (
@@ -60,6 +61,9 @@ GROUPS = {
     # long runs: where they start and how long they are
     "LONG_RUNS": "FORECASTER OBSERVED washout_lt statistics.starting_points "
     "statistics.start_spacing_lt statistics.duration",
+    # what forecasts of other programs are compared with
+    "TASK": "SYSTEM TIME OBSERVED WINDOWS HORIZON case.event_threshold washout_lt "
+    "classification.prediction_times_lt",
     "LONG_TERM": "LONG_RUNS forecaster.divergence_bound case.density "
     "case.laminarisation_threshold case.fixed_point statistics.fixed_point_interval_lt",
     "CONTROL": "SYSTEM TIME random_seed case.training.series case.event_threshold "
@@ -170,8 +174,32 @@ class Campaign:
 
     @cached_property
     def classifiers(self) -> tuple[CaseForecaster, ...]:
-        """Forecasters that give probabilities without a trajectory."""
-        return tuple(one for one in self.forecasters if not one.kind.has_trajectories)
+        """Forecasters that learn to give probabilities without a trajectory."""
+        return tuple(one for one in self.fitted_forecasters if not one.kind.has_trajectories)
+
+    @cached_property
+    def fitted_forecasters(self) -> tuple[CaseForecaster, ...]:
+        """All forecasters but those whose forecasts come in files."""
+        return tuple(one for one in self.forecasters if not one.kind.from_files)
+
+    @cached_property
+    def external_forecasters(self) -> tuple[CaseForecaster, ...]:
+        """Forecasters whose forecasts come in files."""
+        return tuple(one for one in self.forecasters if one.kind.from_files)
+
+    @property
+    def horizon_forecasters(self) -> tuple[CaseForecaster, ...]:
+        """Forecasters that may have prediction horizons."""
+        return (*self.trajectory_forecasters, *self.external_forecasters)
+
+    def alarm_thresholds(self, case: str) -> dict[str, float]:
+        """Alarm thresholds of the forecasters of a case whose probabilities are not calibrated."""
+        said = external_forecasts(self.config, case)
+        return {
+            one.name.identifier: said[str(one.name.label)].alarm_threshold
+            for one in self.external_forecasters
+            if one.case == case
+        }
 
     @cached_property
     def searched_networks(self) -> tuple[CaseForecaster, ...]:
@@ -546,6 +574,10 @@ class Campaign:
         threshold = self.cases[case].event_threshold
         return threshold.quantile if isinstance(threshold, Quantile) else None
 
+    def noise(self, case: str) -> float:
+        """Level of the observation noise of a case, whenever it is added."""
+        return self.cases[case].training.noise
+
     def noise_of_data(self, case: str) -> dict[str, Any] | None:
         """Observation noise that a case's series get when they are imported; None if later or none.
 
@@ -680,8 +712,11 @@ def _sees_truth(name: ForecasterName) -> bool:
     return kind is not None and kind.sees_truth and not kind.has_search
 
 
-def _names(kind: str, axes: Section) -> Iterator[ForecasterName]:
+def _names(kind: str, axes: Section | dict[str, Section]) -> Iterator[ForecasterName]:
     """Forecasters of one kind in a block: all combinations along its axes."""
+    if isinstance(axes, dict):
+        yield from (ForecasterName(kind, label=label) for label in axes)
+        return
     if not isinstance(axes, NetworkAxes):
         yield ForecasterName(kind)
         return
@@ -695,6 +730,7 @@ def _order(one: CaseForecaster) -> tuple[Any, ...]:
     return (
         natural_order(one.case),
         name.kind,
+        name.label or "",
         name.neurons or 0,
         name.validation or "",
         name.seed or 0,

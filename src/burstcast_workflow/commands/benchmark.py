@@ -43,7 +43,7 @@ def export_cases(directory: Path, case: Sequence[str] | None, seed: int | None) 
     """Write files of cases, and the page that explains them."""
     cases = [case_named(name) for name in case or CASES]
     root = SEED if seed is None else seed
-    for path in export(directory, [make_case(one, root) for one in cases]):
+    for path in export(directory, [make_case(one, root).exported for one in cases]):
         print(path)
 
 
@@ -60,7 +60,7 @@ def score_files(
         raise ValueError(f"--alarm-threshold must be between 0 and 1, not {alarm_threshold:g}")
     case, seed = case_of(files)
     data = make_case(case, seed)
-    scores = score_forecasts(data, read_forecasts(files, data), alarm_threshold)
+    scores = score_forecasts(data, read_forecasts(files, data.task), alarm_threshold)
     row = row_of(
         data,
         scores,

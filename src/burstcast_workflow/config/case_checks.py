@@ -16,6 +16,7 @@ from burstcast_workflow.config.cases import (
     case_record,
     data_of,
 )
+from burstcast_workflow.config.external_files import problems_of_external
 from burstcast_workflow.config.lengths import lag_misfits, misfits, room_misfits
 from burstcast_workflow.config.measured_cases import (
     ONLY_ENCODED,
@@ -35,6 +36,7 @@ def problems_of_case(config: Configuration, name: str) -> Iterator[str]:
     """What is wrong with a case of the campaign; one message for each mistake."""
     check = _simulated if data_of(config, name) is None else _measured
     yield from check(config, name)
+    yield from problems_of_external(config, name)
 
 
 def _simulated(config: Configuration, name: str) -> Iterator[str]:

@@ -224,12 +224,18 @@ def _without_trajectories(config: Configuration) -> Iterator[str]:
         choices[f"control.strategies[{index}].forecasters"] = block.forecasters, by_probability
     for place, (choice, by_probability) in choices.items():
         for kind in choice.kinds if choice else ():
-            if kind_class(kind).has_trajectories and by_probability:
+            known = kind_class(kind)
+            if known.has_trajectories and by_probability:
                 yield (
                     f"{place} names {kind}, which forecasts states; a strategy that acts on "
                     "probabilities takes classifiers: precursor, esn_direct"
                 )
-            if not (kind_class(kind).has_trajectories or by_probability):
+            if known.from_files:
+                yield (
+                    f"{place} names {kind}, whose files have forecasts from the starting points of "
+                    "the test alone; leave it out"
+                )
+            elif not (known.has_trajectories or by_probability):
                 yield (
                     f"{place} names {kind}, which gives probabilities of events and forecasts no "
                     "states; leave it out"

@@ -169,6 +169,11 @@ CaseName = Annotated[
         "report, nor what reads as a number or truth value)"
     ),
 ]
+Label = Annotated[
+    str,
+    Field(pattern=r"^(?!(?:committee|random|seed\d+)\Z)[a-z][a-z0-9]*\Z"),
+    Words("a lower-case letter, then lower-case letters and digits (not committee, random, seed1)"),
+]
 ParameterName = Annotated[
     str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*\Z"), Words("the name of a parameter of the system")
 ]

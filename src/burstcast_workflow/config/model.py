@@ -22,6 +22,7 @@ from burstcast_workflow.config.kinds import (
     Distinct,
     EncoderName,
     EventShare,
+    Label,
     NetworkOrNull,
     ParameterName,
     Period,
@@ -114,8 +115,30 @@ class SingleKinds(Chosen):
     )
 
 
+class ExternalFiles(Section):
+    """Forecasts that another program has made, in files (docs/benchmark.md)."""
+
+    files: Some[str] = setting(
+        "files of forecasts, NetCDF or CSV, as seen from where Snakemake runs; {case} stands for "
+        "the name of the case"
+    )
+    alarm_threshold: Annotated[Positive, Field(le=1)] = setting(
+        "probability at or above which an alarm is raised; probabilities are taken as they are",
+        default=0.5,
+    )
+
+
 class BlockForecasters(SingleKinds):
     """Forecasters of a block, by kind; null for none of a kind."""
+
+    external: Annotated[
+        dict[Label, ExternalFiles] | None, Words("a mapping of names, or null for none")
+    ] = setting(
+        "forecasts that other programs have made, by a name: each has `files`, NetCDF or CSV "
+        "(`{case}` in a path stands for the name of the case), and may have an `alarm_threshold`, "
+        "0.5 if left out",
+        default=None,
+    )
 
     esn: NetworkAxes | None = setting("echo state networks", default=None)
     esn_true_washout: NetworkAxes | None = setting(
@@ -149,6 +172,10 @@ class NetworkChoice(Section):
 
 class Choice(SingleKinds):
     """Which of the campaign's forecasters, by kind; null for none of a kind."""
+
+    external: Alone = setting(
+        "forecasts from files, which start from no other state: always null", default=None
+    )
 
     esn: NetworkChoice | None = setting("echo state networks", default=None)
     esn_true_washout: NetworkChoice | None = setting(

@@ -6,6 +6,7 @@ from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import read_rows
 from burstcast.forecast.forecast_files import point_variables, schedule_variables
+from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.windows import window_boundaries
 from burstcast_workflow.harness.settings import CLASSIFICATION, Settings, concerning
@@ -39,6 +40,28 @@ def test_rows(settings: Settings, ensemble: str) -> range:
     series = test_series(settings, kept)
     check_kept_series(kept, {"training.series": first, "test_series": series})
     return range(first, first + series)
+
+
+def horizon_search(settings: Settings, steps: int, mean_observable: float) -> HorizonSearch:
+    """How prediction horizons are looked for.
+
+    Parameters
+    ----------
+    settings
+        With ``HORIZON case.event_threshold washout_lt`` of the rules.
+    steps
+        Steps of a forecast in a Lyapunov time.
+    mean_observable
+        Over all data.
+    """
+    return HorizonSearch(
+        longest_lead_time_lt=settings["horizon.longest_lead_time_lt"],
+        lead_time_step_lt=settings["horizon.lead_time_step_lt"],
+        tolerance=settings["horizon.tolerance"]
+        * (settings["case.event_threshold"] - mean_observable),
+        washout=durations.steps(settings["washout_lt"], steps),
+        steps_per_lyapunov_time=steps,
+    )
 
 
 def write_point_set(

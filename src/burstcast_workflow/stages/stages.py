@@ -12,6 +12,7 @@ from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import learns_parameters
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
+from burstcast_workflow.config.external_files import external_forecasts, paths_of
 from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.harness.settings import THRESHOLDS, cases_of_thresholds
@@ -203,6 +204,12 @@ class Stages:
         if data.case is not None:
             return [self.in_results(f"{data.case}/ensemble.nc")]
         return [local(path) for path in data_files(data)]
+
+    def external_files(self, wildcards: Any) -> Any:
+        """Files with the forecasts of a job's forecaster, which another program has made."""
+        said = external_forecasts(self.campaign.config, wildcards.case)
+        label = str(parsed(wildcards.forecaster).label)
+        return [local(path) for path in paths_of(said[label], wildcards.case)]
 
     def controlling(self, wildcards: Any) -> Paths:
         """Forecasters that the controller of a job asks."""

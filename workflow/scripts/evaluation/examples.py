@@ -14,13 +14,13 @@ from burstcast.forecast.examples import (
     outcome_examples,
     stretch,
 )
-from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.harness.job import Provenance, job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
+from burstcast_workflow.jobs.forecasts import horizon_search
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
@@ -77,14 +77,7 @@ def _evaluations(
     mean_observable: float,
 ) -> Evaluations:
     """Forecasts of one event from its last starts."""
-    search = HorizonSearch(
-        longest_lead_time_lt=settings["horizon.longest_lead_time_lt"],
-        lead_time_step_lt=settings["horizon.lead_time_step_lt"],
-        tolerance=settings["horizon.tolerance"]
-        * (settings["case.event_threshold"] - mean_observable),
-        washout=durations.steps(settings["washout_lt"], steps),
-        steps_per_lyapunov_time=steps,
-    )
+    search = horizon_search(settings, steps, mean_observable)
     events = read_netcdf(events_file)
     example = horizon_example(
         read_netcdf(horizon)["prediction_horizon_lt"],

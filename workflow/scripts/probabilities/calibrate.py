@@ -44,6 +44,16 @@ def calibrate(
                 by_factor[f"{time:g}"] = rules = {}
                 for name, found in maps.items():
                     rules[name] = AlarmRule.chosen(outcomes, found).record()
+    for identifier, threshold in settings["uncalibrated"].items():
+        # there are no forecasts of the calibration set: probabilities are taken as they are
+        rule = AlarmRule(UNCALIBRATED, threshold).record()
+        alarms[identifier] = {
+            f"{factor:g}": {
+                f"{time:g}": {CALIBRATED: rule, VOTES: rule}
+                for time in settings["classification.prediction_times_lt"]
+            }
+            for factor in sorted({1.0, *settings["probability.threshold_factors"]})
+        }
     write_json(
         calibration,
         {

@@ -1,0 +1,86 @@
+"""What a stream costs: each sample, each probability, and states that would advance with samples.
+
+::
+
+    python benchmarks/stream.py [--neurons 1000] [--members 10]
+
+Milliseconds of one core, the least of several repetitions. A probability costs the washout and the
+forecasts of all members. States that advanced with each sample would have to be as many as the
+washout has samples, since each washout begins from zero: the last line is what that would cost for
+each sample, asked for a probability or not.
+"""
+
+import argparse
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from burstcast.benchmark.cases import CASES
+from burstcast.benchmark.data import make_case
+from burstcast.event_forecaster.forecaster import EventForecaster
+from burstcast.forecasters.esn import NetworkForecaster
+
+
+def least(function: Callable[[], object], repetitions: int = 10) -> float:
+    """Milliseconds of the fastest call."""
+    found = []
+    for _ in range(repetitions):
+        start = time.perf_counter()
+        function()
+        found.append(time.perf_counter() - start)
+    return 1e3 * min(found)
+
+
+def main() -> None:
+    """Fit networks to the case Re400 of the benchmark, and watch a test series."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--neurons", type=int, default=1000)
+    parser.add_argument("--members", type=int, default=10)
+    chosen = parser.parse_args()
+    data = make_case(CASES["Re400"])
+    case = data.case
+    forecaster = EventForecaster(
+        case.system,
+        case.event_threshold,
+        prediction_times=(1.0, 3.0),
+        lyapunov_time=1 / case.lyapunov_exponent,
+        sampling_interval=case.sampling_interval,
+        washout=case.washout_lt,
+        neurons=chosen.neurons,
+        members=chosen.members,
+        grid=2,
+        bayesian_points=1,
+        calibrate=False,
+    ).fit(data.training[:3, :1000])
+    series = data.training[5]
+    for sample in series[:200]:
+        forecaster.update(sample)
+    washout = case.steps(case.washout_lt)
+    batch = series[np.newaxis, 200 - washout : 200]
+    for lead in (1.0, 3.0):
+        assert forecaster.probability(lead) == forecaster.predict_proba(batch, lead)[0, 1]
+    samples = iter(np.tile(series, (3, 1)))
+    inputs = np.ascontiguousarray(batch.transpose(1, 2, 0))
+    members = forecaster.members_
+    networks = [one.network for one in members if isinstance(one, NetworkForecaster)]
+    memories = [one.start(inputs) for one in members]
+    several = np.ascontiguousarray(np.repeat(inputs[-1:], washout, axis=2))
+    states = [np.repeat(memory, washout, axis=1) for memory in memories]
+    print(f"{chosen.members} networks of {chosen.neurons} neurons, a washout of {washout} samples")
+    rows = {
+        "update, one sample": lambda: forecaster.update(next(samples)),
+        "probability at 1 LT": lambda: forecaster.probability(1.0),
+        "probability at 3 LT": lambda: forecaster.probability(3.0),
+        "  of this: the washout": lambda: [one.start(inputs) for one in members],
+        "states of all washouts, one sample": lambda: [
+            network.dynamics.open_loop(several / network.input_range[:, np.newaxis], state)
+            for network, state in zip(networks, states, strict=True)
+        ],
+    }
+    for name, function in rows.items():
+        print(f"{name:36}{least(function, 50 if 'update' in name else 10):9.4f} ms")
+
+
+if __name__ == "__main__":
+    main()

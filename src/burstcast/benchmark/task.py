@@ -1,0 +1,210 @@
+"""A forecasting task: the washouts that anybody's forecasts start from, and what is asked of them.
+
+Cases of the benchmark are such tasks, and so are cases of a campaign.
+"""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.data.dataset import component_scales
+from burstcast.data.starting_points import SeriesPoints, segments
+from burstcast.forecast.horizon import HorizonSearch
+from burstcast.systems.state_space import StateSpace
+
+_DIGEST_DECIMALS = 6
+"""Data are rounded to so many decimals before they are digested: rounding errors of a machine, such
+as those of another logarithm, then do not count, and chaos amplifies all that do."""
+
+
+@dataclass(frozen=True)
+class ForecastTask:
+    """What files of forecasts are compared with.
+
+    Attributes
+    ----------
+    case, version, seed
+        Which data the forecasts are of: files of forecasts have the same three facts.
+    space
+        What an observed state is.
+    points
+        Starting points of the windows.
+    boundaries
+        Steps at which windows begin and end (`burstcast.forecast.windows.window_boundaries`).
+    prediction_times_lt
+        Times from a starting point to each prediction window, in Lyapunov times.
+    horizon_points, horizon_steps
+        Starting points of the prediction horizon, and steps of their forecasts.
+    """
+
+    case: str
+    version: str
+    seed: int
+    space: StateSpace
+    points: int
+    boundaries: tuple[int, ...]
+    prediction_times_lt: tuple[float, ...]
+    horizon_points: int
+    horizon_steps: int
+
+    @property
+    def steps(self) -> int:
+        """Steps of a forecast from a starting point of the windows."""
+        return self.boundaries[-1]
+
+
+@dataclass(frozen=True)
+class TaskData:
+    """Observed data of a task: all that a forecaster may know.
+
+    Attributes
+    ----------
+    task
+        What is asked.
+    about
+        One sentence about the case.
+    training
+        Observed training series, ``(series, time, component)``.
+    points, washouts
+        Starting points in the test series, and what is observed up to each of them, ``(points,
+        steps, component)``.
+    horizon_washouts
+        The same of the starting points of the prediction horizon.
+    noise
+        Standard deviation of the observation noise, in standard deviations of each component.
+    event_threshold
+        In units of the observable.
+    sampling_interval
+        Time between two samples, in time units.
+    steps_per_lyapunov_time
+        Steps of a forecast in a Lyapunov time.
+    window_lt
+        Length of the prediction windows.
+    search
+        How prediction horizons are looked for.
+    tolerance
+        Error that the search allows, in distances of the threshold from the mean observable.
+    """
+
+    task: ForecastTask
+    about: str
+    training: FloatArray
+    points: SeriesPoints
+    washouts: FloatArray
+    horizon_washouts: FloatArray
+    noise: float
+    event_threshold: float
+    sampling_interval: float
+    window_lt: float
+    search: HorizonSearch
+    tolerance: float
+
+    @property
+    def window_steps(self) -> list[tuple[int, int]]:
+        """First and last step of each prediction window, counted from the starting point."""
+        times, steps = self.task.prediction_times_lt, self.search.steps
+        return [(steps(time), steps(time + self.window_lt)) for time in times]
+
+    @property
+    def digest(self) -> str:
+        """Digest of the data (`data_digest`)."""
+        return data_digest([self.training, self.washouts, self.horizon_washouts])
+
+
+def campaign_task(
+    *,
+    case: str,
+    seed: int,
+    space: StateSpace,
+    boundaries: tuple[int, ...],
+    prediction_times_lt: Sequence[float],
+    training: FloatArray,
+    points: SeriesPoints,
+    washouts: FloatArray,
+    events: SeriesPoints,
+    before_events: FloatArray,
+    search: HorizonSearch,
+    **facts: float,
+) -> TaskData:
+    """Task of a case of a campaign, whose version is a digest of its data.
+
+    Parameters
+    ----------
+    case, seed, space, boundaries, prediction_times_lt
+        Of the `ForecastTask`; the random numbers of the order of horizon points follow from the
+        seed.
+    training, points, washouts, search, facts
+        Of the `TaskData`.
+    events, before_events
+        Events whose prediction horizon is measured, and what is observed up to each of them,
+        ``(events, steps, component)``.
+    """
+    starts = horizon_starts(events, search, horizon_stream(seed, case))
+    horizon = before_horizon(before_events, starts, search.washout)
+    # whatever the units are
+    scale = component_scales(training).standard_deviation
+    task = ForecastTask(
+        case=case,
+        version=data_digest([part / scale for part in (training, washouts, horizon)]),
+        seed=seed,
+        space=space,
+        points=len(points),
+        boundaries=boundaries,
+        prediction_times_lt=tuple(map(float, prediction_times_lt)),
+        horizon_points=len(horizon),
+        horizon_steps=search.longest_lead_time,
+    )
+    about = f"The case {case} of a campaign."
+    return TaskData(task, about, training, points, washouts, horizon, search=search, **facts)
+
+
+def horizon_stream(seed: int, case: str) -> np.random.Generator:
+    """Random numbers of the order of the starting points of prediction horizons."""
+    return random_streams.stream(seed, "benchmark horizon", case)
+
+
+def data_digest(arrays: Sequence[FloatArray]) -> str:
+    """Sixteen hexadecimal digits that depend on all numbers of arrays, but for rounding errors."""
+    found = hashlib.sha256()
+    for array in arrays:
+        # zero has one sign
+        found.update((np.round(array, _DIGEST_DECIMALS) + 0.0).tobytes())
+    return found.hexdigest()[:16]
+
+
+def horizon_starts(
+    events: SeriesPoints, search: HorizonSearch, generator: np.random.Generator
+) -> tuple[IntArray, IntArray]:
+    """Starting points of prediction horizons: row of the event, and step of its segment.
+
+    In a random order, which does not tell how far the event is. Points that are the same step of
+    the same series, before two events, are there once.
+
+    Parameters
+    ----------
+    events
+        Where the events begin.
+    search
+        How prediction horizons are looked for; segments have its steps before an event.
+    generator
+        Random numbers of the order.
+    """
+    leads = np.array([search.steps(lead) for lead in search.lead_times_lt])
+    event = np.repeat(np.arange(len(events)), len(leads))
+    step = np.tile(search.steps_before_event - leads, len(events))
+    in_series = events.step[event] - search.steps_before_event + step
+    where = np.stack([events.series[event], in_series], axis=1)
+    _, first = np.unique(where, axis=0, return_index=True)
+    chosen = generator.permutation(np.sort(first))
+    return event[chosen], step[chosen]
+
+
+def before_horizon(
+    before_events: FloatArray, starts: tuple[IntArray, IntArray], washout: int
+) -> FloatArray:
+    """Washouts ``(points, washout, component)`` of `horizon_starts`, from segments of events."""
+    return segments(before_events, SeriesPoints(*starts), washout - 1, 0)

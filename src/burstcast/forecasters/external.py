@@ -1,0 +1,89 @@
+"""Forecasts that other programs have made, read from files.
+
+`burstcast.benchmark.forecast_files` reads the files, and says what they contain. Their forecasts
+are of the starting points of the test alone: nothing is learnt, and no other washout is forecast.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from burstcast.arrays import FloatArray
+from burstcast.benchmark.forecast_files import Forecasts
+from burstcast.forecast.event_probabilities import EventProbabilities
+from burstcast.forecast.windows import WindowForecasts
+from burstcast.forecasters.base import ForecasterKind, ForecasterRecord, ForecastingCase
+from burstcast.probability.votes import share_of_votes
+
+
+@dataclass(frozen=True)
+class ExternalForecasts(ForecasterKind):
+    """Forecasts of the starting points of a case.
+
+    Attributes
+    ----------
+    forecasts
+        Window summaries of a trajectory from each point; or probabilities of events, which are
+        given, or are the shares of several members that forecast an event.
+    """
+
+    has_trajectories: ClassVar[bool] = False
+    from_files: ClassVar[bool] = True
+
+    forecasts: WindowForecasts | EventProbabilities
+
+    @classmethod
+    def of(
+        cls,
+        given: Forecasts,
+        prediction_times_lt: Sequence[float],
+        windows: Sequence[tuple[int, int]],
+        event_threshold: float,
+    ) -> Self:
+        """Forecasts that a campaign scores, from those of files.
+
+        Parameters
+        ----------
+        given
+            Of `burstcast.benchmark.forecast_files.read_forecasts`.
+        prediction_times_lt, windows
+            Prediction times, and for each the first of the windows that make up its prediction
+            window, and how many there are.
+        event_threshold
+            Observable that an event reaches.
+        """
+        if len(given.members) == 1:
+            (single,) = given.members
+            points, count = single.first.shape
+            none = np.empty((points, 0, count))
+            diverged = np.zeros(points, dtype=np.bool_)
+            return cls(WindowForecasts(single.first, single.largest, diverged, none, none))
+        probability = given.probability
+        if probability is None:
+            votes = [share_of_votes(given.members, *span, event_threshold) for span in windows]
+            probability = np.stack(votes, axis=1)
+        times: FloatArray = np.array(prediction_times_lt, dtype=np.float64)
+        return cls(EventProbabilities(probability, times, event_threshold))
+
+    def record(self) -> ForecasterRecord:
+        """Refuse: the files are the record.
+
+        Raises
+        ------
+        NotImplementedError
+            Always.
+        """
+        raise NotImplementedError("forecasts from files are read again, not restored")
+
+    @classmethod
+    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Refuse: the files are the record.
+
+        Raises
+        ------
+        NotImplementedError
+            Always.
+        """
+        raise NotImplementedError("forecasts from files are read again, not restored")

@@ -1,0 +1,46 @@
+"""The forecasting task of a job's case: what forecasts of other programs start from."""
+
+from collections.abc import Sequence
+
+from burstcast.benchmark.task import TaskData, campaign_task
+from burstcast.data.starting_points import SeriesPoints
+from burstcast.files.netcdf import read_netcdf
+from burstcast.forecast.windows import window_boundaries
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.jobs.data import observed_rows, training_states
+from burstcast_workflow.jobs.forecasts import horizon_search, windows_of
+from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
+
+
+def task_data(
+    settings: Settings,
+    ensemble: str,
+    evaluation_set: str,
+    events: str,
+    summary: str,
+    time_unit: str | Sequence[str],
+) -> TaskData:
+    """Observed data of the case; the settings are ``TASK`` of the rules, and ``noise``."""
+    steps = lyapunov_time(settings, time_unit)
+    found = read_netcdf(evaluation_set, "series", "step", "washout")
+    before = read_netcdf(events, "series", "step", "observed")
+    return campaign_task(
+        case=settings["case"],
+        seed=settings["random_seed"],
+        space=system_of(settings),
+        boundaries=window_boundaries(*windows_of(settings), steps),
+        prediction_times_lt=settings["classification.prediction_times_lt"],
+        training=observed_rows(settings, ensemble, 0, training_states(settings, ensemble)),
+        points=SeriesPoints(found["series"], found["step"]),
+        washouts=found["washout"],
+        events=SeriesPoints(before["series"], before["step"]),
+        before_events=before["observed"],
+        search=horizon_search(settings, steps, read_json(summary)["mean_observable"]),
+        noise=settings["noise"],
+        event_threshold=settings["case.event_threshold"],
+        sampling_interval=sampling_interval(settings),
+        window_lt=settings["classification.window_lt"],
+        tolerance=settings["horizon.tolerance"],
+    )

@@ -1,0 +1,286 @@
+"""Campaigns with forecasts that other programs have made, in files."""
+
+import copy
+import re
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from helpers_rebuilds import Project, rules_of, tiny_with
+
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.loading import ConfigError, load
+
+RESULTS, CASE = "results/external", "Re400"
+TIMES, UNIT, THRESHOLD = (1, 2, 3), 61, 0.07
+OVERLAY = yaml.safe_load("""
+results: results/external
+campaign:
+  - reynolds: [400]
+    forecasters: {persistence: {}, analogues: {}}
+control: {forecasters: {esn: null, equations: null}, strategies: []}
+statistics: {forecasters: {esn: null, equations: null}}
+bootstrap: {resamples: 20}
+""")
+EXTERNAL = {
+    "same": {"files": ["forecasts/{case}_same.nc"]},
+    "members": {"files": ["forecasts/members.nc"], "alarm_threshold": 0.3},
+    "given": {"files": ["forecasts/given.csv"], "alarm_threshold": 0.3},
+}
+NAMES = (
+    *("classification", "classification_intervals", "horizon", "horizon_intervals"),
+    *("probability_scores", "lead_times", "threshold_sweep"),
+)
+TARGETS = [f"{RESULTS}/{CASE}/tables/{name}.csv" for name in NAMES]
+
+
+def overlay(external=None):
+    """The campaign of these tests, with forecasts from files."""
+    found = copy.deepcopy(OVERLAY)
+    if external is not None:
+        found["campaign"][0]["forecasters"]["external"] = external
+    return found
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory, job_server):
+    """The washouts of the campaign, exported, and forecasts of other programs."""
+    project = Project.create(tmp_path_factory.mktemp("external") / "project", job_server)
+    outcome = project.snakemake(f"{RESULTS}/{CASE}/forecast_task.nc", overlay=overlay())
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert not (project.directory / RESULTS / CASE / "persistence").exists()
+    directory = project.directory / "forecasts"
+    directory.mkdir()
+    with netCDF4.Dataset(project.directory / RESULTS / CASE / "forecast_task.nc") as task:
+        facts = {name: task.getncattr(name) for name in ("case", "case_version", "seed")}
+        now, before = (task[f"{name}_observable"][:, -1] for name in ("washout", "horizon_washout"))
+        steps = {"step": task.forecast_steps, "horizon_step": task.horizon_steps}
+    sizes = {"point": len(now), "horizon_point": len(before), "member": 4, **steps}
+    write(directory / f"{CASE}_same.nc", facts, sizes, now, before)
+    generator = np.random.default_rng(4)
+    trajectories = np.full((4, len(now), sizes["step"]), 0.05)
+    for time in TIMES:  # a peak in the middle of some windows
+        peaks = generator.random((4, len(now))) < 0.3
+        trajectories[..., time * UNIT + 20] += 0.03 * peaks
+    write(directory / "members.nc", facts, sizes, trajectories)
+    # what the members say, told as probabilities
+    votes = [
+        np.mean(
+            [
+                (one[:, time * UNIT - 1] < THRESHOLD)
+                & (one[:, time * UNIT - 1 : (time + 1) * UNIT].max(axis=1) >= THRESHOLD)
+                for one in trajectories
+            ],
+            axis=0,
+        )
+        for time in TIMES
+    ]
+    lines = [
+        f"{point},{time},{float(votes[row][point])!r}"
+        for point in reversed(range(len(now)))
+        for row, time in enumerate(TIMES)
+    ]
+    head = "# " + " ".join(f"{name}={value}" for name, value in facts.items())
+    text = "\n".join([head, "point,prediction_time_lt,probability", *lines])
+    (directory / "given.csv").write_text(text, encoding="utf-8")
+    return project
+
+
+def write(path, facts, sizes, forecasts, horizon=None):
+    """Forecasts of the observable; those of one number for each point stay at it."""
+    with netCDF4.Dataset(path, "w") as file:
+        file.setncatts(facts)
+        for name, length in sizes.items():
+            file.createDimension(name, length)
+        ahead = ("point", "step") if forecasts.ndim == 1 else ("member", "point", "step")
+        values = forecasts[:, np.newaxis] if forecasts.ndim == 1 else forecasts
+        file.createVariable("observable", "f8", ahead)[:] = values
+        if horizon is not None:
+            dimensions = ("horizon_point", "horizon_step")
+            file.createVariable("horizon_observable", "f8", dimensions)[:] = horizon[:, np.newaxis]
+
+
+@pytest.fixture(scope="module")
+def tables(project):
+    outcome = project.snakemake(*TARGETS, overlay=overlay(EXTERNAL))
+    assert outcome.status == 0, outcome.text[-3000:]
+    directory = project.directory / RESULTS / CASE / "tables"
+    return {name: pd.read_csv(directory / f"{name}.csv") for name in NAMES}
+
+
+def rows(table, forecaster):
+    """Rows of a forecaster, without its name."""
+    found = table[table["forecaster"] == forecaster]
+    return found.drop(columns=["forecaster", "alarm"], errors="ignore").reset_index(drop=True)
+
+
+@pytest.mark.parametrize("name", NAMES[:4])
+def test_the_same_forecasts_have_the_same_rows(tables, name):
+    """Persistence in plain NumPy, from the exported washouts, is the workflow's own."""
+    expected = rows(tables[name], "persistence")
+    assert len(expected)
+    pd.testing.assert_frame_equal(rows(tables[name], "external_same"), expected, check_exact=True)
+
+
+def test_probabilities_are_taken_as_they_are(tables):
+    """Shares of members, or the same numbers as probabilities, have the same scores."""
+    scores = tables["probability_scores"]
+    assert rows(scores, "external_same").query("metric == 'alarm_threshold'")["value"].eq(0.5).all()
+    found = rows(scores, "external_members")
+    assert found.query("metric == 'alarm_threshold'")["value"].eq(0.3).all()
+    assert set(found["probability"]) == {"calibrated", "votes"}
+    for name in NAMES:
+        one, other = (rows(tables[name], f"external_{label}") for label in ("members", "given"))
+        pd.testing.assert_frame_equal(one, other, check_exact=True)
+    raw = rows(scores, "persistence").query("probability == 'votes'").set_index("metric")
+    same = rows(scores, "external_same").query("probability == 'votes'").set_index("metric")
+    for metric in ("brier_score", "brier_skill", "roc_area"):
+        assert raw.loc[metric, "value"].tolist() == same.loc[metric, "value"].tolist()
+
+
+def test_alarms_are_raised_from_the_threshold_on(tables, project):
+    """A share of 0.25 raises none at the threshold 0.3, one of 0.5 does."""
+    text = (project.directory / "forecasts" / "given.csv").read_text().splitlines()[2:]
+    given = np.array([[float(part) for part in line.split(",")] for line in text])
+    with netCDF4.Dataset(project.directory / RESULTS / CASE / "evaluation_set.nc") as points:
+        quiet = np.flatnonzero(points["washout_maximum"][:] < THRESHOLD)
+    found = rows(tables["classification"], "external_given")
+    for time, row in zip(TIMES, found.itertuples(), strict=True):
+        here = given[(given[:, 1] == time) & np.isin(given[:, 0], quiet)]
+        assert row.true_positive + row.false_positive == (here[:, 2] >= 0.3).sum() > 0
+        assert row.true_negative + row.false_negative == (here[:, 2] < 0.3).sum() > 0
+
+
+def test_forecasts_without_the_horizon_have_no_row_there(tables):
+    assert set(tables["horizon"]["forecaster"]) == {"persistence", "analogues", "external_same"}
+
+
+def test_other_event_thresholds_are_for_trajectories(tables):
+    thresholds = {
+        name: set(rows(tables["threshold_sweep"], name)["event_threshold"])
+        for name in ("external_same", "external_given", "persistence")
+    }
+    assert thresholds["external_same"] == thresholds["persistence"] > {THRESHOLD}
+    assert thresholds["external_given"] == {THRESHOLD}
+
+
+def test_an_exchanged_file_runs_again_what_depends_on_it(project, tables, tmp_path):
+    """Its forecasts are read again, and the tables made; a new time stamp alone does nothing."""
+    changed = project.copy(tmp_path / "changed")
+    path = changed.directory / "forecasts" / "given.csv"
+    path.touch()
+    assert changed.dry_run(*TARGETS, overlay=overlay(EXTERNAL)) == {}
+    lines = path.read_text().splitlines()
+    lines[2] = re.sub(r",[^,]*$", ",1", lines[2])
+    path.write_text("\n".join(lines))
+    before = logs(changed)
+    outcome = changed.snakemake(*TARGETS, overlay=overlay(EXTERNAL))
+    assert outcome.status == 0, outcome.text[-3000:]
+    ran = {name for name, time in logs(changed).items() if before.get(name) != time}
+    assert {name for name in ran if "external_forecasts" in name} == {
+        f"external_forecasts/{CASE}/external-given.log"
+    }
+    made = {"classification_table", "probability_scores", "lead_times", "threshold_sweep"}
+    assert made <= rules_of(ran) <= made | {"external_forecasts", "horizon_table"}
+
+
+def logs(project):
+    directory = project.directory / RESULTS / "logs"
+    return {
+        str(path.relative_to(directory)): path.stat().st_mtime_ns
+        for path in directory.rglob("*.log")
+    }
+
+
+def test_forecasts_of_other_washouts_are_named(project, tables, tmp_path):
+    """Data that have changed have another version: old forecasts are not scored with them."""
+    changed = project.copy(tmp_path / "changed")
+    other = overlay(EXTERNAL)
+    other["case_defaults"] = {"training": {"noise": 0.02}}
+    target = f"{RESULTS}/{CASE}/external-given/forecast.nc"
+    outcome = changed.snakemake(target, overlay=other)
+    assert outcome.status != 0
+    assert re.search(
+        r"given\.csv is of version [0-9a-f]{16} of the case Re400, and version [0-9a-f]{16} is "
+        r"scored: export the case again, and forecast from the new washouts",
+        outcome.text,
+    )
+
+
+# -- mistakes, told before any job -----------------------------------------------------------------
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """Files of forecasts in the directory that Snakemake runs in."""
+    monkeypatch.chdir(tmp_path)
+    for name, head in {
+        "right": "# case=Re400 case_version=0123456789abcdef seed=2022",
+        "case": "# case=Re500 case_version=1 seed=2022",
+        "seed": "# case=Re400 case_version=1 seed=7",
+        "headless": "point,step,observable",
+    }.items():
+        (tmp_path / f"{name}.csv").write_text(head + "\n", encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("said", "expected"),
+    [
+        ({"files": ["none.csv"]}, "a.files: none.csv cannot be read: No such file"),
+        ({"files": ["none.csv"]}, f"snakemake {RESULTS}/{CASE}/forecast_task.nc exports the"),
+        ({"files": ["right.txt"]}, "a.files: right.txt: files of forecasts end in .csv or .nc"),
+        ({"files": ["headless.csv"]}, "headless.csv, line 1: expected is the line # case=NAME"),
+        ({"files": ["case.csv"]}, "a.files: case.csv is of the case Re500; expected is Re400"),
+        ({"files": ["seed.csv"]}, "a.files: seed.csv is of the seed 7; expected is 2022"),
+        ({"files": [f"{RESULTS}/a.nc"]}, f"{RESULTS}/a.nc lies among the results; keep it in"),
+        ({"files": []}, "external.a.files is []"),
+        ({"files": ["right.csv"], "alarm_threshold": 2}, "external.a.alarm_threshold is 2"),
+    ],
+)
+def test_a_mistake_is_told_before_any_job(files, said, expected):
+    with pytest.raises(ConfigError) as caught:
+        load(tiny_with(overlay({"a": said})))
+    assert expected in str(caught.value)
+    assert "2 mistakes" not in str(caught.value)
+
+
+@pytest.mark.parametrize("place", ["statistics", "control"])
+def test_files_neither_run_freely_nor_control(files, place):
+    config = tiny_with(overlay({"a": {"files": ["right.csv"]}}))
+    config[place]["forecasters"]["external"] = {}
+    expected = "names external, whose files have forecasts from the starting points of the test"
+    with pytest.raises(ConfigError, match=rf"{place}\.forecasters {expected}"):
+        load(config)
+
+
+@pytest.mark.parametrize("name", ["committee", "Mine", "my_net", "seed1"])
+def test_other_names_are_refused(files, name):
+    with pytest.raises(ConfigError, match=f"external.*{name}"):
+        load(tiny_with(overlay({name: {"files": ["right.csv"]}})))
+
+
+def test_a_name_has_one_entry_for_a_case(files):
+    config = tiny_with(overlay({"a": {"files": ["right.csv"]}}))
+    again = {"reynolds": [400], "forecasters": {"external": {"a": {"files": ["./right.csv"]}}}}
+    config["campaign"].append(again)
+    with pytest.raises(ConfigError, match=r"external\.a is said twice"):
+        load(config)
+
+
+def test_who_takes_part_in_what(files):
+    external = {"b": {"files": ["right.csv"]}, "a": {"files": ["{case}.csv", "right.csv"]}}
+    Path("Re400.csv").write_text(Path("right.csv").read_text())
+    campaign = Campaign(load(tiny_with(overlay(external))))
+    names = [one.name.identifier for one in campaign.external_forecasters]
+    assert names == ["external-a", "external-b"]
+    for others in (
+        *(campaign.trajectory_forecasters, campaign.classifiers, campaign.fitted_forecasters),
+        *(campaign.long_term_forecasters, campaign.networks, campaign.spectrum_forecasters),
+    ):
+        assert not {one.name.kind for one in others} & {"external"}
+    assert {one.name.kind for one in campaign.horizon_forecasters} == {
+        *("external", "persistence", "analogues")
+    }
