@@ -10,8 +10,8 @@ from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecast_task import task_data
 
 SCORING = """\
-Name the file in the config, campaign.forecasters.external: the campaign checks and scores it
-([docs/benchmark.md](https://burstcast.readthedocs.io))."""
+Name the file in the config, in `campaign.forecasters.external`: the campaign checks and scores it
+(docs/benchmark.md of burstcast)."""
 
 
 @job
