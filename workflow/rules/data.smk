@@ -133,7 +133,7 @@ stage(
     cost="data",
 )
 stage(
-    # nobody asks for it but people whose programs forecast the case
+    # a target for people whose programs forecast the case
     "data/forecast_task",
     "export the washouts for other programs",
     inputs=files("ensemble evaluation_set events summary time_unit"),
