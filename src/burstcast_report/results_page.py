@@ -50,7 +50,7 @@ TEMPLATE = "page.md.jinja"
 
 # Probabilities of single networks fill large tables: only committees are kept, in campaigns about
 # probabilities.
-WITH_PROBABILITIES = ("beyond_the_paper",)
+WITH_PROBABILITIES = ("beyond_the_paper", "learnt_precursor")
 
 
 VERSIONS = "versions.json"
