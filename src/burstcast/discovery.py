@@ -84,7 +84,7 @@ def imported(name: str) -> ModuleType:
 
 
 def _place(error: Exception) -> str:
-    """Where a module's mistake is: "flows.py, line 3: "."""
+    """Place of a module's mistake, for messages: "flows.py, line 3: "."""
     if isinstance(error, SyntaxError):
         return f"{error.filename}, line {error.lineno}: "
     frames = traceback.extract_tb(error.__traceback__)

@@ -1,1 +1,1 @@
-"""What a finished campaign is shown with: a page to hand on, docs/results.md, the claims."""
+"""Presentation of finished campaigns: a page to hand on, docs/results.md, the claims."""

@@ -97,7 +97,7 @@ def choices(tables: Tables, case: str) -> str:
 
 @dataclass(frozen=True)
 class Target:
-    """What was to be reached by control: a share that is left, at a share of the time.
+    """Targets of control: remaining share of the exceedance, share of the time under actuation.
 
     Attributes
     ----------

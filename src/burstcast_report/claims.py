@@ -1,4 +1,4 @@
-"""What the paper claims, and what our tables say to each claim.
+"""Claims of the paper, and what our tables say about each.
 
 Each claim is a function of the tables of the paper's campaign. It returns a `Finding`; whether it
 agrees is computed, not written, by the rule that stands beside the claim. The intervals of numbers
@@ -36,7 +36,7 @@ AN_ORDER = 5.0
 
 @dataclass(frozen=True)
 class Finding:
-    """What became of a claim.
+    """Verdict on a claim.
 
     Attributes
     ----------
@@ -517,7 +517,7 @@ def nearer_is_better(tables: Tables) -> Finding:
 
 
 def rarer(tables: Tables) -> Finding:
-    """Exceedance without control over that with it, by 2000 neurons (RV), largest of the cases."""
+    """Exceedance without over with control (2000 neurons, RV), largest of the cases."""
     texts, verdicts = [], []
     for time in (1.0, 2.0):
         who = {"neurons": 2000, "prediction_time_lt": time, **RV}

@@ -86,7 +86,7 @@ class View:
 
 @dataclass(frozen=True)
 class Shown:
-    """What stands under one title: a figure, with its views by case, or a table.
+    """Content under one title: a figure, with its views by case, or a table.
 
     Attributes
     ----------
@@ -190,7 +190,7 @@ def title_of(name: str) -> str:
 
 
 def computed(campaign: Campaign, tables: Path) -> list[dict[str, str]]:
-    """What a campaign computed, a row for each case: its data, networks, other forecasters.
+    """Contents of a campaign, a row for each case: data, networks, other forecasters.
 
     Parameters
     ----------
@@ -224,7 +224,7 @@ def computed(campaign: Campaign, tables: Path) -> list[dict[str, str]]:
 
 
 def _kinds(campaign: Campaign) -> dict[str, str]:
-    """What forecasters of each kind are: the first sentence of its module."""
+    """Description of each kind of forecaster: the first sentence of its module."""
     kinds = dict.fromkeys(one.name.kind for one in campaign.forecasters)
     modules = {kind: inspect.getmodule(kind_class(kind)) for kind in kinds}
     found = {
@@ -238,7 +238,7 @@ def _kinds(campaign: Campaign) -> dict[str, str]:
 def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     """Settings that are not those of config.yaml, the paper's: name, value here, value there.
 
-    Who forecasts what, and how figures are drawn, is left out.
+    Forecasters and the drawing of figures are left out.
 
     Parameters
     ----------
@@ -276,7 +276,7 @@ def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:
 
 
 def times_of_rules(costs: pd.DataFrame) -> list[dict[str, str]]:
-    """What jobs took, the rule that took longest first.
+    """Times of jobs by rule, the longest first.
 
     Parameters
     ----------

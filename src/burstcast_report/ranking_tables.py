@@ -35,7 +35,7 @@ def average_precision(tables: Tables, event: str) -> str:
 
 
 def targets(tables: Tables) -> str:
-    """What was to be reached, and what was: average precision of onsets."""
+    """Attainable and attained average precision of onsets."""
     rows = _rows(tables, ONSET)
     learnt = rows[
         ~rows["forecaster"].str.startswith("equations") & ~rows["alarm"].isin(SAME_EVERYWHERE)

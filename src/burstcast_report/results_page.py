@@ -224,7 +224,7 @@ def outside_table(compared: pd.DataFrame) -> str:
 
 
 def agreement_table(compared: pd.DataFrame) -> str:
-    """How many published values lie inside our intervals, by kind."""
+    """Number of published values inside our intervals, by kind."""
     known = compared[compared["inside"].notna()]
     rows = [
         [str(kind), str(len(part)), str(int(part["inside"].sum()))]
@@ -239,7 +239,7 @@ _NO_SCORES = ("spectral_radius", "input_scaling", "tikhonov")
 
 
 def sides_table(compared: pd.DataFrame) -> str:
-    """On which side of published values ours lie, by groups of them.
+    """Number of our values below and above published ones, by groups.
 
     Objectives, errors and the exceedance under control are better where they are smaller.
     """

@@ -1,4 +1,4 @@
-"""Tables of campaigns that were run, and Markdown tables made of them for docs/results.md."""
+"""Tables of finished campaigns, and their Markdown tables for docs/results.md."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ PUBLISHED_TABLES = (
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Quartiles over the networks of an ensemble, and the interval of one of them.
+    """Quartiles over the networks of an ensemble, and the interval of one network.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Tables:
         return float(rows[column].iloc[0])
 
     def ensemble(self, table: str, metric: str, **where: Any) -> Ensemble | None:
-        """An ensemble's quartiles and interval of a metric; None if the campaign has none of it."""
+        """An ensemble's quartiles and interval of a metric; None if there are none."""
         rows = self.rows(f"{table}_percentiles", metric=metric, **where)
         if len(rows) != 1 or rows["p50"].isna().any():
             return None
@@ -279,7 +279,7 @@ def scores_by_size(tables: Tables, case: str, metric: str) -> str:
 
 
 def scores_of_forecasters(tables: Tables, case: str, metric: str) -> str:
-    """The same of all forecasters of a case, the best first."""
+    """Rows of all forecasters of a case, the best first."""
     found = tables.rows("horizon_percentiles", case=case, metric="mean_horizon_lt")
     groups = _groups(found.sort_values("p50", ascending=False))
     return _scores(tables, case, metric, groups)
@@ -389,7 +389,7 @@ def own_flow(tables: Tables, case: str, leading: int = 4) -> str:
 
 
 def _groups(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Who has rows in a table, as its cells name them, in its order."""
+    """Forecasters with rows in a table, as its cells name them, in its order."""
     keys = ["forecaster", "neurons", "validation"]
     found = table.reindex(columns=keys).drop_duplicates()
     return [
@@ -452,7 +452,7 @@ def _k(value: float) -> str:
 def strategies(
     tables: Tables, case: str, *, laminarisations: bool = False, **conditions: Any
 ) -> str:
-    """What strategies of control leave, against what they spend, under one set of conditions.
+    """Remaining exceedance of control strategies against their cost, under one set of conditions.
 
     Parameters
     ----------
@@ -652,7 +652,7 @@ def choices_compared(best: Tables, other: Tables, case: str) -> str:
                 ]
             )
     head = ["neurons", "", "by the objective alone", "by survival"]
-    return markdown([*head, "lower, of those that changed"], rows)
+    return markdown([*head, "lower, of the changed"], rows)
 
 
 _COMPARED = {
@@ -748,7 +748,7 @@ _SCATTERED = {
 
 
 def costs(tables: Tables) -> str:
-    """What the jobs of each rule took, beside the prediction, the most expensive first."""
+    """Times of the jobs of each rule beside the prediction, the most expensive first."""
     found = tables.rows("rule_costs").sort_values("minutes", ascending=False)
     shown = found[found["minutes"] >= 1.0]
     rest = found[~(found["minutes"] >= 1.0)]

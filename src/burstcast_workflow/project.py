@@ -1,4 +1,4 @@
-"""Where the workflow's own files lie: Snakefile, rules, scripts, presets, published values.
+"""Places of the workflow's own files: Snakefile, rules, scripts, presets, published values.
 
 In a working copy they are beside ``src``. A wheel has them inside this package, where `setup.py`
 puts them, so that an installed burstcast runs as it is.
@@ -91,5 +91,5 @@ def git_revision(root: Path) -> str:
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
     if Path(top).resolve() != root.resolve():
-        return "unknown"  # a directory inside somebody else's repository
+        return "unknown"  # a directory inside another repository
     return f"{commit}-dirty" if changed else commit

@@ -1,4 +1,4 @@
-"""What the workflow does before any rule: check itself, read the config, have Snakemake trust."""
+"""Start of the workflow before any rule: checks, the config, trust in results."""
 
 import atexit
 import gc
@@ -84,7 +84,7 @@ def _load(config: Mapping[str, Any], files: Sequence[str], defaults: Path) -> di
 
 
 def tell_what_is_off(cases: Sequence[str], config: Configuration, *, has_networks: bool) -> None:
-    """Say to a person what the campaign does without, has little of, and extrapolates."""
+    """Print what the campaign lacks, has little of, and extrapolates."""
     if not has_networks:
         print(f"no networks in the campaign; off: {OFF_WITHOUT_NETWORKS}", file=sys.stderr)
     if cases:

@@ -1,4 +1,4 @@
-"""What a person sees of a run, as a logger plugin of Snakemake, which finds it by this name."""
+"""Terminal output of a run, as a logger plugin of Snakemake, which finds it by this name."""
 
 from snakemake_logger_plugin_burstcast.terminal import TerminalHandler as LogHandler
 

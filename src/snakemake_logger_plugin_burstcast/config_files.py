@@ -13,7 +13,7 @@ _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def unreadable_config(arguments: Sequence[str], own: Path = Path("config.yaml")) -> str | None:
-    """Say what is wrong with the first config file that cannot be read; None where all can be.
+    """Describe the first config file that cannot be read; None if all can be read.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a person sees of a run: how far it is, how long it still takes, and what failed.
+"""Terminal output of a run: progress, time left, and failures.
 
 A line that renews itself in a terminal; elsewhere a line now and then. All else is in Snakemake's
 own log, `.snakemake/log`. `profiles/default` chooses this handler of Snakemake's logger. Snakemake
@@ -49,12 +49,12 @@ def expect(seconds_of_jobs: Mapping[int, float]) -> None:
 
 
 def interrupted() -> bool:
-    """Tell whether a person has stopped this run."""
+    """Whether a person has stopped this run."""
     return _interruption.is_set()
 
 
 class Progress:
-    """How much of a run is done, in predicted time, and how long the rest takes.
+    """Progress of a run in predicted time, and the time left.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class Progress:
 
     @property
     def share(self) -> float:
-        """What share of the predicted work is done, from 0 to 1."""
+        """Share of the predicted work that is done, from 0 to 1."""
         return self._done / self._total if self._total else 0.0
 
     def remaining(self, now: float) -> float:
@@ -91,7 +91,7 @@ class Progress:
         return (1.0 - self.share) * predicted + self.share * measured
 
     def line(self, now: float) -> str:
-        """What is shown: share done, jobs, time left."""
+        """Progress line: share done, jobs, time left."""
         done = f"{self.share:4.0%}  {self.finished} of {counted(self.jobs)}"
         if self.finished >= self.jobs:
             return done
@@ -99,7 +99,7 @@ class Progress:
 
 
 def counted(jobs: int) -> str:
-    """How many jobs, in words: "1 job", "2 jobs"."""
+    """Number of jobs in words: "1 job", "2 jobs"."""
     return f"{jobs} job{'' if jobs == 1 else 's'}"
 
 

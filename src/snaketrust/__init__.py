@@ -1,4 +1,4 @@
-"""Which jobs of a Snakemake workflow run again, and which of its results are believed.
+"""Exact reruns and verified results for Snakemake workflows.
 
 An edit of code or settings runs those jobs again whose results it may change, and no others; a
 result that is not what its job wrote is made again. docs/trust.md says what is guaranteed, and how

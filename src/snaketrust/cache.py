@@ -140,7 +140,7 @@ def store(entry: Path, rule: str, outputs: Mapping[str, Path], seconds: float) -
 
 
 def _building(entry: Path) -> Path:
-    """Where an entry is built, or removed: on the same file system, under another name."""
+    """Place where an entry is built or removed: on the same file system, under another name."""
     return entry.parents[2] / "building" / f"{entry.name}.{os.urandom(6).hex()}"
 
 

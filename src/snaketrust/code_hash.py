@@ -1,4 +1,4 @@
-"""What a source file does: the hash of its code, and its imports. Remembered by its content.
+"""Hash of the code of a source file, and its imports; remembered by its content.
 
 The hash is that of the syntax tree without positions and comments. The tree is walked here rather
 than by `ast.dump`, whose output differs between Python versions.
@@ -27,7 +27,7 @@ HASH_LENGTH = 12
 
 
 class Code(NamedTuple):
-    """What a source does.
+    """Code hash and imports of a source.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Code(NamedTuple):
 
 
 class Codes:
-    """What sources do. Each file is read once: edits are seen by another instance.
+    """Code hashes of sources. Each file is read once: edits are seen by another instance.
 
     Parsing takes a tenth of the time of planning, so what is found out is kept, by the hashes of
     the sources' bytes: what is kept cannot be out of date.
@@ -70,7 +70,7 @@ class Codes:
         self._remembered = {*self._known}
 
     def of(self, path: Path, *, strict: bool = False) -> Code:
-        """Tell what a source does.
+        """Hash of what a source does.
 
         Parameters
         ----------
@@ -122,7 +122,7 @@ def _tools() -> str:
 
 
 def parsed(source: bytes, path: str, *, strict: bool = False) -> Code:
-    """What a source does (`Codes.of`)."""
+    """Code hash and imports of a source (`Codes.of`)."""
     tree = ast.parse(source, path)
     if not strict:
         late = "__getattr__", "__dir__"
@@ -267,7 +267,7 @@ def _is_text(node: ast.expr) -> bool:
 
 
 def _only_names(node: ast.expr, bound: Counter[str]) -> bool:
-    """Whether it consists of texts, values, their lengths, shapes and types, and sums of them."""
+    """Whether an expression has only texts, values, their lengths, shapes and types, and sums."""
     known = {"len", "type"} - bound.keys()
     return all(
         isinstance(one, _NAMING + _SUMS)

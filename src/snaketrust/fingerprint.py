@@ -254,7 +254,7 @@ def _file_entry(name: str) -> str:
 
 
 def _place(file: str) -> Path:
-    """Where a file is that a user's module reads."""
+    """Path of a file that a user's module reads."""
     module, _, path = file.removeprefix(_FILE).partition(":")
     return (module_file(module) or Path()).parent / path
 

@@ -183,7 +183,7 @@ def record_of(known: KnownResults, path: str) -> MetadataRecord | None:
 
 
 def _scheduler(own: Any, _: KnownResults, planning_is_over: Callable[[Any], None]) -> Any:
-    """What begins when planning is over."""
+    """Actions when planning is over."""
 
     def make(self: JobScheduler, workflow: Any, *arguments: Any, **options: Any) -> None:
         planning_is_over(workflow)

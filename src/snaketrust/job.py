@@ -1,4 +1,4 @@
-"""What a job does around its own work: check code and inputs, take or keep results, record them."""
+"""Steps around a job's own work: check code and inputs, take or keep results, record them."""
 
 import logging
 import time

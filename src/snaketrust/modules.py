@@ -1,4 +1,4 @@
-"""Where Python finds modules, and that it runs what their sources say now."""
+"""Places where Python finds modules, and checks that it runs their present sources."""
 
 import importlib.util
 import marshal

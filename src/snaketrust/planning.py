@@ -18,7 +18,7 @@ from snaketrust.records import Record, Records
 
 
 class Known(NamedTuple):
-    """What is known of a result.
+    """Knowledge of a result.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Known(NamedTuple):
 
 
 class KnownResults:
-    """What is known of the files in a results directory.
+    """Knowledge of the files in a results directory.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class KnownResults:
         return path.startswith(f"{self.results}/")
 
     def of(self, path: str) -> Known:
-        """What is known of a result; its record is read anew when the file has changed."""
+        """Knowledge of a result; its record is read anew when the file has changed."""
         changed = _time_of_change(path)
         known = self._known.get(path)
         if known is None or known.changed != changed:

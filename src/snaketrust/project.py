@@ -1,4 +1,4 @@
-"""What a workflow tells this package about itself."""
+"""Declaration of a workflow's directories and packages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -37,7 +37,7 @@ class DamagedFileError(ValueError):
 
 @dataclass(frozen=True)
 class Record:
-    """What made a file.
+    """Origin of a file.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class Records:
         return os.path.normpath(plain) if name.startswith("../") else plain
 
     def file(self, path: str) -> Path:
-        """Where the record of a file is."""
+        """Path of the record of a file."""
         return Path(f"{self.results}/{DIRECTORY}/{self.name(path)}.json")
 
     def names(self) -> list[str]:

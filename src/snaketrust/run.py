@@ -49,7 +49,7 @@ class Run:
 
     @classmethod
     def of_job(cls) -> "Run":
-        """Tell the run that the job of this process belongs to.
+        """Run that the job of this process belongs to.
 
         Raises
         ------
@@ -66,7 +66,7 @@ class Run:
 
     @classmethod
     def current(cls) -> "Run | None":
-        """Tell the run that this process belongs to; None outside of the workflow."""
+        """Run that this process belongs to; None outside of the workflow."""
         value = os.environ.get(VARIABLE)
         return cls(*value.split(" ", 1)) if value else None
 
@@ -130,7 +130,7 @@ class Run:
             )
 
     def plan(self) -> dict[str, Any]:
-        """Tell what was planned: the claim with what `claim` has got.
+        """Read what was planned: the claim with what `claim` has got.
 
         Raises
         ------
@@ -139,7 +139,7 @@ class Run:
         """
         claim = self._read()
         if claim.get("token") != self.token:
-            by = f"{claim.get('host')}, process {claim.get('process')}" if claim else "nobody"
+            by = f"{claim.get('host')}, process {claim.get('process')}" if claim else "unknown"
             raise OvertakenError(
                 f"{self.results} belongs to a newer run now ({by}): nothing is written for this one"
             )

@@ -1,4 +1,4 @@
-"""What a workflow does before any of its rules: `start`."""
+"""Start of a workflow before any of its rules: `start`."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ OwnModules = Mapping[str, Sequence[str] | None]
 
 @dataclass(frozen=True)
 class Started:
-    """What rules stand on.
+    """Config and sources for rules.
 
     Attributes
     ----------

@@ -321,4 +321,4 @@ def test_a_window_without_an_event_is_told_by_the_first_job_that_knows(project):
     outcome = project.snakemake(target, overlay=overlay)
     assert outcome.status != 0
     assert "case Re400: an event follows 0 of the" in outcome.text
-    assert "nothing to tell apart; change event_threshold" in outcome.text
+    assert "needs both kinds of points; change event_threshold" in outcome.text

@@ -87,7 +87,7 @@ EXTERNAL = one_of(
     sorted({one.name.identifier for one in campaign.external_forecasters})
 )
 NO_CLASSIFIER = rf"(?!({CLASSIFIERS}|{EXTERNAL})(/|$))"
-# Who makes the ensemble of a case.
+# Rule that makes the ensemble of a case.
 SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
 REALISED = one_of(campaign.realised_cases)
 INTEGRATED, IMPORTED = (

@@ -34,7 +34,7 @@ table_stage(
     inputs={
         "forecasts": files_in_case("forecast.nc"),
         **files("evaluation_set"),
-        # the alarm thresholds of those that give probabilities
+        # the alarm thresholds of forecasters that give probabilities
         "calibration": stages.file_of_case(
             "calibration.json",
             {one.case for one in campaign.forecasters if not one.kind.has_trajectories},

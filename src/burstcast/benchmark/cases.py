@@ -1,4 +1,4 @@
-"""Cases of the benchmark: which system, what is observed, what is asked. They are frozen.
+"""Cases of the benchmark: system, observation, prediction windows. They are frozen.
 
 A case that changes in anything but its words gets another version. Forecasts name the version that
 they were made for, and are scored by no other.
@@ -105,7 +105,7 @@ class BenchmarkCase:
 
     @cached_property
     def space(self) -> StateSpace:
-        """What an observed state is: the system's own state where all of it is observed."""
+        """Space of the observed states: that of the system, where the whole state is observed."""
         if self.sensors is None and self.observed == component_names(self.system):
             return self.system
         return MeasuredSeries(
@@ -152,7 +152,7 @@ class BenchmarkCase:
         ]
 
     def horizon_search(self, mean_observable: float) -> HorizonSearch:
-        """How the prediction horizon of an event is looked for."""
+        """Search for the prediction horizon of an event."""
         return HorizonSearch(
             longest_lead_time_lt=self.longest_lead_time_lt,
             lead_time_step_lt=self.lead_time_step_lt,

@@ -80,7 +80,7 @@ class CaseData:
 
     @property
     def search(self) -> HorizonSearch:
-        """How prediction horizons are looked for."""
+        """Search for prediction horizons."""
         return self.case.horizon_search(self.mean_observable)
 
     @cached_property
@@ -101,7 +101,7 @@ class CaseData:
 
     @cached_property
     def task(self) -> ForecastTask:
-        """What is asked of forecasts."""
+        """Task of the forecasts."""
         return ForecastTask(
             case=self.case.name,
             version=str(self.case.version),
@@ -209,7 +209,7 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
     if case.digest and seed == SEED and found.digest != case.digest:
         raise ValueError(
             f"this machine makes other data of the case {case.name} (digest {found.digest}) than "
-            f"those that were frozen ({case.digest}): its scores could not be compared with the "
+            f"the frozen ones ({case.digest}): its scores could not be compared with the "
             f"leaderboard"
         )
     return found

@@ -33,7 +33,7 @@ class ForecastFileError(ValueError):
 
 
 class Facts(NamedTuple):
-    """Which case forecasts are of. Versions are numbers in the benchmark, digests elsewhere."""
+    """Case that forecasts belong to. Versions are numbers in the benchmark, digests elsewhere."""
 
     case: str
     case_version: str
@@ -113,7 +113,7 @@ def _forms(task: ForecastTask) -> list[_Form]:
 
 
 def facts_of(path: Path) -> Facts:
-    """Which case a file of forecasts is of; nothing else is read.
+    """Read the case that a file of forecasts belongs to, and nothing else.
 
     Raises
     ------
@@ -153,7 +153,7 @@ def facts_of(path: Path) -> Facts:
 
 
 def _version(value: Any) -> str:
-    """Version of a case in words: 3 and 3.0 are the same."""
+    """Version of a case in words: 3 and 3.0 are equal."""
     number = isinstance(value, int | float | np.number) and float(value).is_integer()
     return str(int(value) if number else value)
 
@@ -209,7 +209,7 @@ def read_forecasts(paths: Sequence[Path], task: ForecastTask) -> Forecasts:
     paths
         Files of forecasts for the windows, and for the prediction horizon.
     task
-        What is asked of them.
+        Task of the forecasts.
 
     Raises
     ------

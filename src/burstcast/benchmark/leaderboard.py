@@ -131,7 +131,7 @@ def compared_with(rows: Iterable[Row], row: Row) -> list[Row]:
 
 
 def as_markdown(rows: Sequence[Row], marked: Row | None = None) -> str:
-    """Table of rows in Markdown; one of them may be marked with an asterisk."""
+    """Table of rows in Markdown; one row may be marked with an asterisk."""
     lines = [["forecaster", *(heading for _, _, heading in _SHOWN)]]
     lines += [
         [f"{row['forecaster']}{' *' if row is marked else ''}", *(_cell(row, c) for c in _SCORES)]

@@ -1,4 +1,4 @@
-"""A forecasting task: the washouts that anybody's forecasts start from, and what is asked of them.
+"""A forecasting task: the washouts that all forecasts start from, and the quantities to forecast.
 
 Cases of the benchmark are such tasks, and so are cases of a campaign.
 """
@@ -64,7 +64,7 @@ class TaskData:
     Attributes
     ----------
     task
-        What is asked.
+        Task of the forecasts.
     about
         One sentence about the case.
     training

@@ -1,4 +1,4 @@
-"""Which implementation of the reservoir's dynamics this machine has.
+"""Implementations of the reservoir's dynamics, and the one that works on this machine.
 
 The compiled one needs llvmlite, which does not exist for every platform; scipy is everywhere, and
 several times slower.

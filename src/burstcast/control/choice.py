@@ -33,7 +33,7 @@ class FlowSample:
     costs: Mapping[str, FloatArray]
 
     def part(self, chosen: BoolArray) -> "FlowSample":
-        """Those of the flows that are ``chosen``, ``(flows,)``."""
+        """Outcomes of the ``chosen`` flows, ``(flows,)``."""
         records = {name: getattr(self.records, name)[chosen] for name in RECORDS}
         costs = {name: values[chosen] for name, values in self.costs.items()}
         return replace(self, records=FlowRecords(**records), costs=costs)

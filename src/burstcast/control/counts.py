@@ -114,7 +114,7 @@ class FlowCounts:
 
 @dataclass(frozen=True)
 class Laminarisation:
-    """Which flows exceed the laminarisation threshold, ``(flows,)`` each.
+    """Whether flows exceed the laminarisation threshold, ``(flows,)`` each.
 
     Attributes
     ----------

@@ -20,7 +20,7 @@ from burstcast.systems.state_space import StateSpace
 
 @dataclass(frozen=True)
 class Schedule:
-    """Durations that all strategies are given, whatever they make of them.
+    """Durations that all strategies are given.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class ControlExperiment:
 
     @property
     def observed_space(self) -> StateSpace:
-        """What monitors and forecasters see: states of the system, or of the sensor."""
+        """Space that monitors and forecasters observe: that of the system, or of the sensor."""
         return self.system if self.sensor is None else self.sensor.space
 
 

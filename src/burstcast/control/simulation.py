@@ -67,7 +67,7 @@ class ControlSimulation(Generic[Timed, Decided]):
     actuated
         Whether the controlled flow came to each step under actuation, ``(flows, timing.length)``.
     actuated_integration_steps
-        Integration steps under actuation among those that count, ``(flows,)``.
+        Integration steps under actuation among the counted ones, ``(flows,)``.
     switchings
         Number of times that the actuation was switched on among the integration steps that count,
         ``(flows,)``; an actuation that is on at the first of them counts.

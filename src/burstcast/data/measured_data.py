@@ -85,7 +85,7 @@ class Quantity:
         return names
 
     def values(self, columns: Mapping[str, FloatArray]) -> FloatArray:
-        """Its values, ``(time,)``."""
+        """Values of the quantity, ``(time,)``."""
         if self.source in columns:
             return columns[self.source]
         return Expression(self.source)(columns)
@@ -237,7 +237,7 @@ def blocks_of(duration: float, gap: float, time_step: float) -> Blocks:
 
 
 def kept_series(observable: FloatArray, threshold: float | None) -> tuple[IntArray, IntArray]:
-    """Series that do not exceed the laminarisation threshold, and lifetimes of all of them.
+    """Series that do not exceed the laminarisation threshold, and lifetimes of all series.
 
     Parameters
     ----------
@@ -248,8 +248,8 @@ def kept_series(observable: FloatArray, threshold: float | None) -> tuple[IntArr
 
     Returns
     -------
-    Numbers of the kept series, and the steps until each series exceeds it, all steps of those that
-    do not: as `burstcast.data.dataset.KeptSeries` has them.
+    Numbers of the kept series, and the steps until each series exceeds it, all steps if it does
+    not (`burstcast.data.dataset.KeptSeries`).
 
     Raises
     ------

@@ -117,7 +117,7 @@ class ParameterFactors:
         return np.ascontiguousarray(np.moveaxis(self(np.moveaxis(schedule, 1, -1)), -1, 1))
 
     def outside(self, values: FloatArray) -> str | None:
-        """Say which of some values ``(..., parameters)`` lie beyond those in training; None: none.
+        """Describe values ``(..., parameters)`` outside of the training range; None: none are.
 
         A tenth of a per cent of the range is allowed for rounding.
         """

@@ -143,7 +143,7 @@ def simulated_series(
     sampling_stride: int,
     laminarisation_threshold: float | None,
 ) -> tuple[ScheduledSeries, IntArray]:
-    """Simulate flows under schedules until enough of them have not laminarised.
+    """Simulate flows under schedules until enough flows have not laminarised.
 
     Parameters
     ----------

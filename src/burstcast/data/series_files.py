@@ -199,7 +199,7 @@ def _rows_by_label(
                 f"same number: write them alike"
             )
     again = np.diff(run) < 0
-    # the check of times tells whether the rows of a label follow one another
+    # the check of times finds out whether the rows of a label follow one another
     if again.any() and data["time"] is None:
         row = int(again.argmax()) + 1
         raise ValueError(
@@ -421,7 +421,7 @@ def _times(read: TimeStamps, texts: Sequence[str], places: Sequence[str], name: 
 
 
 def _kind(text: str) -> str:
-    """What a field has: "number", "text", or "empty"."""
+    """Kind of a field: "number", "text", or "empty"."""
     if not text.strip():
         return "empty"
     return "text" if _number(text) is None else "number"
@@ -506,7 +506,7 @@ def _runs_of_numpy(path: str, data: Mapping[str, Any], needed: Needed) -> list[R
 def _runs_of_arrays(
     path: str, known: Sequence[str], read: Read, data: Mapping[str, Any], needed: Needed
 ) -> list[Run]:
-    """Runs of a file with an array for each column, or one array that holds all of them."""
+    """Runs of a file with an array for each column, or one array for all columns."""
     columns: dict[str, Array] = {}
     shared = set()
     whole = data["array"]

@@ -132,7 +132,7 @@ class EchoStateNetwork:
         return replace(self, readout=replace(self.readout, weights=weights))
 
     def diverged(self, outputs: FloatArray, bound: float) -> BoolArray:
-        """Which forecasts of a batch have diverged.
+        """Whether the forecasts of a batch have diverged.
 
         Parameters
         ----------

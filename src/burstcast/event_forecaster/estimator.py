@@ -50,7 +50,7 @@ class Estimator:
         return self
 
     def __sklearn_tags__(self) -> Any:
-        """What scikit-learn's model selection asks: samples are series, and there is no target."""
+        """Tags for scikit-learn's model selection: samples are series, and there is no target."""
         from sklearn.utils import InputTags, Tags, TargetTags
 
         return Tags(

@@ -228,8 +228,8 @@ class EventForecaster(Estimator):
         y
             Nothing: events are found in the series themselves.
         parameters
-            For kinds that know the parameters (``quadratic_aware``, ``esn_aware``): values of those
-            that the option ``parameters`` names, in the training series, in a form of
+            For kinds that know the parameters (``quadratic_aware``, ``esn_aware``): values in the
+            training series of the parameters named by the option ``parameters``, in a form of
             `burstcast.event_forecaster.schedules.as_schedules`.
 
         Raises
@@ -567,7 +567,7 @@ class EventForecaster(Estimator):
         return self._timing.samples(name, getattr(self, name))
 
     def _case(self, components: int, own: Sequence[float] | None = None) -> ForecastingCase:
-        """What forecasters may know beside the series; ``own`` values of parameters of theirs."""
+        """Knowledge of forecasters beside the series, with their ``own`` parameter values."""
         system = state_space(self.observable, components)
         options = options_of_kind(self.kind)
         for name in self.options or {}:
@@ -702,7 +702,7 @@ class EventForecaster(Estimator):
     def _outcomes(
         self, points: ObservedPoints, votes: Sequence[WindowSummaries], time: float
     ) -> Outcomes:
-        """What followed which share of votes."""
+        """Outcomes for each share of votes."""
         threshold, series = self.event_threshold_, points.points.series
         return outcomes_by_series(
             self._shares(votes, time),

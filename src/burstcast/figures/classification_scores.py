@@ -93,7 +93,7 @@ def classification_scores(
         column.
     fixed_neurons, fixed_prediction_time_lt
         What the first and the second column hold fixed. Where the table has no such value, the
-        nearest one is shown; the heads of the columns tell which.
+        nearest one is shown; the heads of the columns name it.
     sizes_validation
         Strategy of the third column, if the table has it.
     published

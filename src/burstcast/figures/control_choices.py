@@ -1,8 +1,8 @@
 """When is a forecast worth it? Strategies of control at their best, under each condition: (a) share
 of the uncontrolled exceedance that is left and (b) cost of the actuation. Settings are chosen on
-half of the flows: the cheapest that leave no more than the tolerated share (line), or else those
-that leave the least. Shown are the other flows, with bootstrap intervals; where nothing is left,
-the bar ends at the bound of the rule of three.
+half of the flows: the cheapest that leave no more than the tolerated share (line), or else the
+least exceedance. Shown are the other flows, with bootstrap intervals; where nothing is left, the
+bar ends at the bound of the rule of three.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -143,7 +143,7 @@ def _kind(record: Mapping[Any, Any]) -> tuple[str, str, str]:
 
 
 def _condition(record: Mapping[Any, Any], usual_noise: float) -> str:
-    """What a condition is called: what differs from an actuator in time, at full strength."""
+    """Name of a condition by its differences from an actuator in time, at full strength."""
     parts = []
     if record["strength"] != 1:
         parts.append(f"strength {record['strength']:g}")

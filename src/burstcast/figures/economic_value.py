@@ -1,6 +1,6 @@
 """Economic value of the calibrated probabilities, relative to perfect forecasts (1) and to the base
-rate (0), against the ratio of the cost of protection to the loss that it prevents: who can protect
-themselves does so where the probability exceeds their ratio. Bands: bootstrap intervals over the
+rate (0), against the ratio of the cost of protection to the loss that it prevents: users
+protect where the probability exceeds their ratio. Bands: bootstrap intervals over the
 test series. Values below 0, where the base rate serves better, are drawn at 0.
 """
 

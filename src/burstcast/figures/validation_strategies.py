@@ -50,7 +50,7 @@ FIGURE = Declaration(
 
 @dataclass(frozen=True)
 class ValidationLayout:
-    """Where a strategy trains and validates in one series; all in Lyapunov times.
+    """Training and validation intervals of a strategy in one series, in Lyapunov times.
 
     Attributes
     ----------

@@ -1,1 +1,1 @@
-"""Arrays with meanings and units, and NetCDF files of them."""
+"""Arrays with meanings and units, and their NetCDF files."""

@@ -1,4 +1,4 @@
-"""Descriptions of arrays in a dataclass, which files of them contain.
+"""Descriptions of arrays in a dataclass, which are stored in files.
 
 A field says it in its type::
 

@@ -24,7 +24,7 @@ CANDIDATES_PER_BATCH = 64
 
 @dataclass(frozen=True)
 class EventCriterion:
-    """Which events are fit to be shown.
+    """Conditions on events for figures.
 
     The excursion of an event reaches from the last step at or below the calm level before it to the
     first one after it. An event is isolated if its excursion crosses the threshold upwards just

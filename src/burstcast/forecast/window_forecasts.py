@@ -114,7 +114,7 @@ def _summaries(
     boundaries: tuple[int, ...],
     parameters: FloatArray | None,
 ) -> tuple[WindowSummaries, BoolArray]:
-    """Summaries of the forecasts that memories go on to, and which of them have diverged."""
+    """Summaries of the forecasts from memories, and whether they have diverged."""
     first, largest, diverged = [], [], []
     for start in range(0, memory.shape[-1], TRAJECTORIES_PER_BATCH):
         batch = slice(start, start + TRAJECTORIES_PER_BATCH)

@@ -1,4 +1,4 @@
-"""What kinds share that know the parameters in force: their factors, from series or a record."""
+"""Parameter factors, shared by kinds that know the parameters: from series or a record."""
 
 import numpy as np
 

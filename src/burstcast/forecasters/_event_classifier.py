@@ -55,7 +55,7 @@ class LabelledPoints:
                 raise ValueError(
                     f"an event follows {events} of the {count} training points without an event "
                     f"under way, in the window that begins {time:g} Lyapunov times later: a "
-                    "classifier has nothing to tell apart; change event_threshold, or raise "
+                    "classifier needs both kinds of points; change event_threshold, or raise "
                     "training.series or the length of the series"
                 )
 

@@ -1,4 +1,4 @@
-"""What tables and figures call kinds of forecasters in words."""
+"""Names of kinds of forecasters in tables and figures."""
 
 _LABELS = {
     "esn": "network",

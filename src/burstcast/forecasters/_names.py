@@ -52,7 +52,7 @@ class ForecasterName:
 
     @property
     def identifier(self) -> str:
-        """Its name in paths, tables and messages."""
+        """Name of the forecaster in paths, tables and messages."""
         parts = [
             f"{prefix}{value}"
             for prefix, value in (
@@ -69,7 +69,7 @@ class ForecasterName:
 
     @property
     def keys(self) -> dict[str, Any]:
-        """Its key columns in tables."""
+        """Key columns of the forecaster in tables."""
         kind = f"{self.kind}_{self.label}" if self.label else self.kind
         return {
             "forecaster": {"committee": f"{kind}_committee", "random": "random"}.get(

@@ -79,7 +79,7 @@ class ForecasterRecord:
 
 
 class ForecasterKind(abc.ABC):
-    """What all kinds of forecasters have: properties of the kind, and a record of what was learnt.
+    """Common base of all kinds of forecasters: properties of the kind, and a record of the fit.
 
     A kind forecasts trajectories (`Forecaster`), or probabilities of events without them
     (`burstcast.forecasters._event_classifier.EventClassifier`), or has forecasts of others.

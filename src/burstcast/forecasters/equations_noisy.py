@@ -28,7 +28,7 @@ class EquationsFromObservation(IntegratedForecaster):
     parameters
         Equations under other parameters than the case's own, for schedules; None: there are none.
     maps
-        Between states of the equations and channels of the case; None: they are the same.
+        Between states of the equations and channels of the case; None: they are equal.
     """
 
     needs_equations: ClassVar[bool] = True
@@ -96,5 +96,5 @@ class EquationsFromObservation(IntegratedForecaster):
 
 
 def _with_observable(maps: StateMaps, system: DynamicalSystem, states: FloatArray) -> FloatArray:
-    """Channels of states ``(steps, dimension, batch)``, and as the last of them the observable."""
+    """Channels of states ``(steps, dimension, batch)``, the observable as the last one."""
     return np.stack([np.vstack([maps.channels(one), system.observable(one)]) for one in states])

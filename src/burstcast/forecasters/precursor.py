@@ -56,7 +56,7 @@ class LearntPrecursor(EventClassifier):
         return precursor.probabilities(precursor_features(washouts, precursor.options.lags))
 
     def record(self) -> ForecasterRecord:
-        """What the classifiers have learnt from; they are fitted again."""
+        """Training data of the classifiers, which are fitted again."""
         return ForecasterRecord(self.precursor.record())
 
     @classmethod

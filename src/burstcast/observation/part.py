@@ -1,4 +1,4 @@
-"""What is observed of a state whose rest is hidden: components, and quantities made of them."""
+"""Observed part of a state: components, and quantities computed from components."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ OBSERVABLE = "observable"
 
 @dataclass(frozen=True)
 class ObservedPart:
-    """What is observed of states: some components, expressions of them, and their observable.
+    """Observed part of states: components, expressions of components, and the observable.
 
     Attributes
     ----------

@@ -245,7 +245,7 @@ def _moments(
 def _squared_noise(
     states: FloatArray, variance: FloatArray, degree: int, values: FloatArray, shares: FloatArray
 ) -> FloatArray:
-    """What the noise adds to the sums of products of two monomials, ``(stretches, m, m)``.
+    """Contribution of noise to the sums of products of two monomials, ``(stretches, m, m)``.
 
     It is the sum over the samples, each with its share, of the product of the two values less the
     value of the product: both are made of the same noisy sample, but only the second has the mean

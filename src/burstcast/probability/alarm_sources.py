@@ -34,7 +34,7 @@ class AlarmSource:
 
     @property
     def identifier(self) -> str:
-        """Its name in tables and files."""
+        """Name of the source of alarms in tables and files."""
         return self.name.identifier
 
     @property

@@ -116,7 +116,7 @@ def logistic(outcomes: Outcomes) -> Calibration:
     A smooth map with two parameters, which keeps different probabilities apart: for those of a
     classifier, whose values are all different. Source: Platt, in Advances in Large Margin
     Classifiers, MIT Press 1999, with his targets, which keep the regression finite where events
-    and quiet points are told apart completely. Where events have no larger probabilities than quiet
+    and quiet points are separated completely. Where events have no larger probabilities than quiet
     points, all probabilities become the base rate.
 
     Parameters

@@ -1,9 +1,9 @@
 """The relative economic value of probability forecasts in the cost-loss model.
 
-A user may protect at a cost C, and has a loss L if an event hits unprotected. A user who knows the
-probability p protects where p >= C / L. Source: Richardson, "Skill and relative economic value of
-the ECMWF ensemble prediction system", Quarterly Journal of the Royal Meteorological Society 126
-(2000).
+A user may protect at a cost C, and has a loss L if an event hits unprotected. Knowing the
+probability p, the user protects where p >= C / L. Source: Richardson, "Skill and relative economic
+value of the ECMWF ensemble prediction system", Quarterly Journal of the Royal Meteorological
+Society 126 (2000).
 """
 
 import numpy as np

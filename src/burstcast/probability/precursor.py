@@ -148,7 +148,7 @@ class Precursor:
                 followed = "none" if share == 0.0 else "each"
                 raise ValueError(
                     f"{followed} of the {len(happened)} training points is followed by an event in "
-                    f"prediction window {window}: there is nothing to tell apart"
+                    f"prediction window {window}: there is only one class"
                 )
         classifiers = []
         for window in range(happened.shape[1]):

@@ -1,4 +1,4 @@
-"""How well forecasts rank starting points by the danger of an event, without any threshold.
+"""Ranking of starting points by the danger of an event: scores without any threshold.
 
 A single trajectory forecasts an event or none. The largest observable that it reaches in a window
 ranks starting points more finely, so that single trajectories, ensembles and probabilities can be

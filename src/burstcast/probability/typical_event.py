@@ -1,4 +1,4 @@
-"""An event that stands for all of them: neither the best forecast nor the worst."""
+"""A typical event, with neither the best nor the worst forecast."""
 
 import numpy as np
 

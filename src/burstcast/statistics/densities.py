@@ -1,4 +1,4 @@
-"""Probability density of the observable, and the distances between two of them.
+"""Probability density of the observable, and distances between two densities.
 
 Source: section "Statistical prediction of extreme events" of the paper.
 """

@@ -256,7 +256,7 @@ def _first_diverged(forecaster: Forecaster, states: FloatArray) -> int:
 
 
 class _FixedPointDetector:
-    """Tells which trajectories are at a fixed point: at the end, or before where that is safe.
+    """Trajectories that are at a fixed point: at the end, or before where that is safe.
 
     The observable is treated as one more component, behind those of the state.
     """

@@ -90,7 +90,7 @@ def sampling_floor(
     a perfect network that ran for ever would show, since both halves err, and each by sqrt(2).
 
     Each split is one draw of the sampling error; the splits share their data, so that their spread
-    tells how far a single split may be off, not how well the mean is known.
+    shows how far a single split may be off, not how well the mean is known.
 
     Parameters
     ----------

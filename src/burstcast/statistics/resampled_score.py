@@ -10,7 +10,7 @@ from burstcast.arrays import FloatArray
 
 @dataclass(frozen=True)
 class ResampledScore:
-    """A score of all data, ``()``, and of each resample of them, ``(resamples,)``."""
+    """A score of all data, ``()``, and of each resample, ``(resamples,)``."""
 
     value: float | FloatArray
     samples: FloatArray
@@ -29,5 +29,5 @@ def median_score(scores: Sequence[ResampledScore]) -> ResampledScore:
 
 
 def median_scores(members: Sequence[Mapping[str, ResampledScore]]) -> dict[str, ResampledScore]:
-    """Medians over the members of scores by name, which all of them have."""
+    """Medians over members, for each score that all members have."""
     return {name: median_score([scores[name] for scores in members]) for name in members[0]}

@@ -60,7 +60,7 @@ class DynamicalSystem(abc.ABC):
     observable_name: ClassVar[str]
     """Name of the observable for axes and tables, such as "kinetic energy"."""
     observable_symbol: ClassVar[str]
-    """Its symbol in TeX, without dollars: "k"."""
+    """Symbol of the observable in TeX, without dollars: "k"."""
     case_defaults: ClassVar[Mapping[str, Any]] = {}
     """What a case of this system starts from, by the names of the settings of a case: thresholds,
     bins, initial state, steps, noise, actuation, in the system's own units. All may be left out."""

@@ -127,7 +127,7 @@ def _noted(instruction: str, left: object, right: object) -> Any:
 
 
 def _operand(value: Any) -> str:
-    """How an instruction refers to a symbol or a number."""
+    """Reference of an instruction to a symbol or a number."""
     if isinstance(value, _Symbol):
         return value.name
     return _everywhere(f"double {hexadecimal(value)}")

@@ -1,7 +1,7 @@
 """Time integration of whole ensembles by the classical fourth-order Runge-Kutta scheme.
 
 In machine code where that can be made of the system's expressions (`burstcast.systems.compiled`),
-by numpy otherwise: the bits are the same. Trajectories do not depend on one another, bit for bit:
+by numpy otherwise, with identical bits. Trajectories do not depend on one another, bit for bit:
 they may be integrated in any grouping.
 """
 

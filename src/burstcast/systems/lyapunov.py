@@ -353,11 +353,11 @@ def kaplan_yorke_dimension(exponents: FloatArray) -> float:
 
 
 def tangent_flow(system: DynamicalSystem) -> DynamicalSystem:
-    """The variational equations: a state x and one perturbation v of it, dv/dt = J(x) v.
+    """The variational equations: a state x and one perturbation v, dv/dt = J(x) v.
 
     A step of the scheme yields the state of a step of the system alone, bit for bit, and the
     perturbation multiplied by the derivative of that step. Several perturbations of one state are
-    several trajectories: the state is computed with each of them, which is fast all the same.
+    several trajectories: the state is computed with each of them, which is fast, too.
 
     Where the system has no Jacobian, J(x) v is found by complex steps or differences; where it has
     an integrator of its own, so is the derivative of that.

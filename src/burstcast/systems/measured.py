@@ -66,7 +66,7 @@ class MeasuredSeries:
 
 
 def derives(components: Sequence[str], observable: str) -> bool:
-    """Whether an observable is one of the components, or an expression of them.
+    """Whether an observable is a component, or an expression of components.
 
     Raises
     ------

@@ -54,7 +54,7 @@ class _Factor(NamedTuple):
 
 
 class _Term(NamedTuple):
-    """What one mode contributes to one component of a field."""
+    """Contribution of one mode to one component of a field."""
 
     mode: int  # counted from 0
     coefficient: float

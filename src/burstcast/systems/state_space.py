@@ -16,7 +16,7 @@ MEASURED = "measured"
 
 
 class StateSpace(Protocol):
-    """States of so many components, and a scalar observable of them."""
+    """Space of states with a number of components and a scalar observable."""
 
     @property
     def dimension(self) -> int:
@@ -28,7 +28,7 @@ class StateSpace(Protocol):
 
     @property
     def observable_symbol(self) -> str:
-        """Its symbol in TeX, without dollars: "k"."""
+        """Symbol of the observable in TeX, without dollars: "k"."""
 
     def observable(self, state: FloatArray) -> FloatArray:
         """Observable of states ``(dimension, ...)``, of shape ``(...)``."""

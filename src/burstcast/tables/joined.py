@@ -28,7 +28,7 @@ def joined_tables(
 
 
 def joined(texts: Iterable[str], columns: Iterable[str]) -> str:
-    """Text of several tables as one; a column that only some of them have is empty in the others.
+    """Text of several tables as one; columns that a table lacks are empty in its rows.
 
     Parameters
     ----------

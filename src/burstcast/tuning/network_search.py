@@ -28,7 +28,7 @@ def search(
     seed: int,
     surrogate: SurrogateSettings = DEFAULT_SURROGATE,
 ) -> list[Evaluation]:
-    """Evaluate more points, where a Gaussian process expects most of them.
+    """Evaluate more points, where a Gaussian process expects the largest improvement.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from burstcast.arrays import BoolArray, FloatArray
 
 
 def as_good_as_the_best(excess: FloatArray, paired_standard_error: FloatArray) -> BoolArray:
-    """Points within one paired standard error of the best, ``(points,)``; it is one of them.
+    """Points within one paired standard error of the best, which is included, ``(points,)``.
 
     Parameters
     ----------

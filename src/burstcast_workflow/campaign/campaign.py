@@ -86,7 +86,7 @@ class CaseForecaster:
 
     @property
     def directory(self) -> str:
-        """Its directory below the results directory."""
+        """Directory below the results directory."""
         return f"{self.case}/{self.name.identifier}"
 
     @property
@@ -164,7 +164,7 @@ class Campaign:
 
     @cached_property
     def networks(self) -> tuple[CaseForecaster, ...]:
-        """Those forecasters that are echo state networks."""
+        """Forecasters that are echo state networks."""
         return tuple(one for one in self.forecasters if one.name.neurons is not None)
 
     @cached_property
@@ -664,7 +664,7 @@ class Campaign:
         return {"name": name, "system": source["system"], "parameters": source["parameters"]}
 
     def data(self, case: str) -> Data:
-        """What is said of the series of a measured case."""
+        """Settings of the series of a measured case."""
         data = self.cases[case].data
         assert data is not None
         return data

@@ -1,4 +1,4 @@
-"""How a case is controlled: strategy, its settings, and the conditions that it is tried under.
+"""Control plans of a case: strategy, its settings, and the conditions.
 
 The paper's protocol is one of them, and needs no block. A block of ``control.strategies`` stands
 for all combinations of its lists. A plan's identifier names it in paths and tables: the strategy,
@@ -56,7 +56,7 @@ class ControlPlan:
 
     @property
     def identifier(self) -> str:
-        """Its name in paths and tables."""
+        """Name of the plan in paths and tables."""
         parts = [self.strategy]
         parts += [f"{name.removesuffix('_lt')}{named(value)}" for name, value in self.settings]
         if self.starts != _PAPER.starts:

@@ -1,4 +1,4 @@
-"""What a finished campaign has found, and what is odd about it: for the end of a run."""
+"""Summary and warnings of a finished campaign, shown at the end of a run."""
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
@@ -76,7 +76,7 @@ def summary_table(tables: Path) -> pd.DataFrame | None:
 
 
 def where_results_lie(results: Path) -> str:
-    """Where tables and figures lie, of which there are any, and which figures to look at first."""
+    """Places of existing tables and figures, and the figures to look at first."""
     found = []
     if any((results / "tables").glob("*.csv")):
         found.append(f"Tables: {results}/tables/*.csv and *.tex.")
@@ -89,7 +89,7 @@ def where_results_lie(results: Path) -> str:
 
 
 def _control(path: Path) -> dict[str, "pd.Series[float]"]:
-    """Exceedance without and under control, at the prediction time that leaves least of it."""
+    """Exceedance without and under control, at the prediction time with the least exceedance."""
     controlled, uncontrolled = (
         _medians(path, f"exceedance_{flows}") for flows in ("controlled", "uncontrolled")
     )

@@ -1,4 +1,4 @@
-"""What a campaign has found, in one zip that can be cited.
+"""Results of a campaign in one zip file that can be cited.
 
 ::
 

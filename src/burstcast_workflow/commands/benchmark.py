@@ -105,7 +105,7 @@ def _write(path: Path, scores: Sequence[Score]) -> None:
 
 
 def _table(scores: Sequence[Score]) -> str:
-    """The scores that are read first: by prediction time, then those of all of them together."""
+    """Main scores: by prediction time, then of all prediction times together."""
     times = list(dict.fromkeys(one.prediction_time_lt for one in scores if one.metric == "f_score"))
     shown = {(one.metric, one.prediction_time_lt): _cell(one) for one in scores}
     lines = [["", *(f"{time:g} LT" for time in times)]]

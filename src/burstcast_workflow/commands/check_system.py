@@ -41,7 +41,7 @@ def case_text(system: str, parameters: Mapping[str, float], check: SystemCheck) 
 
 
 def report(system: str, parameters: Mapping[str, float], check: SystemCheck) -> str:
-    """What was found, in words and numbers, with the case at its end."""
+    """Findings in words and numbers, with the proposed case at the end."""
     title = "A case to begin with (what the class says, and proposals for the rest):"
     return f"{check.summary()}\n\n{title}\n\n{case_text(system, parameters, check)}"
 

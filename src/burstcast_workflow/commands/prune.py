@@ -66,7 +66,7 @@ def stale_note(results: str, workflow: Any) -> str:
 def remove_files(results: str, names: Sequence[str]) -> list[str]:
     """Remove files with their records, and directories that are empty then.
 
-    Files that are not what their jobs wrote stay: somebody has put them there.
+    Files that are not what their jobs wrote stay: a user has put them there.
 
     Parameters
     ----------

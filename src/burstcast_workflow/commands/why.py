@@ -1,4 +1,4 @@
-"""What would run again, and why, in words.
+"""Jobs that would run again, and the reasons, in words.
 
 ::
 
@@ -124,7 +124,7 @@ def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[tupl
 
 
 def more_and_fewer(before: Sequence[Identity], after: Sequence[Identity]) -> list[str]:
-    """Say what jobs or files there are more and fewer (`new_values`)."""
+    """Describe added and removed jobs or files (`new_values`)."""
     added = [one for one in after if one not in before]
     removed = [one for one in before if one not in after]
     return [*new_values(added, before), *new_values(removed, after, gone=True)]
@@ -133,7 +133,7 @@ def more_and_fewer(before: Sequence[Identity], after: Sequence[Identity]) -> lis
 def new_values(
     added: Sequence[Identity], known: Sequence[Identity], *, gone: bool = False
 ) -> list[str]:
-    """Say what is new about some jobs or files: "one more seed, 9 -> 10 (9)".
+    """Describe new jobs or files: "one more seed, 9 -> 10 (9)".
 
     Parameters
     ----------
@@ -291,7 +291,7 @@ def _joined(found: Iterable[Cause]) -> list[Cause]:
 
 
 def report(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> str:
-    """What would run again, and why, as text: what sets off most comes first."""
+    """Jobs that would run again, and the reasons, as text: the largest reason first."""
     if not jobs:
         return "Nothing would run: all results are up to date."
     lines = []
@@ -314,7 +314,7 @@ def _counted(jobs: Iterable[Job]) -> str:
 
 
 def jobs_to_run(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
-    """Tell which jobs would run.
+    """Jobs that would run, with their reasons.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What must hold for kinds of forecasters that know the parameters, and what they extrapolate."""
+"""Checks for kinds of forecasters that know the parameters, and warnings of extrapolation."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -19,7 +19,7 @@ from burstcast_workflow.config.model import Configuration, Simulated
 
 
 def problems_of_parameters(config: Configuration, name: str, case: Simulated) -> Iterator[str]:
-    """What is wrong with what a case's forecasters are to learn about parameters."""
+    """Mistakes in the settings of a case for forecasters that know the parameters."""
     used, sources = campaign_cases(config), case.training.trained_on or [name]
     for source in sources:
         if source not in used or data_of(config, source) is not None:

@@ -1,4 +1,4 @@
-"""What must hold within a case, and between it and the settings of the whole campaign."""
+"""Checks within a case, and between a case and the settings of the whole campaign."""
 
 from collections.abc import Iterator
 
@@ -33,7 +33,7 @@ from snaketrust.modules import module_file
 
 
 def problems_of_case(config: Configuration, name: str) -> Iterator[str]:
-    """What is wrong with a case of the campaign; one message for each mistake."""
+    """Mistakes in a case of the campaign, one message each."""
     check = _simulated if data_of(config, name) is None else _measured
     yield from check(config, name)
     yield from problems_of_external(config, name)
@@ -86,7 +86,7 @@ def _simulated(config: Configuration, name: str) -> Iterator[str]:
 
 
 def _files(system: str, files: list[str]) -> Iterator[str]:
-    """What is wrong with the files that a user's module reads."""
+    """Mistakes in the files that a user's module reads."""
     if files and ":" not in system:
         yield "files belong to a system of your own (<module>:<class>): leave them out"
     elif files and (module := module_file(system_module(system))):
@@ -147,7 +147,7 @@ def _is_reynolds_of_another(name: str, reynolds: float) -> bool:
 
 
 def _counts_of_series(config: Configuration, case: Simulated) -> Iterator[str]:
-    """What is wrong with how many series there are, and what they are for."""
+    """Mistakes in the numbers of series and their uses."""
     series, training = case.ensemble.series, case.training.series
     test, more = case.test_series, config.probability.calibration_series
     if case.lyapunov.series > series:
@@ -201,7 +201,7 @@ def _filter(settings: Filter, case: Case, whose: str) -> Iterator[str]:
 
 
 def _measured(config: Configuration, name: str) -> Iterator[str]:
-    """What is wrong with a case of measured series."""
+    """Mistakes in a case of measured series."""
     own = config.cases[name]
     assert own.data is not None
     if wrong := list(own_problems(own)):

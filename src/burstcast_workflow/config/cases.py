@@ -82,13 +82,13 @@ def case_of(config: Configuration, name: str) -> Case:
 
 
 def data_of(config: Configuration, name: str) -> Data | None:
-    """What the entry of a case in ``cases`` says of its measured series; None without them."""
+    """Section ``data`` of a case's entry in ``cases``; None without measured series."""
     own = config.cases.get(realisation_of(name)[0])
     return None if own is None else own.data
 
 
 def case_record(config: Configuration, name: str) -> Config:
-    """What is said of a case, from all places (`case_of`); settings may be missing."""
+    """Settings of a case from all places (`case_of`); some may be missing."""
     name, _ = realisation_of(name)
     defaults = config.case_defaults
     own = config.cases[name].dump() if name in config.cases else {}
@@ -151,7 +151,7 @@ def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
 
 
 def said_by_class(system: str) -> Config:
-    """What the class of a system says of its cases; nothing where there is no such class."""
+    """Defaults of cases from the class of a system; empty if there is no such class."""
     try:
         said = system_class(system).case_defaults
     except (ValueError, TypeError):  # told with the case

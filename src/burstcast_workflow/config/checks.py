@@ -1,4 +1,4 @@
-"""What must hold between the settings of a config, each of which is allowed by itself.
+"""Checks between settings of a config that are valid by themselves.
 
 Bounds of one setting that are other settings stand in the model, what holds within a case in
 `burstcast_workflow.config.case_checks`. Here are the others.
@@ -243,7 +243,7 @@ def _without_trajectories(config: Configuration) -> Iterator[str]:
 
 
 def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterator[str]:
-    """What is wrong with the parts of the state that a block of strategies observes."""
+    """Mistakes in the parts of the state that a block of strategies observes."""
     used = campaign_cases(config)
     parts = [case for case in used if (data := data_of(config, case)) and data.case]
     for part in block.observed:

@@ -1,4 +1,4 @@
-"""What settings are made of: kinds of values, and sections of settings."""
+"""Building blocks of settings: kinds of values, and sections."""
 
 import math
 import os
@@ -32,7 +32,7 @@ S = TypeVar("S", bound="Section")
 
 
 class Words(str):
-    """What is allowed, in words, where they are clearer than those made from type and bounds."""
+    """Allowed values in words, where these are clearer than type and bounds."""
 
 
 def _whole(value: Any) -> Any:

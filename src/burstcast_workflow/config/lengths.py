@@ -38,7 +38,7 @@ def misfits(
     kinds: Iterable[str],
     validations: Iterable[str],
 ) -> list[str]:
-    """What does not fit into the series of a case, as far as its Lyapunov time is known.
+    """Durations that do not fit into the series of a case, if its Lyapunov time is known.
 
     Where it is computed, only the durations of control are compared with each other.
 
@@ -102,7 +102,7 @@ def misfits(
 
 
 def few_points(config: Configuration) -> str:
-    """Say which cases have too few starting points of forecasts for any score; "" if none has.
+    """Describe cases with too few starting points of forecasts for any score; "" if there are none.
 
     That is fewer than the events that a score takes (`FEW_POSITIVES`), as far as Lyapunov times are
     known.

@@ -45,7 +45,7 @@ _WITHOUT_UNITS: Any = {
 def measured_record(
     defaults: Simulated, own: Case, record_of: Callable[[str], Mapping[str, Any]]
 ) -> Config:
-    """What a case of measured series starts from.
+    """Defaults of a case of measured series.
 
     It has of ``case_defaults`` only what has no unit of an observable or of time, and no noise is
     added to it. Parts of another case's state have that case's thresholds, bins, noise and unit of
@@ -166,7 +166,7 @@ def _header(path: str, data: str) -> list[str]:
 
 
 def _of_source(source: Mapping[str, Any], data: Config) -> Config:
-    """What a part of another case's state has of that case; completes the section ``data``."""
+    """Settings that a part of another case's state takes from that case; completes ``data``."""
     keys = ["training", "test_series", "recycle_validation"]
     data.setdefault("observable", OBSERVABLE)
     space = _space(source["system"], source.get("parameters", {}))
@@ -185,7 +185,7 @@ def _of_source(source: Mapping[str, Any], data: Config) -> Config:
 
 
 def space_of(case: Case) -> StateSpace | None:
-    """What the states of a case are; None if it has a mistake."""
+    """State space of a case; None if the case is invalid."""
     return _space(case.system, case.parameters)
 
 
@@ -217,7 +217,7 @@ def data_files(data: Data) -> list[str]:
 
 
 def own_problems(own: Case) -> Iterator[str]:
-    """What an entry in ``cases`` must not say of measured series, and what it must."""
+    """Forbidden and required settings of measured series in ``cases``."""
     said = own.dump()
     for key in _MEANINGLESS:
         if said.get(key) is not None:
@@ -257,7 +257,7 @@ def own_problems(own: Case) -> Iterator[str]:
 
 
 def problems_of_encoding(case: Measured, source: Case) -> Iterator[str]:
-    """What is wrong with the sensors and the encoder of a case."""
+    """Mistakes in the sensors and the encoder of a case."""
     if case.sensors is not None and case.encoder is not None and not case.training.noise:
         yield "training.noise is 0, but an estimate of the state from sensors takes a noise above 0"
     try:
@@ -267,7 +267,7 @@ def problems_of_encoding(case: Measured, source: Case) -> Iterator[str]:
 
 
 def problems_of_data(case: Measured) -> Iterator[str]:
-    """What is wrong with the data of a case, as far as its settings tell."""
+    """Mistakes in the data of a case that its settings show."""
     if is_encoded(case):
         return
     data = case.data

@@ -15,7 +15,7 @@ _NUMBER_AS_TEXT = re.compile(r"([+-]?)(\d*)(?:\.(\d*))?(?:[eE]([+-]?)(\d+))?")
 
 
 def model_problems(error: ValidationError, model: type[Section]) -> list[str]:
-    """What a model has found wrong with settings; one message for each that is wrong."""
+    """Mistakes in settings found by the model, one message each."""
     messages = [
         _message(Place(model), problem["type"], problem["loc"], problem["input"], problem["msg"])
         for problem in error.errors(include_url=False)
@@ -24,7 +24,7 @@ def model_problems(error: ValidationError, model: type[Section]) -> list[str]:
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """Say which known name was probably meant, or else which names there are."""
+    """Suggest the known name that was probably meant, or list the known names."""
     candidates = list(known)
     near = difflib.get_close_matches(name, candidates, n=1, cutoff=0.6)
     if near:
@@ -66,7 +66,7 @@ def _known_elsewhere(name: str, section: Place, root: Place) -> str:
 
 
 def _number_hint(text: Any) -> str:
-    """Say how to write a number that was read as text; nothing if it is not like a number."""
+    """Explain how to write a number that was read as text; empty if the text is no number."""
     match = _NUMBER_AS_TEXT.fullmatch(text) if isinstance(text, str) else None
     if not match or not (match[2] or match[3]):
         return ""

@@ -194,8 +194,8 @@ class Block(Section):
     )
     cases: Distinct[CaseName] = setting("names of entries of `cases`", default=[])
     realisations: Count = setting(
-        "choices of the training series: each case, and as cases `<case>-training<k>` those that "
-        "differ from it by their training series only",
+        "number of choices of the training series: the case itself, and cases `<case>-training<k>` "
+        "with other training series",
         default=1,
     )
     event_shares: Distinct[EventShare] = setting(

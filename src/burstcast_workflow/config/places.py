@@ -68,7 +68,7 @@ class Place:
 
     @property
     def key(self) -> "Place":
-        """What the keys of the mapping here may be."""
+        """Allowed keys of the mapping at this place."""
         return _entry(get_args(self.kinds[0])[0])
 
     def settings(self) -> Iterator["Place"]:

@@ -1,4 +1,4 @@
-"""What seeds or series above their bounds would cost: a part of the message that refuses them."""
+"""Cost of seeds or series above their bounds: a part of the message that refuses them."""
 
 import copy
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What a job costs: memory and time from the campaign's settings, for schedulers and predictions.
+"""Cost of a job: memory and time from the campaign's settings, for schedulers and predictions.
 
 A rule states the class of its work (`CLASSES`: a forecast, training, ...). The class says how much
 work a job is, in units, and `SECONDS_PER` how many seconds a unit takes. Only that table and the
@@ -159,7 +159,7 @@ def _size(campaign: Campaign, case: str) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class _Work:
-    """What a job does: seconds and MiB of its start-up, units of work, numbers that it holds."""
+    """Work of a job: seconds and MiB of its start-up, units of work, numbers in memory."""
 
     start_up: tuple[float, int]
     units: Mapping[str, float]
@@ -397,7 +397,7 @@ class CostModel:
         self.records = Path(campaign.config.results) / "benchmarks"
 
     def at(self, seconds_per: Mapping[str, float]) -> "CostModel":
-        """The same with other rates."""
+        """Cost of a job with other rates."""
         model = CostModel(self._campaign, seconds_per)
         model.classes = self.classes
         return model

@@ -1,4 +1,4 @@
-"""What the jobs of a campaign take: as predicted, and as measured where they have run.
+"""Costs of the jobs of a campaign: predicted, and measured for finished jobs.
 
 ::
 
@@ -37,7 +37,7 @@ _SHOWN = {
 
 
 def costs_of_jobs(jobs: Iterable[Any], model: CostModel) -> Iterator[tuple[Any, Cost]]:
-    """Those jobs of Snakemake that are stages of a campaign, with what they cost.
+    """Jobs of Snakemake that are stages of a campaign, with their costs.
 
     A job's stage is the first part of the name of its record, ``benchmarks/<stage>/...``: rules
     may have other names where another workflow has this one as a module.
@@ -83,7 +83,7 @@ def job_costs(workflow: Any, model: CostModel, above: Path = Path()) -> pd.DataF
 
 
 def _measured(record: Path, outputs: Iterable[Path]) -> dict[str, float]:
-    """What Snakemake measured of a job, if it has run."""
+    """Measurements of a finished job by Snakemake."""
     if not record.exists():
         return dict.fromkeys(_MEASURED, float("nan"))
     with record.open(encoding="utf-8") as file:
@@ -95,7 +95,7 @@ def _measured(record: Path, outputs: Iterable[Path]) -> dict[str, float]:
 
 
 def rule_costs(jobs: pd.DataFrame) -> pd.DataFrame:
-    """What the jobs of each rule take by prediction, and what those took that have records.
+    """Predicted costs of the jobs of each rule, and measured costs of jobs with records.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the one rule of figures asks for each job (`burstcast_workflow.figures.registry`)."""
+"""Inputs and settings of jobs of the rule of figures (`burstcast_workflow.figures.registry`)."""
 
 from typing import Any
 
@@ -42,7 +42,7 @@ class FigureJobs:
         return figure_case(self._campaign, wildcards.figure, wildcards.of_case)
 
     def files(self, wildcards: Any) -> dict[str, Any]:
-        """What a figure is drawn from."""
+        """Inputs of a figure."""
         figure = FIGURES[wildcards.figure]
         paths = files_of(self._campaign, figure, self.case(wildcards))
         found: dict[str, Any] = {
@@ -69,14 +69,14 @@ class FigureJobs:
         return SECTIONS[FIGURES[wildcards.figure].section]
 
     def labels(self, wildcards: Any) -> dict[str, str]:
-        """What the report calls a figure: its name, and the case, which is a switch there."""
+        """Labels of a figure in the report: its name, and the case, which is a switch there."""
         several = is_of_several_cases(FIGURES[wildcards.figure])
         case = "several" if several else self.case(wildcards)
         return {"figure": wildcards.figure, "case": case}
 
 
 def captions(campaign: Campaign) -> dict[str, dict[str, str]]:
-    """What figures and tables show, by their names, as the report asks for it."""
+    """Captions of figures and tables by name, for the report."""
     return {
         "figures": {name: caption(name) for name in FIGURES},
         "tables": {name: table_of(name).says for name in table_names(campaign)},

@@ -1,4 +1,4 @@
-"""What figures declare by name: the places of files, the choices of cases, what is to be shown.
+"""Names in declarations of figures: places of files, choices of cases, settings of what is shown.
 
 A figure is a module of `burstcast.figures`, which declares what it is made of
 (`burstcast.figures.registry.Declaration`). One rule makes all of them
@@ -118,7 +118,7 @@ def _frontier_network(campaign: Campaign, case: str) -> dict[str, Any] | None:
 
 
 def _observed(campaign: Campaign, case: str) -> dict[str, int]:
-    """How many components are observed beside the observable, in a case and in its parts.
+    """Number of observed components beside the observable, in a case and in its parts.
 
     Parts whose past is seen, too, are others.
     """
@@ -298,7 +298,7 @@ def _control_example(campaign: Campaign) -> list[str]:
 
 
 def _controlled(campaign: Campaign) -> list[str]:
-    """Cases that networks control, the example's first if it is one of them."""
+    """Cases that networks control, the example's first if it is included."""
     cases = dict.fromkeys(run.case for run in _network_runs(campaign))
     return sorted(cases, key=lambda case: case != campaign.example.case)
 

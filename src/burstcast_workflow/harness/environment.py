@@ -1,4 +1,4 @@
-"""What numbers depend on beside settings, code and inputs: libraries, Python, the processor."""
+"""Environment that numbers depend on: libraries, Python, the processor."""
 
 import logging
 import os
@@ -46,7 +46,7 @@ def environment() -> dict[str, Any]:
 
 @cache
 def library_version(library: str) -> str:
-    """Version of a library; not every platform has all of them."""
+    """Version of a library; not every platform has every library."""
     try:
         return version(library)
     except PackageNotFoundError:

@@ -1,4 +1,4 @@
-"""What went wrong in a run: the ends of the logs of the jobs that failed, all in one place."""
+"""Failures of a run: the last lines of the logs of failed jobs, in one place."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,7 +10,7 @@ _DONE = " is done: "  # what `burstcast_workflow.harness.job.run_job` ends a log
 
 
 def failure_summary(rule_logs: Path, scheduler_logs: Path, since: float) -> str:
-    """Tell which jobs have failed since a time, with the last lines of their logs.
+    """Jobs that have failed since a time, with the last lines of their logs.
 
     A job whose log does not end with its success has failed, or was killed: by a person, or for its
     memory or time, which only the log of the scheduler's job tells.

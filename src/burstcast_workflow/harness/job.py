@@ -133,7 +133,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
 
 
 def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Provenance:
-    """Tell what makes an output: package, job, settings, versions; no time, machine or path.
+    """Provenance of an output: package, job, settings, versions; no time, machine or path.
 
     All libraries that change results are there: which of them a job imports depends on its
     settings, and llvmlite is imported late.
@@ -164,7 +164,7 @@ def _by_name(files: Any) -> dict[str, Any]:
 
 
 def arguments_for(function: Callable[..., Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Those of the given arguments that a function takes; files it must take all."""
+    """Given arguments that a function takes; it must take all files."""
     taken = inspect.signature(function).parameters
     if any(parameter.kind is parameter.VAR_KEYWORD for parameter in taken.values()):
         return {name: value for name, value in given.items() if name != "provenance"}

@@ -82,7 +82,7 @@ LONG_RUNS = "statistics.duration, statistics.fixed_point_interval_lt"
 
 @contextmanager
 def concerning(settings: str) -> Iterator[None]:
-    """Put the settings that a mistake is about before what the library says of it.
+    """Put the affected settings before the message of the library.
 
     Raises
     ------

@@ -84,7 +84,7 @@ def control_setup(
 def control_experiment(
     settings: Settings, ensemble: str, summary: str, time_unit: str | Sequence[str]
 ) -> ControlExperiment:
-    """What the strategy of a job is tried on, from the job's settings and inputs.
+    """Experiment of a control job, from its settings and inputs.
 
     Quiet flows begin with the first states of the kept series, unselected ones with the last:
     what follows them has had no say in what is kept.
@@ -135,7 +135,7 @@ def control_experiment(
 def _sensor(
     settings: Settings, experiment: ControlExperiment, training: FloatArray
 ) -> ObservedPart | EncodedFlow | None:
-    """What is observed of the flows; None: all of the state. Encoders are fitted again."""
+    """Sensor of the flows; None: the whole state is observed. Encoders are fitted again."""
     said, system = settings.get("control.sensor"), experiment.system
     if said is None:
         return None

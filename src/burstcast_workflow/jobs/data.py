@@ -1,4 +1,4 @@
-"""What the jobs of a case know of its data: its training series, what is observed.
+"""Data of a case for its jobs: training series and observations.
 
 It imports neither systems nor networks: what is observed does not depend on their code.
 """

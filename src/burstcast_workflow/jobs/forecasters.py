@@ -29,7 +29,7 @@ Kind = TypeVar("Kind", bound=ForecasterKind)
 def forecasting_case(
     settings: Settings, time_unit: str | Sequence[str], ensemble: str | None = None
 ) -> ForecastingCase:
-    """What forecasters of a job's case may know beside the data.
+    """Knowledge of a job's forecasters beside the data.
 
     Parameters
     ----------
@@ -145,12 +145,12 @@ def seen_rows(
     first: int,
     states: FloatArray,
 ) -> FloatArray:
-    """What a forecaster is given of kept series: `observed_rows`, or the true states."""
+    """Inputs of a forecaster from kept series: `observed_rows`, or the true states."""
     if forecaster.sees_truth:
         return states
     return observed_rows(settings, ensemble, first, states)
 
 
 def seen(forecaster: Forecaster, observed: FloatArray, true: FloatArray) -> FloatArray:
-    """What a forecaster is given: observed states, or true ones if it is a bound for others."""
+    """Inputs of a forecaster: observed states, or true ones if it is a bound."""
     return true if forecaster.sees_truth else observed

@@ -43,7 +43,7 @@ def test_rows(settings: Settings, ensemble: str) -> range:
 
 
 def horizon_search(settings: Settings, steps: int, mean_observable: float) -> HorizonSearch:
-    """How prediction horizons are looked for.
+    """Search for prediction horizons.
 
     Parameters
     ----------

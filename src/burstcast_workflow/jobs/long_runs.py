@@ -21,7 +21,7 @@ from burstcast_workflow.jobs.time_unit import long_run_steps, lyapunov_time
 def long_run_washouts(
     settings: Settings, ensemble: str, time_unit: str | Sequence[str], who: Forecaster
 ) -> FloatArray:
-    """What a forecaster is given before each of its long runs.
+    """Washouts of a forecaster before each of its long runs.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def long_run_washouts(
     ensemble, time_unit
         Inputs of the job.
     who
-        Who forecasts.
+        Forecaster of the long runs.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def long_run_washouts(
 def long_term_settings(
     settings: Settings, ensemble: str, time_unit: str | Sequence[str]
 ) -> LongTermSettings:
-    """How long runs are made, and when they are discarded.
+    """Settings of long runs: their length, and when they are discarded.
 
     A run has settled where it varies less than a hundredth of the bins' range, unless the config
     says otherwise.

@@ -16,7 +16,7 @@ from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
 def present_space(settings: Settings) -> MeasuredSeries:
-    """What a state is without past values."""
+    """State without past values."""
     names = [Quantity(text).name for text in settings["case.data"]["components"]]
     return MeasuredSeries(**{**settings["case.parameters"], "components": names})
 

@@ -22,7 +22,7 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 def knowledge(settings: Settings, scheduled: Sequence[str]) -> dict[str, Any]:
-    """What a network is given that knows the parameters: nothing for others.
+    """Parameter inputs of a network that knows the parameters; empty for others.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def training_series(
 
 
 def reservoir_seed(settings: Settings, identifier: str) -> ReservoirSeed:
-    """What the reservoir of a network, or of its scan, is made from."""
+    """Settings that the reservoir of a network, or of its scan, is made from."""
     name = parsed(identifier)
     assert name.neurons is not None
     assert name.seed is not None
@@ -122,7 +122,7 @@ def point_validator(
     time_unit: str | Sequence[str],
     scheduled: Sequence[str],
 ) -> PointValidator:
-    """What validates the points of the search of one reservoir.
+    """Validation of the search points of one reservoir.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ def write_scheduled(
     actuated: bool,
     provenance: Mapping[str, str],
 ) -> None:
-    """Write series, what is observed of them, and the schedule of each."""
+    """Write series, their observations, and the schedule of each."""
     states, steps = ("series", "time", "component"), ("series", "step", "parameter")
     schedule = "value of each parameter in force from each sample to the next"
     write_netcdf(

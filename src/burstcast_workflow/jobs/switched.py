@@ -19,7 +19,7 @@ CANDIDATES = 8
 def switched_series(
     settings: Settings, ensemble: str, rows: range, steps_per_lyapunov_time: int, purpose: str
 ) -> tuple[ScheduledSeries, FloatArray]:
-    """Series under an actuator that switches at random, and what is observed of them.
+    """Series under an actuator that switches at random, and their observations.
 
     Parameters
     ----------

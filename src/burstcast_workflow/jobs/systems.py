@@ -1,4 +1,4 @@
-"""What a job's case has: a state with an observable, and equations, unless it was measured."""
+"""System of a job's case: a state with an observable, and equations unless it was measured."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from burstcast_workflow.harness.settings import Settings
 
 
 def system_of(settings: Settings) -> StateSpace:
-    """What forecasts and scores ask about a case: a dynamical system, or measured series."""
+    """System of a case for forecasts and scores: a dynamical system, or measured series."""
     return make_space(settings["case.system"], settings["case.parameters"])
 
 

@@ -41,7 +41,7 @@ def content(path: str, variables: str = "") -> Any:
 def gathered(
     settings: Settings, paths: Iterable[str | Path], variables: str = ""
 ) -> list[Gathered]:
-    """Files of a job's case, as tables are made of them.
+    """Files of a job's case for tables.
 
     Raises
     ------

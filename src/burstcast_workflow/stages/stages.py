@@ -1,4 +1,4 @@
-"""What stages are made from and need: functions of a job's wildcards, which Snakemake asks."""
+"""Inputs and needs of stages: functions of a job's wildcards, which Snakemake calls."""
 
 import inspect
 import re
@@ -74,7 +74,7 @@ class Stages:
     Parameters
     ----------
     campaign
-        Who is in it.
+        Its cases, forecasters and settings.
     sources
         The code that jobs run.
     costs
@@ -96,7 +96,7 @@ class Stages:
     # -- files -------------------------------------------------------------------------------------
 
     def in_results(self, paths: str | Iterable[str]) -> Paths:
-        """Paths below the results directory, or one of them."""
+        """Paths, or one path, below the results directory."""
         if isinstance(paths, str):
             return f"{self.results}/{paths}"
         return [f"{self.results}/{path}" for path in paths]
@@ -181,7 +181,7 @@ class Stages:
         return path
 
     def hyperparameters(self, wildcards: Any) -> Paths:
-        """What the search has found that a network's hyperparameters come from."""
+        """Result of the search that a network's hyperparameters come from."""
         network = CaseForecaster(wildcards.case, parsed(wildcards.forecaster))
         directory = self.campaign.searched(network).directory
         return self.in_results(f"{directory}/{self.campaign.hyperparameters_file}")

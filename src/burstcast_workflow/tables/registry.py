@@ -65,7 +65,7 @@ def cases_of(campaign: Campaign, table: str) -> list[str]:
 
 
 def cases_of_tables(campaign: Campaign) -> dict[str, list[str]]:
-    """Cases by the name of the table that each of them has, percentiles included."""
+    """Cases by the name of the table that each case has, percentiles included."""
     names = with_percentiles(name for name, table in TABLES.items() if table.of_cases)
     found = {name: cases_of(campaign, name) for name in names}
     return {name: cases for name, cases in found.items() if cases}

@@ -49,7 +49,7 @@ def choose_training_series(
     settings: Settings,
     provenance: Provenance,
 ) -> None:
-    """Write the same series; the first are others, the test series are the same."""
+    """Write the same series; the first are others, the test series are equal."""
     training, realisation = settings["case.training.series"], settings["realisation"]
     data = read_netcdf(source, "series", "lifetime", "state", "observable")
     check_kept_series(

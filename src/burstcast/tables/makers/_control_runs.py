@@ -1,4 +1,4 @@
-"""Runs of control as tables are made of them: their flows, and their key columns."""
+"""Runs of control for tables: their flows and key columns."""
 
 from dataclasses import fields
 from typing import Any

@@ -1,4 +1,4 @@
-"""How well forecasts rank starting points: by onsets, and by any time above the threshold."""
+"""Ranking of starting points: by onsets, and by any time above the threshold."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

@@ -1,8 +1,8 @@
 """Walk Forward Validation: intervals laid end to end, each before a network has seen its future.
 
 Source: Racca & Magri, "Robust optimization and validation of echo state networks for learning
-chaotic dynamics", Neural Networks 142 (2021), who walk through one long series. The form for an
-ensemble of series is ours:
+chaotic dynamics", Neural Networks 142 (2021), for one long series. The form for an ensemble of
+series is ours:
 
 * The intervals are those of the Recycle Validation: ``intervals`` of them laid end to end from the
   end of the washout, in each of the first ``series`` training series.
