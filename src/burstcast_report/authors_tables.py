@@ -83,6 +83,8 @@ F_SCORES = SCORES[:2]
 def _networks(tables: Tables) -> list[tuple[int, str]]:
     """Sizes and strategies of the networks on drawn training sets."""
     rows = tables.rows("classification", forecaster="esn")
+    if rows.empty:
+        return []
     found = rows[["neurons", "validation"]].drop_duplicates().itertuples(index=False)
     return sorted((int(neurons), str(validation)) for neurons, validation in found)
 

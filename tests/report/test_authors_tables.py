@@ -148,6 +148,7 @@ def test_the_gap_is_split_by_true_washouts(authors, own):
 def test_parts_that_a_campaign_lacks_are_left_out(tmp_path, authors):
     nothing = Tables(tmp_path / "none")
     assert not nothing
+    assert cells(authors_tables.gap_table([("ours", nothing)])) == []
     assert cells(authors_tables.differences_table(authors, nothing, nothing)) == []
     assert [row[-1] for row in cells(authors_tables.variance_table(authors, nothing))] == ["", ""]
     assert [row[5:] for row in cells(authors_tables.beside_published(authors, nothing, nothing))][
