@@ -1,4 +1,23 @@
-"""Types of arrays by their entries, and conversion of input to arrays."""
+"""Types of arrays by their entries, array layouts, and conversion of input to arrays.
+
+================================================================ ==============================
+array                                                            shape
+================================================================ ==============================
+stored data: ensemble, training series                           (series, time, component)
+batch of states of a dynamical system                            (dimension, ...)
+batch of washouts or forecasts, inputs and outputs of a network  (steps, dimension, batch)
+schedule: parameters in force from each step to the next         (steps, parameters, batch)
+schedules of training series                                     (series, time - 1, parameters)
+batch of reservoir states                                        (neurons, batch)
+memory of any forecaster                                         (..., batch)
+readout weights, the bias last                                   (neurons + 1, dimension)
+================================================================ ==============================
+
+All arrays are float64. Time counts in steps of a forecast (``sampling_interval``) unless a name
+ends in ``_lt`` (Lyapunov times) or says "time units". A duration of x Lyapunov times is
+``floor(x * steps_per_lyapunov_time)`` steps (`burstcast.durations.steps`). A washout ends with the
+starting point: the first forecast state is one step later.
+"""
 
 from typing import Any
 
