@@ -48,8 +48,8 @@ class ObservationStream:
         Raises
         ------
         ValueError
-            If it has other components than the training series, or the time goes back or is
-            between two samples.
+            If it has other components than the training series, or the time is no finite number,
+            goes back, or is between two samples.
         """
         values = float_array(observation, "the observation")
         if values.shape != (self._components,):
@@ -89,6 +89,8 @@ class ObservationStream:
         if time is None:
             self._time = None if self._time is None else self._time + self._interval
             return
+        if not np.isfinite(time):
+            raise ValueError(f"the time of an observation must be a finite number, not {time}")
         if self._time is not None:
             passed = (time - self._time) / self._interval
             if passed < 1.0 - _TOLERANCE:
