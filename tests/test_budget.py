@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 BUDGET = {
     "src/burstcast_workflow": 234,
     "src/burstcast_workflow/campaign": 1254,
-    "src/burstcast_workflow/commands": 1371,
+    "src/burstcast_workflow/commands": 1379,
     "src/burstcast_workflow/config": 3376,
     "src/burstcast_workflow/costs": 639,
     "src/burstcast_workflow/figures": 507,

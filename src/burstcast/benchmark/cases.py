@@ -4,11 +4,13 @@ A case that changes in anything but its words gets another version. Forecasts na
 they were made for, and are scored by no other.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 from burstcast import durations
+from burstcast.arrays import FloatArray
+from burstcast.benchmark.records import glucose
 from burstcast.discovery import suggestion
 from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.windows import window_boundaries
@@ -37,7 +39,7 @@ class BenchmarkCase:
         Name of the ensemble in streams of random numbers: cases that share it share their true
         series.
     system
-        The equations.
+        The equations; for a record, what was measured.
     observed
         Names of the components of the state, or of the readings of the sensors, that are observed.
         The observable is observed too, as a component of its own, where it cannot be computed from
@@ -55,7 +57,8 @@ class BenchmarkCase:
     time_step, sampling_stride, transient, duration
         Of the integration, in time units; the stride counts integration steps in a sample.
     lyapunov_exponent
-        Sets the Lyapunov time, in inverse time units.
+        Sets the Lyapunov time, in inverse time units. For a record, which has no exponent that is
+        known, any unit of time.
     washout_lt, start_spacing_lt
         Length of the washouts, and distance of two starting points.
     window_lt, resolution_lt, prediction_times_lt
@@ -69,13 +72,16 @@ class BenchmarkCase:
         not checked.
     sensors
         Sensors that see the flow; None: the components of the state are observed themselves.
+    record
+        Returns measured series, ``(series, time, component)``, in the order of time; the first are
+        for training. None: series are simulated.
     """
 
     name: str
     version: int
     about: str
     ensemble_name: str
-    system: DynamicalSystem
+    system: DynamicalSystem | MeasuredSeries
     observed: tuple[str, ...]
     noise: float
     event_threshold: float
@@ -102,6 +108,7 @@ class BenchmarkCase:
     tolerance: float
     digest: str
     sensors: VelocitySensors | None = None
+    record: Callable[[], FloatArray] | None = None
 
     @cached_property
     def space(self) -> StateSpace:
@@ -250,6 +257,45 @@ def _turbulent_flow() -> BenchmarkCase:
     )
 
 
+def _record_of_glucose() -> BenchmarkCase:
+    """The case of a measured record."""
+    measured = MeasuredSeries(("glucose", "current"), "-glucose")
+    return BenchmarkCase(
+        name="Glucose",
+        version=1,
+        about="Glucose of one person in mg/dl, and the current of the sensor, every five minutes; "
+        "an event is a fall to 70 mg/dl. The unit of time (LT) is 20 minutes.",
+        ensemble_name="Glucose",
+        system=measured,
+        observed=measured.component_names,
+        noise=0.0,
+        event_threshold=-70.0,
+        laminarisation_threshold=None,
+        initial_state=None,
+        perturbed_component=0,
+        perturbation=0.0,
+        series=267,
+        training_series=130,
+        test_series=137,
+        time_step=5.0,
+        sampling_stride=1,
+        transient=0.0,
+        duration=715.0,
+        lyapunov_exponent=1 / 20,
+        washout_lt=6.0,
+        start_spacing_lt=1.0,
+        window_lt=1.0,
+        resolution_lt=0.5,
+        prediction_times_lt=(1.0, 2.0, 3.0),
+        horizon_events=60,
+        longest_lead_time_lt=4.5,
+        lead_time_step_lt=0.5,
+        tolerance=0.2,
+        digest="2480c7a72b08c1b6",
+        record=glucose,
+    )
+
+
 CASES: Mapping[str, BenchmarkCase] = {
     case.name: case
     for case in (
@@ -283,6 +329,7 @@ CASES: Mapping[str, BenchmarkCase] = {
             observed=_MODES[:7],
         ),
         _turbulent_flow(),
+        _record_of_glucose(),
     )
 }
 """The cases by name."""

@@ -12,6 +12,7 @@ import numpy as np
 from burstcast import random_streams
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.benchmark.cases import SEED, BenchmarkCase
+from burstcast.benchmark.records import MissingRecordError
 from burstcast.benchmark.task import (
     ForecastTask,
     TaskData,
@@ -34,6 +35,7 @@ from burstcast.data.starting_points import (
 )
 from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.sampling import sampled_initial_states
 from burstcast.systems.state_space import component_names
 
@@ -146,31 +148,16 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
 
     Raises
     ------
+    MissingRecordError
+        If the package of a record is not installed.
     ValueError
         If too many series laminarise under this seed, or if data under `SEED` are not those of the
         frozen case.
     """
-    stream = random_streams.stream(seed, "ensemble", case.ensemble_name)
-    if case.initial_state is None:
-        start = sampled_initial_states(case.system, case.series, stream)
-    else:
-        start = initial_states(
-            np.array(case.initial_state),
-            case.perturbed_component,
-            case.perturbation,
-            case.series,
-            stream,
-        )
-    batches = generate_ensemble(
-        case.system,
-        start,
-        time_step=case.time_step,
-        sampling_stride=case.sampling_stride,
-        transient_steps=round(case.transient / case.time_step),
-        kept_steps=round(case.duration / case.time_step),
-        laminarisation_threshold=case.laminarisation_threshold,
-    )
-    states = np.concatenate([batch.states for batch in batches])
+    try:
+        states = _simulated(case, seed) if case.record is None else case.record()
+    except MissingRecordError as error:
+        raise MissingRecordError(f"the case {case.name}: {error}") from None
     training, test = case.training_series, case.test_series
     if len(states) < training + test:
         raise ValueError(
@@ -213,6 +200,32 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
             f"leaderboard"
         )
     return found
+
+
+def _simulated(case: BenchmarkCase, seed: int) -> FloatArray:
+    """True series that do not laminarise, ``(series, time, component)``."""
+    assert isinstance(case.system, DynamicalSystem)
+    stream = random_streams.stream(seed, "ensemble", case.ensemble_name)
+    if case.initial_state is None:
+        start = sampled_initial_states(case.system, case.series, stream)
+    else:
+        start = initial_states(
+            np.array(case.initial_state),
+            case.perturbed_component,
+            case.perturbation,
+            case.series,
+            stream,
+        )
+    batches = generate_ensemble(
+        case.system,
+        start,
+        time_step=case.time_step,
+        sampling_stride=case.sampling_stride,
+        transient_steps=round(case.transient / case.time_step),
+        kept_steps=round(case.duration / case.time_step),
+        laminarisation_threshold=case.laminarisation_threshold,
+    )
+    return np.concatenate([batch.states for batch in batches])
 
 
 def _observed(

@@ -22,6 +22,7 @@ from burstcast.benchmark.leaderboard import (
     with_row,
     write_leaderboard,
 )
+from burstcast.benchmark.records import MissingRecordError
 from burstcast.benchmark.scores import Score, score_forecasts
 from burstcast.files.atomic_files import atomic
 from burstcast_workflow.project import source_revision
@@ -41,9 +42,16 @@ _OF_ALL = ("mean_lead_time_lt", "missed_fraction", "mean_horizon_lt", "median_ho
 
 def export_cases(directory: Path, case: Sequence[str] | None, seed: int | None) -> None:
     """Write files of cases, and the page that explains them."""
-    cases = [case_named(name) for name in case or CASES]
     root = SEED if seed is None else seed
-    for path in export(directory, [make_case(one, root).exported for one in cases]):
+    found = []
+    for one in [case_named(name) for name in case or CASES]:
+        try:
+            found.append(make_case(one, root).exported)
+        except MissingRecordError as error:
+            if case:
+                raise
+            print(f"left out: {error}", file=sys.stderr)
+    for path in export(directory, found):
         print(path)
 
 
