@@ -49,7 +49,7 @@ NAVIGATION = {
         *("benchmark", "leaderboard"),
     ],
     "Results and method": [
-        *("results", "studies", "benchmark", "method", "solver", "performance"),
+        *("results", "studies", "method", "solver", "performance"),
     ],
     "How it is built": [
         *("architecture", "extending", "selective_rebuilds", "selective_rebuild_trials"),
