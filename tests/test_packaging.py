@@ -112,6 +112,8 @@ def test_pages_promise_the_releases_that_are_tested():
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     pythons = re.findall(r"Python :: (3\.\d+)", project)
     promise = f"Python {pythons[0]} to {pythons[-1]} and Snakemake {oldest} to {newest} are tested."
+    workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text())
+    assert workflow["jobs"]["wheel"]["strategy"]["matrix"]["python"] == [pythons[0], pythons[-1]]
     for name in ("CHANGELOG.md", "docs/installing.md"):
         text = (ROOT / name).read_text(encoding="utf-8")
         assert promise in " ".join(text.split()), name

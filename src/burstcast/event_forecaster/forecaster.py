@@ -1,8 +1,8 @@
-"""From series to probabilities of extreme events, in the habits of scikit-learn.
+"""From series to probabilities of extreme events, with the interface of scikit-learn.
 
 `EventForecaster` does for one set of series what the workflow does for a case: it searches the
-hyperparameters of a committee of networks, trains them, and calibrates the share of them that
-forecast an event by honest forecasts of the training series. It has no numerics of its own.
+hyperparameters of a committee of networks, trains the networks, and calibrates the share that
+forecasts an event by leave-one-out forecasts of the training series. It has no numerics of its own.
 """
 
 from __future__ import annotations  # help() then shows Observable and FloatArray, not their parts
@@ -62,56 +62,57 @@ class EventForecaster(Estimator):
     Parameters
     ----------
     observable
-        Whose events are forecast: the index of a component, a function from states
-        ``(..., component)`` to ``(...)``, or a system, whose observable it is then.
+        Observable that has events: the index of a component, a function from states
+        ``(..., component)`` to ``(...)``, or a system, which has an observable.
     event_threshold
         A number in units of the observable, or ``{"quantile": q}`` of the observable of the
         training series.
     prediction_times
-        From the present to the beginning of the window, one or several; the first is the default
-        everywhere.
+        One or several prediction times: from the present to the beginning of the window. The first
+        is the default of all methods.
     window
         Length of the prediction window.
     lyapunov_time
-        In the unit of time of ``sampling_interval``; None: all durations are in samples.
+        Lyapunov time in the unit of ``sampling_interval``; None: all durations are in samples.
     sampling_interval
         Time between two samples.
     washout
-        What a forecaster is given before it starts.
+        Length of the observations that a forecast starts from.
     kind
-        Of forecasters, a module of `burstcast.forecasters`: "esn", "quadratic", "analogues", ...
+        Kind of forecaster, a module of `burstcast.forecasters`: "esn", "quadratic", ...
     members
-        Networks of the committee. Of other kinds, the members of a forecaster's ensemble vote
-        (filters, analogues), or it votes alone, with 0 and 1.
+        Number of networks in the committee. Other kinds ignore it: the members of their ensemble
+        vote (filters, analogues), or the single forecaster votes 0 or 1.
     neurons
         Size of each network.
     validation
-        Strategy of validation: "RV", "SSV", "WFV" (`burstcast.tuning.strategies`).
+        Validation strategy: "RV", "SSV", "WFV" (`burstcast.tuning.strategies`).
     validation_interval
         Length of a validation interval.
     validation_series, intervals_per_series
-        Training series with validation intervals, and how many each has; None: four series, or all
-        if there are fewer, and as many intervals as fit.
+        Number of training series with validation intervals, and of intervals in each; None: four
+        series, or all if there are fewer, and as many intervals as fit.
     spectral_radius, input_scaling
         Bounds of the search, which is logarithmic.
     tikhonov
-        Tikhonov parameters, the best of which is taken.
+        Tikhonov parameters to choose from.
     grid, bayesian_points
-        Points of the search: a grid of so many in each direction, then Bayesian optimisation.
+        Points of the search: grid points in each direction, then points of Bayesian optimisation.
     calibrate
         Whether probabilities are calibrated by forecasts of each training series by readouts that
-        have not seen it; it takes two series. Otherwise they are shares of votes.
+        have not seen it, which takes two series. Otherwise they are shares of votes.
     prior_forecasts
-        As how many forecasts each share of votes counts that came true as it says.
+        Weight of the prior of the calibration: number of forecasts that verified as stated, for
+        each share of votes.
     calibration_spacing, start_spacing
-        Distance of the starting points that probabilities are calibrated on, and scored on.
+        Distance of the starting points for calibration, and for scores.
     noise
         Observation noise that is added to the training series, in standard deviations of each
-        component: 0 for what was measured.
+        component; 0 for measured series.
     sampling_stride
         Integration steps in a sample, for kinds that integrate equations.
     options
-        Of the kind, laid over its defaults (`burstcast.forecasters._options`).
+        Options of the kind that differ from its defaults (`burstcast.forecasters._options`).
     random_seed, case
         Root of all random numbers, and the name of the case in their streams: a case of the
         workflow with the same settings has the same networks, bit for bit.
@@ -119,14 +120,14 @@ class EventForecaster(Estimator):
     Attributes
     ----------
     members_
-        The forecasters: one where the members of its ensemble vote.
+        Fitted forecasters; a single one if the members of its ensemble vote.
     hyperparameters_
-        What the search has found for each network.
+        Hyperparameters found by the search, for each network.
     event_threshold_
-        In units of the observable.
+        Event threshold in units of the observable.
     reference_states_, reference_observable_
         Some states of the training series, ``(state, component)``, and the observable of each:
-        `load` compares an observable that it is given with that of the fit.
+        `load` compares its observable with them.
     alarms_
         Calibrations and thresholds (`burstcast.probability.alarm_rule`) by prediction time.
     classes_
@@ -226,7 +227,7 @@ class EventForecaster(Estimator):
         series
             Training series, ``(series, time, component)``.
         y
-            Nothing: events are found in the series themselves.
+            Ignored: events are found in the series.
         parameters
             For kinds that know the parameters (``quadratic_aware``, ``esn_aware``): values in the
             training series of the parameters named by the option ``parameters``, in a form of
@@ -317,10 +318,10 @@ class EventForecaster(Estimator):
         Parameters
         ----------
         series
-            What has been observed up to the present, ``(series, time, component)``: the washout at
-            least. Only its last samples count, as many as the washout has.
+            Observations up to the present, ``(series, time, component)``, at least as long as the
+            washout. Only the last washout counts.
         duration
-            How far; None: to the end of the last prediction window.
+            Length of the forecast; None: to the end of the last prediction window.
 
         Returns
         -------
@@ -358,7 +359,8 @@ class EventForecaster(Estimator):
 
         Returns
         -------
-        ``(series, 2)``: the columns are ``classes_``, so that ``[:, 1]`` is that of an event.
+        ``(series, 2)``, with columns in the order of ``classes_``: ``[:, 1]`` is the probability of
+        an event.
         """
         time = self._time(prediction_time)
         washouts = self._washouts(series)
@@ -411,9 +413,9 @@ class EventForecaster(Estimator):
         return np.asarray(probability >= self.alarms_[self._time(prediction_time)].threshold)
 
     def update(self, observation: Any, time: float | None = None) -> Self:
-        """Take the next observation of a series that is watched while it goes on.
+        """Take the next observation of a running series.
 
-        Only the latest observations count, as many as the washout has. A gap begins the washout
+        Only the latest washout counts. A gap begins the washout
         again, and a warning says so: an observation that is not finite, or a time that is more than
         a sampling interval after the last one. `save` keeps the observations; `fit` forgets them.
 
@@ -439,8 +441,7 @@ class EventForecaster(Estimator):
     def probability(self, prediction_time: float | None = None) -> float:
         """Probability of an event after the latest observation (`update`).
 
-        The same number as `predict_proba` of these observations; NaN while there are fewer than the
-        washout takes.
+        Equal to `predict_proba` of these observations; NaN until the washout is complete.
 
         Parameters
         ----------
@@ -455,21 +456,21 @@ class EventForecaster(Estimator):
     def scores(self, series: Any, prediction_time: float | None = None) -> dict[str, float]:
         """All scores of the probabilities, and of the alarms that they raise, in series.
 
-        Forecasts start all over the series, ``start_spacing`` apart, but where an event is under
-        way already: where the observable reaches the threshold in the washout.
+        Starting points lie ``start_spacing`` apart in all series. Points whose washout reaches the
+        event threshold are left out: an event is under way there.
 
         Parameters
         ----------
         series
-            Nothing of which was used in training.
+            Test series, not used in training.
         prediction_time
             One of ``prediction_times``; None: the first.
 
         Returns
         -------
         By name: "f_score", "precision", "recall", "brier_skill", "roc_area", ...
-        (`burstcast.probability.scores`), and "forecasts" and "events", how many there were. NaN
-        where a score is not defined, as that of alarms where nothing happened.
+        (`burstcast.probability.scores`), and the numbers of "forecasts" and "events". NaN where a
+        score is not defined, such as a recall without events.
         """
         time = self._time(prediction_time)
         states = self._like_training(as_series(series))
@@ -493,7 +494,7 @@ class EventForecaster(Estimator):
     def save(self, path: str | Path) -> None:
         """Write the fitted state to a NetCDF file, without pickling.
 
-        A function or a system of one's own as the observable is not written: `load` takes it again.
+        An observable that is a function or a system of your own is not written: pass it to `load`.
         """
         self._check_fitted()
         alarms = [{"prediction_time": time, **one.record()} for time, one in self.alarms_.items()]
@@ -523,7 +524,7 @@ class EventForecaster(Estimator):
         path
             The file.
         observable
-            Where it is a function or a system of one's own, which the file has not.
+            The observable, if it is a function or a system of your own, which is not in the file.
 
         Raises
         ------
@@ -563,7 +564,7 @@ class EventForecaster(Estimator):
         return EventTiming(*(checked[name] for name in names))
 
     def _samples(self, name: str) -> int:
-        """Samples of the duration that a parameter says."""
+        """Number of samples in the duration that a parameter gives."""
         return self._timing.samples(name, getattr(self, name))
 
     def _case(self, components: int, own: Sequence[float] | None = None) -> ForecastingCase:
