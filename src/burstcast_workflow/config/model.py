@@ -164,7 +164,7 @@ class NetworkChoice(Section):
         default=[],
     )
     validation: Distinct[Strategy] | None = setting(
-        "validation strategies; all if left out or empty; null: that of the example network",
+        "validation strategies; all if left out or empty; null: the example network's strategy",
         one_of=STRATEGIES,
         default=[],
     )
@@ -285,7 +285,7 @@ class Lyapunov(TimeUnit):
 class TrainingActuation(Section):
     """An actuator that switches on and off at random during training series; null for none."""
 
-    interval_lt: Positive = setting("interval at whose ends the actuator may switch")
+    interval_lt: Positive = setting("interval between two possible switchings")
     mean_on_lt: Positive = setting(
         "mean time that it stays on", at_least="training.actuation.interval_lt"
     )
@@ -512,8 +512,7 @@ class Case(Section):
     fixed_point: FixedPoint
     actuation: Actuation | None = setting("", default=None)
     test_series: Count = setting(
-        "number of series that forecasts are classified on; of measured series, all after those of "
-        "the training if left out"
+        "number of test series; if left out, all measured series after the training series"
     )
     recycle_validation: RecycleValidation
     data: Data | None = setting(
@@ -534,8 +533,8 @@ class Simulated(Case):
     """A dynamical system with its dataset: defaults of every case."""
 
     system: SystemName = setting(
-        "the equations: a module of burstcast.systems, or module and class of your own, from the "
-        "working directory, that of a config, or what is installed"
+        "the equations: a module of burstcast.systems, or module:Class of your own, in the working "
+        "directory, beside a config, or installed"
     )
     files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = setting(
         "files that a module of your own reads, from the directory of the module; [] if none",
@@ -660,7 +659,7 @@ class Precursor(Section):
     degree: Whole = setting(
         "degree of the products of features in the logistic regression", ge=1, le=2
     )
-    penalty: Positive = setting("strength of the penalty on squared coefficients of it")
+    penalty: Positive = setting("penalty on squared coefficients of the logistic regression")
 
 
 @with_defaults(DEFAULTS["esn_direct"])
@@ -738,9 +737,9 @@ class Search(Section):
     )
     surrogate: Surrogate = setting("", default_factory=Surrogate)
     choice: Literal["best", "survival"] = setting(
-        "which point is taken: the one with the best objective; or, of those within one paired "
-        "standard error of it, the one whose long runs leave the chaotic phase as often as the "
-        "series that were generated for the training do"
+        "choice of the point: the best objective; or, within one paired standard error of it, the "
+        "point whose long runs leave the chaotic phase as often as the series generated for the "
+        "training"
     )
 
 
@@ -781,7 +780,7 @@ class Statistics(Section):
     starting_points: Count = setting("long runs of each forecaster, started in the training series")
     start_spacing_lt: Positive = setting("time between two starting points")
     duration: PositiveOrNull = setting(
-        "length of each long run; null: that of the case's series, ensemble.duration", TIME
+        "length of each long run; null: the length of the case's series, ensemble.duration", TIME
     )
     fixed_point_interval_lt: Positive = setting("end of a long run, which shows whether it settled")
     lyapunov_exponents: Whole = setting(
@@ -838,13 +837,13 @@ class StrategyBlock(Section):
         default=[1],
     )
     noise: Distinct[Annotated[float, Field(ge=0)]] = setting(
-        "of what is observed; that of the training series if left out or empty",
+        "observation noise; if left out or empty, the noise of the training series",
         "standard deviations of each component",
         default=[],
     )
     observed: Distinct[CaseName] = setting(
         "cases of parts of the controlled case's state, or of its sensors and encoders "
-        "(`data.case`), which forecasters and rules observe; forecasters are those of these cases",
+        "(`data.case`), which rules observe, and whose forecasters control",
         default=[],
     )
 
@@ -881,8 +880,8 @@ class Probability(Section):
         "distance of the starting points that probabilities are calibrated on"
     )
     calibration_series: Whole = setting(
-        "series that probabilities are calibrated on, neither training nor test; 0: the training "
-        "series, each forecast without what it has taught",
+        "number of further series for calibration; 0: calibration on the training series, each "
+        "forecast by a forecaster that was refitted without it",
         ge=0,
     )
     prior_forecasts: float = setting(
