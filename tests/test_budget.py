@@ -15,7 +15,7 @@ BUDGET = {
     "src/burstcast_workflow": 234,
     "src/burstcast_workflow/campaign": 1254,
     "src/burstcast_workflow/commands": 1379,
-    "src/burstcast_workflow/config": 3376,
+    "src/burstcast_workflow/config": 3375,
     "src/burstcast_workflow/costs": 639,
     "src/burstcast_workflow/figures": 507,
     "src/burstcast_workflow/harness": 675,
