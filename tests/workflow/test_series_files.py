@@ -543,3 +543,44 @@ def test_permuted_axes(tmp_path_factory, data) -> None:
     names = [f"column_{number + 1}" for number in range(expected.shape[2])]
     said = {"columns": pick([], names), "axes": pick([], order), "array": "state"}
     same_or_refused(path, expected, names, said)
+
+
+DATES = {"time": "t", "time_unit": "hour"}
+
+
+def test_dates_in_a_column_of_times(tmp_path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t,u\n1970-01-01,1\n1970-01-01T12:30,2\n1970-01-02 00:00:00,3\n")
+    (found,) = runs(path, ("t", "u"), **DATES)
+    assert found.columns["t"].tolist() == [0, 12.5, 24]
+    (found,) = runs(path, ("t", "u"), **DATES, time_zone="Europe/Berlin")
+    assert found.columns["t"].tolist() == [-1, 11.5, 23]
+    # as text they are told what they are
+    with pytest.raises(ValueError, match=r"line 2: column 't' has '1970-01-01', .*data.time_unit"):
+        runs(path, ("t", "u"), time="t")
+    with pytest.raises(
+        ValueError, match=r"line 2: column 't' has '1970-01-01', which is no number"
+    ):
+        runs(path, ("t", "u"))
+    path.write_text("t,u\n1970-01-01,1\n,2\n")
+    with pytest.raises(ValueError, match=r"a.csv, line 3: column 't' has no time"):
+        runs(path, ("t", "u"), **DATES)
+    path.write_text("t,u\n1970-01-01,1\n1970-01-01T02:00Z,2\n")
+    with pytest.raises(
+        ValueError, match=r"line 3: column 't' has '1970-01-01T02:00Z', which is a d"
+    ):
+        runs(path, ("t", "u"), **DATES)
+
+
+def test_dates_in_parquet(monkeypatch) -> None:
+    stamps = pd.Series(pd.to_datetime(["1970-01-01 00:00", "1970-01-01 12:30"]))
+    table = pd.DataFrame({"t": stamps, "u": [1.0, 2.0]})
+    monkeypatch.setattr(pd, "read_parquet", lambda path: table)  # of whatever library
+    (found,) = runs("a.parquet", ("t", "u"), **DATES)
+    assert found.columns["t"].tolist() == [0, 12.5]
+    table["t"] = stamps.dt.tz_localize("Europe/Berlin")
+    (found,) = runs("a.parquet", ("t", "u"), **DATES)
+    assert found.columns["t"].tolist() == [-1, 11.5]
+    table.loc[1, "t"] = pd.NaT
+    with pytest.raises(ValueError, match=r"a.parquet, row 2: column 't' has no time"):
+        runs("a.parquet", ("t", "u"), **DATES)
