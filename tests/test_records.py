@@ -67,6 +67,13 @@ def test_gaps_that_are_interpolated():
     assert listed(runs_without_gaps(gaps, BY_T, longest=9.9)) == [[0, 1], [3], [5], [9]]
 
 
+def test_two_rows_at_one_place_do_not_shift_others():
+    # the second of them is incomplete
+    twice = record([0, 5, 5.2, 15], u=[0, 1, 1, 3], v=[0, 1, NAN, 3])
+    (run,) = runs_without_gaps(twice, BY_T, longest=10)
+    assert run.columns["u"].tolist() == [0, 1, 2, 3]
+
+
 def test_times_off_the_grid_begin_another_run():
     # a sensor that was started again two minutes later, and a clock that drifts
     assert listed(runs_without_gaps(record([0, 5, 12, 17], u=[1, 2, 3, 4]), BY_T)) == [
