@@ -291,6 +291,15 @@ def notebook_page(name: str, notebook: Mapping[str, Any]) -> str:
 # -- the site --------------------------------------------------------------------------------------
 
 
+def breakable(text: str) -> str:
+    """Names in the first columns of tables, which a browser may break after dots alone."""
+
+    def name(found: re.Match[str]) -> str:
+        return f"| <code>{found[1].replace('.', '.<wbr>')}</code> |"
+
+    return re.sub(r"^\| `([^`]+)` \|", name, text, flags=re.MULTILINE)
+
+
 def pages(drawn: Mapping[str, str]) -> dict[str, str]:
     """Text of all pages by their address in the site."""
     found = api_pages()
@@ -305,6 +314,7 @@ def pages(drawn: Mapping[str, str]) -> dict[str, str]:
     listed = found["index.md"].partition("\n")[2]
     found["index.md"] = "\n".join([front, "## Documentation", listed, *trees])
     found["figures.md"] += gallery(drawn)
+    found["settings.md"] = breakable(found["settings.md"])
     return found
 
 

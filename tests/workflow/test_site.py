@@ -93,3 +93,35 @@ def test_the_commands_of_the_gallery_make_their_figures(build, tmp_path):
         )
         assert plan.returncode == 0, plan.stderr[-3000:]
         assert re.search(rf"^figure +{len(wanted)}$", plan.stdout, re.MULTILINE)
+
+
+def test_names_of_settings_break_after_dots(build):
+    row = "| `search.grid` | `a.b` |\n| one | `c.d` |"
+    assert build.breakable(row) == "| <code>search.<wbr>grid</code> | `a.b` |\n| one | `c.d` |"
+
+
+def test_a_notebook_becomes_a_page(build):
+    cells = [
+        {"cell_type": "markdown", "source": ["# Title\n", "Text."]},
+        {
+            "cell_type": "code",
+            "source": ["print(1)"],
+            "outputs": [
+                {"output_type": "stream", "text": ["1\n"]},
+                {"data": {"image/png": "aGk=", "text/plain": "<Figure>"}},
+                {"data": {"text/plain": ["(2, 3)"]}},
+            ],
+        },
+    ]
+    notebook = {"cells": cells}
+    assert build.notebook_pictures("own", notebook) == {"own_0.png": b"hi"}
+    assert build.notebook_page("own", notebook).split("\n\n") == [
+        "# Title",
+        "Text.",
+        "Download: [own.ipynb](own.ipynb)",
+        "```python\nprint(1)\n```",
+        "```text\n1\n```",
+        "![output](images/own_0.png)",
+        "```text\n(2, 3)\n```",
+        "",
+    ]
