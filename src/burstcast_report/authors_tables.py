@@ -204,7 +204,7 @@ def _published_scores(neurons: int, validation: str) -> Iterator[tuple[str, Scor
 
 
 def agreement(authors: Tables, paper: Tables) -> str:
-    """How many published values lie inside intervals without and with other training sets."""
+    """Number of published values inside intervals without and with other training sets."""
     counts: dict[str, list[int]] = {}
     for neurons, validation in _networks(authors):
         where: dict[str, Any] = {"neurons": neurons, "validation": validation}
@@ -273,7 +273,7 @@ def variance_table(authors: Tables, own: Tables) -> str:
 
 
 def differences_table(authors: Tables, own: Tables, paper: Tables) -> str:
-    """What separates published values from the paper's campaign (RV), by size and score.
+    """Distance of published values from the paper's campaign (RV), by size and score.
 
     The difference is the sum of three: the choices on the same training sets and seeds, the five
     training sets beside the campaign's own with our choices, and what is left between the published

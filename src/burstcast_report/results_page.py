@@ -184,7 +184,7 @@ def unjudged_table() -> str:
 
 
 def comparison(tables: Tables) -> pd.DataFrame:
-    """What of a campaign is published, too: `burstcast.tables.published.compare`."""
+    """Values of a campaign beside published ones: `burstcast.tables.published.compare`."""
     names = ("classification", "horizon", "hyperparameters", "statistics", "control")
 
     def parts(ending: str) -> dict[str, pd.DataFrame]:

@@ -118,7 +118,7 @@ class CaseData:
 
     @property
     def exported(self) -> TaskData:
-        """What is exported: nothing of it is the truth."""
+        """Exported data, without the truth."""
         case = self.case
         return TaskData(
             task=self.task,
@@ -231,7 +231,7 @@ def _simulated(case: BenchmarkCase, seed: int) -> FloatArray:
 def _observed(
     case: BenchmarkCase, states: FloatArray, observable: FloatArray, seed: int
 ) -> FloatArray:
-    """What is observed of true states, with noise, ``(series, time, component)``."""
+    """Noisy observations of true states, ``(series, time, component)``."""
     measured = observable[..., np.newaxis]
     if case.sensors is not None:
         # a series at a time: those of a turbulent flow are large

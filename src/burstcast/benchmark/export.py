@@ -171,7 +171,7 @@ def page(found: Sequence[TaskData], scoring: str, file: str = "") -> str:
 
 
 def _observables(found: Sequence[TaskData]) -> str:
-    """What the observables are, and whether they are components of their own."""
+    """Names of the observables, and whether they are components of their own."""
     names = _listed(data.task.space.observable_name for data in found)
     said = f"The observable is the {names}."
     if any(isinstance(data.task.space, MoehlisFaisstEckhardt) for data in found):

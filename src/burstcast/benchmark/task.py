@@ -23,7 +23,7 @@ as those of another logarithm, then do not count, and chaos amplifies all that d
 
 @dataclass(frozen=True)
 class ForecastTask:
-    """What files of forecasts are compared with.
+    """Reference that files of forecasts are compared with.
 
     Attributes
     ----------

@@ -264,7 +264,7 @@ class RunningFlows:
             self.acting[flow, step + start : step + stop] = as_told
 
     def _known(self, due: IntArray, now: IntArray) -> ByteArray:
-        """Which actuation was on over the washout, and will be until an alarm takes effect."""
+        """Actuation in force over the washout, and until an alarm takes effect."""
         pending = self.stepper.effect[0] // self._stride
         steps = self.stepper.timing.washout - 1 + pending
         last = (now + pending) * self._stride - 1

@@ -79,7 +79,7 @@ class Record:
         }
 
     def place(self, row: int) -> str:
-        """Where a row is: "lab.csv, row 3"."""
+        """Place of a row, for messages: "lab.csv, row 3"."""
         part = int(np.searchsorted(self._first, row, side="right")) - 1
         return f"{self._names[part]}, row {row - self._first[part] + 1}"
 
@@ -234,7 +234,7 @@ def long_runs(runs: Sequence[Run], samples: int) -> tuple[list[Run], str]:
 
 @dataclass(frozen=True)
 class Treatment:
-    """What is done with records before they are cut into series.
+    """Treatment of records before they are cut into series.
 
     Attributes
     ----------
@@ -346,7 +346,7 @@ class Treatment:
 
 
 def training_rows(lengths: Sequence[int], blocks: Blocks | None, training: int) -> list[slice]:
-    """Rows of each run that belong to the first series, for the runs that have any of them."""
+    """Rows of each run that belong to the first series, for runs with such rows."""
     found, left = [], training
     for length in lengths:
         starts = block_starts(length, blocks) if blocks else range(1)
@@ -457,7 +457,7 @@ _TOGETHER = {
 
 
 def problems_of_treatment(data: Mapping[str, Any]) -> Iterator[str]:
-    """What is wrong with how the records of a case are treated, as its settings tell."""
+    """Mistakes in the treatment of a case's records that its settings show."""
     for key, other in _TOGETHER.items():
         if data[key] and not data[other]:
             yield f"data.{key} needs data.{other}"

@@ -138,7 +138,7 @@ class TimeStamps:
 
 
 def hour_of_change(moment: datetime, zone: ZoneInfo) -> Literal["skip", "show twice"] | None:
-    """What the clocks of a zone do at a time without an offset; None for once, as usual."""
+    """Whether a time without an offset is skipped or repeated by the zone; None: neither."""
     first, second = (moment.replace(tzinfo=zone, fold=fold) for fold in (0, 1))
     if first.utcoffset() == second.utcoffset():
         return None

@@ -21,7 +21,7 @@ _REALISATION = re.compile(r"(.+)-training([1-9]\d*)")
 
 
 def realisation_of(name: str) -> tuple[str, int]:
-    """Case that a case differs from by its training series only, and which choice of them it has.
+    """Source of a case with other training series, and the number of the choice.
 
     ``Re400-training2`` is the second other choice of ``Re400``; choice 0 is a case's own.
     """

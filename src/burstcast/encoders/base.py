@@ -48,11 +48,11 @@ class EncodingCase:
         return component_names(self.space)
 
     def readings(self, states: FloatArray) -> FloatArray:
-        """What is observed of states ``(dimension, ...)``, without noise: ``(observed, ...)``."""
+        """Noise-free observation of states ``(dimension, ...)``: ``(observed, ...)``."""
         return states if self.observation is None else self.observation(states)
 
     def readings_of_series(self, states: FloatArray) -> FloatArray:
-        """The same of series ``(series, time, dimension)``: ``(series, time, observed)``."""
+        """Noise-free ``(series, time, observed)`` of series ``(series, time, dimension)``."""
         return np.moveaxis(self.readings(np.moveaxis(states, -1, 0)), 0, -1)
 
 
@@ -107,7 +107,7 @@ class Encoder(abc.ABC):
         """
 
     def encode_series(self, observed: FloatArray) -> FloatArray:
-        """The same of series ``(series, time, component)``: ``(series, time, channel)``."""
+        """Channels of series ``(series, time, component)``: ``(series, time, channel)``."""
         return np.moveaxis(self.encode(np.moveaxis(observed, -1, 0)), 0, -1)
 
     def decode(self, channels: FloatArray) -> FloatArray:

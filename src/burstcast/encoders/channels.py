@@ -147,7 +147,7 @@ class StateChannels:
 
 @dataclass(frozen=True)
 class EncodedFlow:
-    """What is observed of a running flow, and the channels that forecasters make of it.
+    """Observations of a running flow, and their channels for forecasters.
 
     Attributes
     ----------

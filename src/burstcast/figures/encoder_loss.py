@@ -130,7 +130,7 @@ def encoder_loss(
     domain: tuple[float, float],
     symbol: str,
 ) -> Figure:
-    """Draw what modes hold above some of them.
+    """Draw the shares of the modes above a number of leading modes.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ def draw(
     symbol: str,
     observable_name: str,
 ) -> Figure:
-    """Draw the first kept series that has an event and the histogram of all of them.
+    """Draw the first kept series with an event, and the histogram of all kept series.
 
     Parameters
     ----------

@@ -164,7 +164,7 @@ def _variable(file: netCDF4.Dataset, path: str | Path, name: str) -> "netCDF4.Va
 
 
 def read_netcdf(path: str | Path, *names: str) -> dict[str, npt.NDArray[Any]]:
-    """Read the named variables of a NetCDF file, all of them when no name is given.
+    """Read the named variables of a NetCDF file; all variables if no name is given.
 
     Raises
     ------

@@ -116,7 +116,7 @@ def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Esti
 
 
 def alignment_of(steps: int, orthonormalisation_steps: int) -> int:
-    """Steps of a series that its perturbations are given to line up: a quarter of them.
+    """Steps of a series until its perturbations are aligned: a quarter of the series.
 
     The first exponents lie so close together that this takes long (see `lyapunov_spectrum`).
 

@@ -29,7 +29,7 @@ def bayesian_search(
     seed: int,
     surrogate: SurrogateSettings = DEFAULT_SURROGATE,
 ) -> None:
-    """Evaluate ``points`` more hyperparameters where a Gaussian process expects most of them.
+    """Evaluate ``points`` more hyperparameters, chosen by a Gaussian process.
 
     The Gaussian process has a constant times an anisotropic Matern 5/2 kernel and normalised
     targets; gp_hedge chooses among expected improvement, lower confidence bound and probability of

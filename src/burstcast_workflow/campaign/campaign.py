@@ -121,7 +121,7 @@ class ControlRun:
 
     @property
     def prediction_time_lt(self) -> float | None:
-        """Of the paper's strategy; None of others."""
+        """Prediction time of the paper's strategy; None for others."""
         return dict(self.plan.settings).get("prediction_time_lt")
 
 

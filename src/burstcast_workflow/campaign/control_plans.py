@@ -70,7 +70,7 @@ class ControlPlan:
         return "-".join(parts)
 
     def record(self, span_lt: float) -> dict[str, Any]:
-        """All of it, as a job is given it: with the campaign's span where it says none."""
+        """Settings for a job, with the campaign's span by default."""
         conditions = {name: getattr(self, name) for name in CONDITIONS}
         conditions["span_lt"] = span_lt if self.span_lt is None else self.span_lt
         if self.observed:

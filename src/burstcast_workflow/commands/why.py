@@ -82,7 +82,7 @@ class Job:
 
 @dataclass
 class Cause:
-    """A reason, the cases that it concerns, and the jobs that would run because of it."""
+    """A reason with its cases and the jobs that it would run."""
 
     text: str
     cases: set[str] = field(default_factory=set)

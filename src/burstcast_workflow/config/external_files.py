@@ -23,7 +23,7 @@ def paths_of(said: ExternalFiles, case: str) -> list[str]:
 
 
 def problems_of_external(config: Configuration, case: str) -> Iterator[str]:
-    """What is wrong with the files of a case, as far as their first lines tell."""
+    """Mistakes in the files of a case that their first lines show."""
     known: dict[str, ExternalFiles] = {}
     for block in blocks_of(config, case):
         for name, said in (block.forecasters.external or {}).items():

@@ -156,7 +156,7 @@ class BlockForecasters(SingleKinds):
 
 
 class NetworkChoice(Section):
-    """Which of the campaign's networks; what is left out is not restricted."""
+    """Selection of the campaign's networks; a property that is left out is not restricted."""
 
     neurons: Distinct[Size] | None = setting(
         "sizes of the reservoir; all if left out or empty; null: figures.fixed_neurons",
@@ -171,7 +171,7 @@ class NetworkChoice(Section):
 
 
 class Choice(SingleKinds):
-    """Which of the campaign's forecasters, by kind; null for none of a kind."""
+    """Selection of the campaign's forecasters by kind; null for none of a kind."""
 
     external: Alone = setting(
         "forecasts from files, which start from no other state: always null", default=None
@@ -480,7 +480,7 @@ class Sensors(Section):
 
 
 class CaseEncoder(Section):
-    """How what is observed becomes the channels that forecasters receive."""
+    """Encoding of the observations in the channels that forecasters receive."""
 
     kind: EncoderName = setting("a module of burstcast.encoders")
     modes: CountOrNull = setting("number of modes, of the kind pod", default=None)
@@ -592,7 +592,7 @@ class EchoStateNetwork(Section):
 
 @with_defaults(DEFAULTS["observation"])
 class Observation(Section):
-    """What learnt equations and filters know of the observations."""
+    """Knowledge of learnt equations and filters about the observations."""
 
     noise: float | None = setting(
         "standard deviation of the noise; null: estimated from the training series",
@@ -917,7 +917,7 @@ class FlowEvent(Section):
 
 
 class Figures(Section):
-    """What the figures show."""
+    """Content of the figures."""
 
     published_overlay: bool = setting("draw the paper's published values on ours")
     example_case: CaseName | None = setting(

@@ -66,7 +66,7 @@ def density_edges(settings: Settings, ensemble: str) -> FloatArray:
 def observed_rows(
     settings: Settings, ensemble: str, first: int, states: FloatArray, kind: str = ""
 ) -> FloatArray:
-    """What is observed of kept series: their states with noise, or what is there of encoded ones.
+    """Observations of kept series: states with noise, or the channels of encoded series.
 
     Parameters
     ----------

@@ -138,7 +138,7 @@ def _of_truncation(space: StateSpace, states: FloatArray) -> list[Finding]:
 
 
 def _of_trend(ensemble: str, space: StateSpace, training: int) -> list[Finding]:
-    """Of a record whose series have a time."""
+    """Warn of a trend in a record whose series have times."""
     if START not in variable_names(ensemble):
         return []
     data = read_netcdf(ensemble, START, "state")
