@@ -21,7 +21,7 @@ stage(
         "forecast": f"{FORECASTER}/forecast.nc",
         "horizon": f"{FORECASTER}/horizon.nc",
     },
-    settings="TASK classification.resolution_lt",
+    settings="TASK",
     cost="data",
     constraints={"forecaster": EXTERNAL},
     noise=of_case(Campaign.noise),

@@ -112,6 +112,8 @@ class CaseData:
             points=len(self.test.points),
             boundaries=self.case.boundaries,
             prediction_times_lt=self.case.prediction_times_lt,
+            window_lt=self.case.window_lt,
+            resolution_lt=self.case.resolution_lt,
             horizon_points=len(self.horizon_starts[0]),
             horizon_steps=self.search.longest_lead_time,
         )
@@ -130,7 +132,6 @@ class CaseData:
             noise=case.noise,
             event_threshold=case.event_threshold,
             sampling_interval=case.sampling_interval,
-            window_lt=case.window_lt,
             search=self.search,
             tolerance=case.tolerance,
         )

@@ -158,7 +158,7 @@ def page(found: Sequence[TaskData], scoring: str, file: str = "") -> str:
         version=first.task.version,
         observables=_observables(found),
         threshold=_listed(f"{data.event_threshold:g}" for data in found),
-        window=_listed(f"{data.window_lt:g}" for data in found),
+        window=_listed(f"{data.task.window_lt:g}" for data in found),
         times=_listed(
             ", ".join(f"{time:g}" for time in data.task.prediction_times_lt) for data in found
         ),

@@ -214,13 +214,14 @@ def read_forecasts(paths: Sequence[Path], task: ForecastTask) -> Forecasts:
     Raises
     ------
     ForecastFileError
-        If anything is wrong with them.
+        If anything is wrong with them, another version of the case among others.
     """
     members: tuple[WindowSummaries, ...] = ()
     probability: FloatArray | None = None
     horizon: FloatArray | None = None
     source: dict[bool, str] = {}
     for path in paths:
+        check_version(path, facts_of(path), task.version)
         read = _csv if path.suffix.lower() in CSV else _netcdf
         for form, blocks in read(path, _forms(task)):
             if form.of_horizon in source:

@@ -12,10 +12,9 @@ from burstcast.benchmark.data import CaseData
 from burstcast.benchmark.forecast_files import Forecasts
 from burstcast.data.starting_points import crossing_points
 from burstcast.forecast.classification import bootstrap_interval
-from burstcast.forecast.horizon import prediction_horizons
 from burstcast.forecast.horizon_intervals import resampled_averages
 from burstcast.forecast.windows import crosses
-from burstcast.forecasters._recorded import RecordedForecasts
+from burstcast.forecasters._recorded import recorded_horizons
 from burstcast.probability.alarms import counts_at
 from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.lead_times import lead_time_scores, lead_times
@@ -133,11 +132,9 @@ def _horizon_scores(data: CaseData, forecasts: Forecasts, resamples: int) -> Seq
     """Mean and median prediction horizon of the events; none where they were not forecast."""
     if forecasts.horizon is None:
         return []
-    horizons = prediction_horizons(
-        RecordedForecasts(
-            data.before_horizon(data.before_events), forecasts.horizon[..., np.newaxis]
-        ),
-        lambda outputs: outputs[0],
+    horizons = recorded_horizons(
+        data.before_horizon(data.before_events),
+        forecasts.horizon,
         data.before_events,
         data.truth_before_events,
         data.search,

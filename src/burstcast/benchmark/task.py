@@ -37,6 +37,8 @@ class ForecastTask:
         Steps at which windows begin and end (`burstcast.forecast.windows.window_boundaries`).
     prediction_times_lt
         Times from a starting point to each prediction window, in Lyapunov times.
+    window_lt, resolution_lt
+        Length of the prediction windows, and of the windows between boundaries.
     horizon_points, horizon_steps
         Starting points of the prediction horizon, and steps of their forecasts.
     """
@@ -48,6 +50,8 @@ class ForecastTask:
     points: int
     boundaries: tuple[int, ...]
     prediction_times_lt: tuple[float, ...]
+    window_lt: float
+    resolution_lt: float
     horizon_points: int
     horizon_steps: int
 
@@ -55,6 +59,12 @@ class ForecastTask:
     def steps(self) -> int:
         """Steps of a forecast from a starting point of the windows."""
         return self.boundaries[-1]
+
+    @property
+    def windows(self) -> list[tuple[int, int]]:
+        """First of the windows between boundaries that make up each prediction window; how many."""
+        count = round(self.window_lt / self.resolution_lt)
+        return [(round(time / self.resolution_lt) - 1, count) for time in self.prediction_times_lt]
 
 
 @dataclass(frozen=True)
@@ -82,8 +92,6 @@ class TaskData:
         Time between two samples, in time units.
     steps_per_lyapunov_time
         Steps of a forecast in a Lyapunov time.
-    window_lt
-        Length of the prediction windows.
     search
         How prediction horizons are looked for.
     tolerance
@@ -99,7 +107,6 @@ class TaskData:
     noise: float
     event_threshold: float
     sampling_interval: float
-    window_lt: float
     search: HorizonSearch
     tolerance: float
 
@@ -107,7 +114,7 @@ class TaskData:
     def window_steps(self) -> list[tuple[int, int]]:
         """First and last step of each prediction window, counted from the starting point."""
         times, steps = self.task.prediction_times_lt, self.search.steps
-        return [(steps(time), steps(time + self.window_lt)) for time in times]
+        return [(steps(time), steps(time + self.task.window_lt)) for time in times]
 
     @property
     def digest(self) -> str:
@@ -122,6 +129,8 @@ def campaign_task(
     space: StateSpace,
     boundaries: tuple[int, ...],
     prediction_times_lt: Sequence[float],
+    window_lt: float,
+    resolution_lt: float,
     training: FloatArray,
     points: SeriesPoints,
     washouts: FloatArray,
@@ -134,7 +143,7 @@ def campaign_task(
 
     Parameters
     ----------
-    case, seed, space, boundaries, prediction_times_lt
+    case, seed, space, boundaries, prediction_times_lt, window_lt, resolution_lt
         Of the `ForecastTask`; the random numbers of the order of horizon points follow from the
         seed.
     training, points, washouts, search, facts
@@ -155,6 +164,8 @@ def campaign_task(
         points=len(points),
         boundaries=boundaries,
         prediction_times_lt=tuple(map(float, prediction_times_lt)),
+        window_lt=window_lt,
+        resolution_lt=resolution_lt,
         horizon_points=len(horizon),
         horizon_steps=search.longest_lead_time,
     )

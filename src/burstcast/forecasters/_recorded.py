@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 
 
@@ -81,6 +82,27 @@ class RecordedForecasts(Forecaster):
         outputs = self.outputs[rows[:, np.newaxis], done[:, np.newaxis] + np.arange(steps)]
         later = np.stack([memory[0], memory[1] + steps])
         return np.ascontiguousarray(outputs.transpose(1, 2, 0)), later
+
+
+def recorded_horizons(
+    washouts: FloatArray,
+    observable: FloatArray,
+    observed: FloatArray,
+    truth: FloatArray,
+    search: HorizonSearch,
+) -> FloatArray:
+    """Prediction horizons of recorded forecasts, in Lyapunov times, ``(events,)``.
+
+    Parameters
+    ----------
+    washouts, observable
+        Starting points, ``(points, steps, dimension)``, and forecasts from them, ``(points,
+        steps)``.
+    observed, truth, search
+        Events, as `burstcast.forecast.horizon.prediction_horizons` takes them.
+    """
+    recorded = RecordedForecasts(washouts, observable[..., np.newaxis])
+    return prediction_horizons(recorded, lambda outputs: outputs[0], observed, truth, search)
 
 
 def _key(washout: FloatArray) -> bytes:

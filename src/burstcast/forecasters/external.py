@@ -4,15 +4,16 @@
 are of the starting points of the test alone: nothing is learnt, and no other washout is forecast.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
 from burstcast.benchmark.forecast_files import Forecasts
+from burstcast.benchmark.task import ForecastTask
+from burstcast.files.netcdf import Variable
 from burstcast.forecast.event_probabilities import EventProbabilities
+from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.windows import WindowForecasts
 from burstcast.forecasters.base import ForecasterKind, ForecasterRecord, ForecastingCase
 from burstcast.probability.votes import share_of_votes
@@ -35,22 +36,15 @@ class ExternalForecasts(ForecasterKind):
     forecasts: WindowForecasts | EventProbabilities
 
     @classmethod
-    def of(
-        cls,
-        given: Forecasts,
-        prediction_times_lt: Sequence[float],
-        windows: Sequence[tuple[int, int]],
-        event_threshold: float,
-    ) -> Self:
+    def of(cls, given: Forecasts, task: ForecastTask, event_threshold: float) -> Self:
         """Forecasts that a campaign scores, from those of files.
 
         Parameters
         ----------
         given
             Of `burstcast.benchmark.forecast_files.read_forecasts`.
-        prediction_times_lt, windows
-            Prediction times, and for each the first of the windows that make up its prediction
-            window, and how many there are.
+        task
+            What was asked.
         event_threshold
             Observable that an event reaches.
         """
@@ -62,10 +56,16 @@ class ExternalForecasts(ForecasterKind):
             return cls(WindowForecasts(single.first, single.largest, diverged, none, none))
         probability = given.probability
         if probability is None:
-            votes = [share_of_votes(given.members, *span, event_threshold) for span in windows]
+            votes = [share_of_votes(given.members, *span, event_threshold) for span in task.windows]
             probability = np.stack(votes, axis=1)
-        times: FloatArray = np.array(prediction_times_lt, dtype=np.float64)
+        times = np.array(task.prediction_times_lt)
         return cls(EventProbabilities(probability, times, event_threshold))
+
+    def variables(self, name: str) -> dict[str, Variable]:
+        """Variables of a file of forecasts of the observable called ``name``."""
+        if isinstance(self.forecasts, EventProbabilities):
+            return self.forecasts.variables()
+        return forecast_variables(self.forecasts, name)
 
     def record(self) -> ForecasterRecord:
         """Refuse: the files are the record.

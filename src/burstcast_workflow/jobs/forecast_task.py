@@ -32,6 +32,8 @@ def task_data(
         space=system_of(settings),
         boundaries=window_boundaries(*windows_of(settings), steps),
         prediction_times_lt=settings["classification.prediction_times_lt"],
+        window_lt=settings["classification.window_lt"],
+        resolution_lt=settings["classification.resolution_lt"],
         training=observed_rows(settings, ensemble, 0, training_states(settings, ensemble)),
         points=SeriesPoints(found["series"], found["step"]),
         washouts=found["washout"],
@@ -41,6 +43,5 @@ def task_data(
         noise=settings["noise"],
         event_threshold=settings["case.event_threshold"],
         sampling_interval=sampling_interval(settings),
-        window_lt=settings["classification.window_lt"],
         tolerance=settings["horizon.tolerance"],
     )
