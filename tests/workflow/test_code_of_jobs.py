@@ -44,7 +44,7 @@ PASS_WORDS_ON = {
     "burstcast.data.series_files": {"read_runs"},
     "burstcast.data.records": {"problems_of_treatment"},
     "burstcast.files.atomic_files": {"atomic"},
-    "burstcast.benchmark.forecast_files": {"facts_of", "case_of"},
+    "burstcast.benchmark.forecast_files": {"facts_of"},
 }
 
 
