@@ -35,7 +35,7 @@ def test_fingerprints_see_all_code_of_the_project(path):
 
 
 # Functions that pass words on to people: where a module's mistake is, a figure's caption in the
-# report, what is wrong with a file of series or of forecasts or with settings of its times, that
+# report, what is wrong with a file of series or with settings of its times, that
 # a disk is full, why a system is not compiled.
 PASS_WORDS_ON = {
     "burstcast.discovery": {"imported", "_place"},
@@ -44,7 +44,6 @@ PASS_WORDS_ON = {
     "burstcast.data.series_files": {"read_runs"},
     "burstcast.data.records": {"problems_of_treatment"},
     "burstcast.files.atomic_files": {"atomic"},
-    "burstcast.benchmark.forecast_files": {"facts_of"},
 }
 
 
