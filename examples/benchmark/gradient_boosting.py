@@ -39,6 +39,8 @@ def examples(series, observable, washout, windows, threshold):
     for row, (states, values) in enumerate(zip(series, observable, strict=True)):
         before = np.stack([values[at - washout + 1 : at + 1] for at in starts])
         quiet = starts[before.max(axis=1) < threshold]
+        if not len(quiet):
+            continue
         found.append(features(np.stack([states[at - washout + 1 : at + 1] for at in quiet])))
         for at in quiet:
             ahead = (values[at + first : at + last + 1] for first, last in windows)
