@@ -15,7 +15,14 @@ from burstcast.benchmark.export import export
 from burstcast.files.netcdf import read_attributes, read_netcdf
 
 
-@pytest.mark.parametrize("name", list(CASES))
+LARGE = ("Kolmogorov",)
+"""Cases whose data take minutes."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.long] * (name in LARGE)) for name in CASES],
+)
 def test_the_data_of_each_case_are_frozen(name):
     """A change of anything that data depend on must raise the version of the case."""
     case = CASES[name]
@@ -85,7 +92,7 @@ def test_an_export_has_what_forecasts_need_and_no_truth(data, tmp_path):
     assert facts["digest"] == data.digest
     # nothing reaches beyond a starting point, and nothing true is there
     assert found["washout"].shape[1] == found["horizon_washout"].shape[1] == data.search.washout
-    truth = data.true_states[:, -1].ravel()
+    truth = data.true_states.ravel()
     for array in found.values():
         assert not np.isin(truth, array).any()
 

@@ -12,7 +12,9 @@ from burstcast import durations
 from burstcast.discovery import suggestion
 from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.windows import window_boundaries
+from burstcast.observation.velocity_sensors import VelocitySensors
 from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.state_space import StateSpace, component_names
@@ -37,14 +39,16 @@ class BenchmarkCase:
     system
         The equations.
     observed
-        Names of the components of the state that are observed. The observable is observed too,
-        as a component of its own, where it cannot be computed from them.
+        Names of the components of the state, or of the readings of the sensors, that are observed.
+        The observable is observed too, as a component of its own, where it cannot be computed from
+        them.
     noise
         Standard deviation of the observation noise, in standard deviations of each component.
     event_threshold, laminarisation_threshold
         In units of the observable.
     initial_state, perturbed_component, perturbation
-        Initial conditions (`burstcast.data.dataset.initial_states`).
+        Initial conditions (`burstcast.data.dataset.initial_states`). Without an initial state, the
+        system draws them.
     series, training_series, test_series
         Series that are generated; how many of those that do not laminarise are for training and
         for the test.
@@ -63,6 +67,8 @@ class BenchmarkCase:
     digest
         Digest of the data under `SEED`: a machine that makes other numbers is found out. Empty:
         not checked.
+    sensors
+        Sensors that see the flow; None: the components of the state are observed themselves.
     """
 
     name: str
@@ -74,7 +80,7 @@ class BenchmarkCase:
     noise: float
     event_threshold: float
     laminarisation_threshold: float | None
-    initial_state: tuple[float, ...]
+    initial_state: tuple[float, ...] | None
     perturbed_component: int
     perturbation: float
     series: int
@@ -95,11 +101,12 @@ class BenchmarkCase:
     lead_time_step_lt: float
     tolerance: float
     digest: str
+    sensors: VelocitySensors | None = None
 
     @cached_property
     def space(self) -> StateSpace:
         """What an observed state is: the system's own state where all of it is observed."""
-        if self.observed == component_names(self.system):
+        if self.sensors is None and self.observed == component_names(self.system):
             return self.system
         return MeasuredSeries(
             self.observed, "observable", self.system.observable_name, self.system.observable_symbol
@@ -203,6 +210,46 @@ def _shear_flow(
     )
 
 
+def _turbulent_flow() -> BenchmarkCase:
+    """The case of the Kolmogorov flow, seen by sensors."""
+    flow = KolmogorovFlow(40.0)
+    sensors = VelocitySensors(flow, (8, 8))
+    return BenchmarkCase(
+        name="Kolmogorov",
+        version=1,
+        about="The two-dimensional Kolmogorov flow at Re = 40, whose dissipation bursts: sensors at "
+        "8 x 8 points see its velocity, and the dissipation is observed as a component of its own.",
+        ensemble_name="Kolmogorov_flow",
+        system=flow,
+        observed=sensors.channels,
+        noise=0.01,
+        event_threshold=0.195,
+        laminarisation_threshold=None,
+        initial_state=None,
+        perturbed_component=0,
+        perturbation=0.0,
+        series=22,
+        training_series=10,
+        test_series=12,
+        time_step=0.05,
+        sampling_stride=10,
+        transient=300.0,
+        duration=1000.0,
+        lyapunov_exponent=0.122,
+        washout_lt=1.0,
+        start_spacing_lt=1.0,
+        window_lt=1.0,
+        resolution_lt=0.5,
+        prediction_times_lt=(0.5, 1.0, 1.5, 2.0, 3.0),
+        horizon_events=40,
+        longest_lead_time_lt=4.0,
+        lead_time_step_lt=0.5,
+        tolerance=0.2,
+        digest="93cade92a6b7661c",
+        sensors=sensors,
+    )
+
+
 CASES: Mapping[str, BenchmarkCase] = {
     case.name: case
     for case in (
@@ -235,6 +282,7 @@ CASES: Mapping[str, BenchmarkCase] = {
             digest="998b92cfbb504b3e",
             observed=_MODES[:7],
         ),
+        _turbulent_flow(),
     )
 }
 """The cases by name."""

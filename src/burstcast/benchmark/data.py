@@ -27,6 +27,7 @@ from burstcast.data.starting_points import (
 )
 from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
+from burstcast.systems.sampling import sampled_initial_states
 from burstcast.systems.state_space import component_names
 
 _DIGEST_DECIMALS = 6
@@ -47,13 +48,13 @@ class CaseData:
     test
         Starting points in the test series, their observed washouts, and the true windows.
     true_states
-        True observed components of the washouts of `test`, ``(points, steps, component)``: for
+        True states of the system at the starting points of `test`, ``(points, component)``: for
         bounds alone.
     observable
         True observable of the test series, ``(series, time)``.
     before_events, before_events_true
-        Observed and true components up to each event whose prediction horizon is measured,
-        ``(events, steps, component)``.
+        Observed components, and true states of the system, up to each event whose prediction
+        horizon is measured, ``(events, steps, component)``.
     truth_before_events
         True observable of the same steps, ``(events, steps)``.
     event_points
@@ -120,7 +121,7 @@ class CaseData:
 
 
 def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
-    """Make the data of a case: a second or two.
+    """Make the data of a case: a second or two; a turbulent flow takes a minute.
 
     Parameters
     ----------
@@ -135,13 +136,17 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
         If too many series laminarise under this seed, or if data under `SEED` are not those of the
         frozen case.
     """
-    start = initial_states(
-        np.array(case.initial_state),
-        case.perturbed_component,
-        case.perturbation,
-        case.series,
-        random_streams.stream(seed, "ensemble", case.ensemble_name),
-    )
+    stream = random_streams.stream(seed, "ensemble", case.ensemble_name)
+    if case.initial_state is None:
+        start = sampled_initial_states(case.system, case.series, stream)
+    else:
+        start = initial_states(
+            np.array(case.initial_state),
+            case.perturbed_component,
+            case.perturbation,
+            case.series,
+            stream,
+        )
     batches = generate_ensemble(
         case.system,
         start,
@@ -159,10 +164,7 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
             f"laminarise, and it takes {training + test}: choose another seed"
         )
     observable = np.stack([case.system.observable(series.T) for series in states])
-    true = _observed_components(case, states, observable)
-    observed = observed_series(
-        true, 0, case.noise, component_scales(true[:training]), seed, case.name
-    )
+    observed = _observed(case, states, observable, seed)
     rows = slice(training, training + test)
     points = observed_points(
         observed[rows],
@@ -182,10 +184,10 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
         seed=seed,
         training=observed[:training],
         test=points,
-        true_states=segments(true[rows], points.points, points.washouts.shape[1] - 1, 0),
+        true_states=segments(states[rows], points.points, 0, 0)[:, 0],
         observable=observable[rows],
         before_events=segments(observed, events, before, 0),
-        before_events_true=segments(true, events, before, 0),
+        before_events_true=segments(states, events, before, 0),
         truth_before_events=segments(observable, events, before, 0),
         event_points=events,
         mean_observable=mean,
@@ -199,13 +201,26 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
     return found
 
 
-def _observed_components(
-    case: BenchmarkCase, states: FloatArray, observable: FloatArray
+def _observed(
+    case: BenchmarkCase, states: FloatArray, observable: FloatArray, seed: int
 ) -> FloatArray:
-    """True values of what is observed, ``(series, time, component)``."""
-    if case.space is case.system:
-        return states
-    names = component_names(case.system)
-    seen = states[..., [names.index(name) for name in case.observed]]
-    # in one layout: the last bits of sums over components depend on it
-    return np.ascontiguousarray(np.concatenate([seen, observable[..., np.newaxis]], axis=2))
+    """What is observed of true states, with noise, ``(series, time, component)``."""
+    measured = observable[..., np.newaxis]
+    if case.sensors is not None:
+        # a series at a time: those of a turbulent flow are large
+        readings = [np.moveaxis(case.sensors(np.moveaxis(one, -1, 0)), 0, -1) for one in states]
+        parts = [(np.stack(readings), case.ensemble_name)]
+        parts.append((measured, f"{case.ensemble_name} observable"))
+    elif case.space is case.system:
+        parts = [(states, case.name)]
+    else:
+        names = component_names(case.system)
+        seen = states[..., [names.index(name) for name in case.observed]]
+        # in one layout: the last bits of sums over components depend on it
+        both = np.concatenate([seen, measured], axis=2)
+        parts = [(np.ascontiguousarray(both), case.name)]
+    noisy = []
+    for true, stream in parts:
+        scales = component_scales(true[: case.training_series])
+        noisy.append(observed_series(true, 0, case.noise, scales, seed, stream))
+    return noisy[0] if len(noisy) == 1 else np.concatenate(noisy, axis=2)
