@@ -34,16 +34,12 @@ from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import crosses
+from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import Forecaster, ForecastingCase
-from burstcast.forecasters.registry import forecaster_class
+from burstcast.forecasters.registry import classifier_class, forecaster_class
 from burstcast.probability.alarms import best_threshold
-from burstcast.probability.precursor import (
-    Precursor,
-    PrecursorOptions,
-    out_of_sample_probabilities,
-    precursor_features,
-)
+from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast_workflow.project import source_revision
 
 Made = Callable[[CaseData], tuple[Forecasts, float]]
@@ -156,13 +152,17 @@ def climatology(data: CaseData) -> tuple[Forecasts, float]:
 
 def precursor(data: CaseData) -> tuple[Forecasts, float]:
     """Logistic regression on the present components, their squares and products."""
-    options = PrecursorOptions("logistic")
+    kind, case = classifier_class("precursor"), data.case
+    options = {**options_of_kind("precursor"), "classifier": "logistic", "lags_lt": []}
+    told = ForecastingCase(
+        case.space, case.time_step, case.sampling_stride, case.steps_per_lyapunov_time, options
+    )
     points, happened = training_points(data)
-    features = precursor_features(points.washouts)
-    told = out_of_sample_probabilities(features, happened, points.points.series, options)
-    threshold = best_threshold(*np.unique(told, return_counts=True))
-    found = Precursor.fit(features, happened, options)
-    test = found.probabilities(precursor_features(data.test.washouts))
+    now, series = points.washouts[:, -1:], points.points.series
+    learnt = LabelledPoints(now, happened, series)
+    honest = out_of_sample_probabilities(kind, learnt, told, len(data.training), now, series)
+    threshold = best_threshold(*np.unique(honest, return_counts=True))
+    test = kind.fit(learnt, told).probabilities(data.test.washouts[:, -1:])
     return Forecasts((), test, None), threshold
 
 

@@ -217,8 +217,8 @@ def _turbulent_flow() -> BenchmarkCase:
     return BenchmarkCase(
         name="Kolmogorov",
         version=1,
-        about="The two-dimensional Kolmogorov flow at Re = 40, whose dissipation bursts: sensors at "
-        "8 x 8 points see its velocity, and the dissipation is observed as a component of its own.",
+        about="The two-dimensional Kolmogorov flow at Re = 40, whose dissipation bursts; sensors see "
+        "its velocity at 8 x 8 points, and the dissipation is observed as a component of its own.",
         ensemble_name="Kolmogorov_flow",
         system=flow,
         observed=sensors.channels,
