@@ -277,11 +277,13 @@ def test_noise_is_added_to_what_is_observed(kind, sees_truth, training, test_ser
 
 
 def test_options_are_laid_over_the_defaults_of_the_kind(training):
-    settings = {**SMALL, "members": 1, "options": {"connectivity": 3, "backend": "scipy"}}
+    options = {"connectivity": 3, "input_bias": 1, "backend": "scipy"}
+    settings = {**SMALL, "members": 1, "options": options}
     (member,) = burstcast.EventForecaster(**settings).fit(training).members_
     reservoir = member.network.dynamics.reservoir
     assert 2 < reservoir.recurrent.nnz / 60 < 4
-    assert reservoir.input_bias == options_of_kind("esn")["input_bias"]
+    assert reservoir.input_bias == 1
+    assert member.divergence_bound == options_of_kind("esn")["divergence_bound"]
 
 
 def test_an_observable_is_a_component_a_function_or_a_system(training, test_series):
