@@ -142,7 +142,8 @@ def differences(campaign: str, results: Path) -> list[str]:
         Name of the kept one.
     results
         Results directory of a campaign that is part of the kept one: the same cases, fewer
-        networks. Tables with rows for each network are compared, as text, to the last digit.
+        networks. Tables with rows for each network are compared, as text, to the last digit, in
+        the columns that are kept.
 
     Raises
     ------
@@ -159,12 +160,18 @@ def differences(campaign: str, results: Path) -> list[str]:
         theirs = results / "tables" / f"{name}.csv"
         if not theirs.exists() or not theirs.stat().st_size:
             continue
-        head, *rows = theirs.read_text(encoding="utf-8").splitlines()
-        ours = (kept / f"{name}.csv").read_text(encoding="utf-8").splitlines()
-        if head != ours[0]:
-            found.append(f"{name}: other columns")
-        known = set(ours)
-        found += [f"{name}: {row}" for row in rows if row not in known]
+        ours, others = (
+            pd.read_csv(path, dtype=str, keep_default_na=False)
+            for path in (kept / f"{name}.csv", theirs)
+        )
+        if missing := [column for column in ours if column not in others]:
+            found.append(f"{name}: without {', '.join(missing)}")
+            continue
+        rows, known = (
+            [",".join(row) for row in table[list(ours)].to_numpy().tolist()]
+            for table in (others, ours)
+        )
+        found += [f"{name}: {row}" for row in rows if row not in set(known)]
         print(f"{name}: {len(rows)} rows looked up", file=sys.stderr)
     return found
 

@@ -321,6 +321,12 @@ def test_collected_tables_are_those_of_the_campaign(results, capsys):
     put_table(results, "classification", "case,seed,f_score\nRe400,1,0.7500000001\n")
     assert results_page.main(["same", "small", str(results)]) == 1
     assert "classification: Re400,1,0.7500000001" in capsys.readouterr().out
+    # a later version has a further column
+    put_table(results, "classification", "case,events,seed,f_score\nRe400,7,1,0.75\n")
+    assert results_page.main(["same", "small", str(results)]) == 0
+    put_table(results, "classification", "case,f_score\nRe400,0.75\n")
+    assert results_page.main(["same", "small", str(results)]) == 1
+    assert "classification: without seed" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
