@@ -168,7 +168,7 @@ def differences(campaign: str, results: Path) -> list[str]:
             found.append(f"{name}: without {', '.join(missing)}")
             continue
         rows, known = (
-            [",".join(row) for row in table[list(ours)].to_numpy().tolist()]
+            [",".join(map(str, row)) for row in table[list(ours)].to_numpy().tolist()]
             for table in (others, ours)
         )
         found += [f"{name}: {row}" for row in rows if row not in set(known)]
