@@ -164,11 +164,11 @@ def differences(campaign: str, results: Path) -> list[str]:
             pd.read_csv(path, dtype=str, keep_default_na=False)
             for path in (kept / f"{name}.csv", theirs)
         )
-        if missing := [column for column in ours if column not in others]:
+        if missing := [str(column) for column in ours if column not in others]:
             found.append(f"{name}: without {', '.join(missing)}")
             continue
         rows, known = (
-            [",".join(map(str, row)) for row in table[list(ours)].to_numpy().tolist()]
+            [",".join(row) for row in table[list(ours)].to_numpy().tolist()]
             for table in (others, ours)
         )
         found += [f"{name}: {row}" for row in rows if row not in set(known)]
