@@ -10,7 +10,7 @@ from functools import cached_property
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.benchmark.records import glucose
+from burstcast.benchmark.records import GLUCOSE, glucose
 from burstcast.discovery import suggestion
 from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.windows import window_boundaries
@@ -259,24 +259,23 @@ def _turbulent_flow() -> BenchmarkCase:
 
 def _record_of_glucose() -> BenchmarkCase:
     """The case of a measured record."""
-    measured = MeasuredSeries(("glucose", "current"), "-glucose")
     return BenchmarkCase(
         name="Glucose",
         version=1,
         about="Glucose of one person in mg/dl, and the current of the sensor, every five minutes; "
         "an event is a fall to 70 mg/dl. The unit of time (LT) is 20 minutes.",
         ensemble_name="Glucose",
-        system=measured,
-        observed=measured.component_names,
+        system=GLUCOSE,
+        observed=GLUCOSE.component_names,
         noise=0.0,
         event_threshold=-70.0,
         laminarisation_threshold=None,
         initial_state=None,
         perturbed_component=0,
         perturbation=0.0,
-        series=267,
+        series=266,
         training_series=130,
-        test_series=137,
+        test_series=136,
         time_step=5.0,
         sampling_stride=1,
         transient=0.0,
@@ -291,7 +290,7 @@ def _record_of_glucose() -> BenchmarkCase:
         longest_lead_time_lt=4.5,
         lead_time_step_lt=0.5,
         tolerance=0.2,
-        digest="2480c7a72b08c1b6",
+        digest="b42721b34d9f2000",
         record=glucose,
     )
 

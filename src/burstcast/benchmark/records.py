@@ -5,20 +5,24 @@ A package is found, not imported: what it needs itself is not needed.
 
 import csv
 import gzip
-from datetime import datetime, timedelta
 from importlib.metadata import PackageNotFoundError, distribution
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.data.measured_data import Blocks, Quantity, Run, series_of_runs
+from burstcast.data.records import Record, Timing, long_runs, runs_without_gaps
+from burstcast.data.time_stamps import TimeStamps
+from burstcast.systems.measured import MeasuredSeries
 
 GLUCOSE_BLOCK = 144
 """Samples of a series of glucose: twelve hours."""
-_STEP, _TOLERANCE = timedelta(minutes=5), timedelta(minutes=1)
-_TWICE = timedelta(minutes=3)
-"""Samples that follow another one sooner were written twice."""
+GLUCOSE = MeasuredSeries(("glucose", "current"), "-glucose")
+"""What a state is: glucose in mg/dl and the current of the sensor in nA."""
+_TIMING = Timing(5.0, "time", "minute")
+_TWICE = 3.0
+"""Samples that follow another one sooner, in minutes, were written twice."""
 
 
 class MissingRecordError(ValueError):
@@ -41,24 +45,20 @@ def glucose() -> FloatArray:
         If the package is not installed.
     """
     path = _inside("bokeh-sampledata", "bokeh_sampledata/_data/CGM.csv.gz")
-    rows: list[tuple[datetime, float, float]] = []
+    stamp = TimeStamps("minute")
+    rows: list[tuple[float, float, float]] = []
     with gzip.open(path, "rt", encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            time = datetime.fromisoformat(row["datetime"])
+            time = stamp(row["datetime"])
             if not rows or time - rows[-1][0] >= _TWICE:
                 current = float("nan") if row["isig"] == "nil" else float(row["isig"])
                 rows.append((time, float(row["glucose"]), current))
-    times = [time for time, *_ in rows]
-    values = np.array([given for _, *given in rows])
-    apart = np.array([abs(later - time - _STEP) > _TOLERANCE for time, later in pairwise(times)])
-    known = np.isfinite(values).all(axis=1)
-    cuts = np.flatnonzero(apart | ~known[1:] | ~known[:-1]) + 1
-    series = [
-        run[start : start + GLUCOSE_BLOCK]
-        for run in np.split(values, cuts)
-        for start in range(0, len(run) - GLUCOSE_BLOCK + 1, GLUCOSE_BLOCK)
-    ]
-    return np.stack(series)
+    columns = dict(zip(("time", "glucose", "current"), np.array(rows).T, strict=True))
+    runs = runs_without_gaps(Record([Run(path.name, columns)]), _TIMING)
+    kept, _ = long_runs(runs, GLUCOSE_BLOCK)
+    return series_of_runs(
+        kept, GLUCOSE, [Quantity("glucose"), Quantity("current")], Blocks(GLUCOSE_BLOCK, 1)
+    )
 
 
 def _inside(package: str, path: str) -> Path:
