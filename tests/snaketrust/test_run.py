@@ -78,10 +78,10 @@ def test_what_was_planned_is_there_for_all_jobs():
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "[" * 99999])
-def test_a_claim_that_cannot_be_read_belongs_to_nobody(text):
+def test_a_claim_that_cannot_be_read_belongs_to_an_unknown_run(text):
     run = claimed()
     Path("results/of mine/.run.json").write_text(text)
-    with pytest.raises(OvertakenError, match="nobody"):
+    with pytest.raises(OvertakenError, match=r"newer run now \(unknown\)"):
         run.plan()
     claimed()
 
