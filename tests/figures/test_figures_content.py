@@ -154,6 +154,36 @@ def test_reference_forecasters_are_drawn_beside_the_networks() -> None:
     assert "linear inverse model" in texts(figure)
 
 
+def test_other_networks_are_drawn_at_their_sizes() -> None:
+    """As of networks with true washouts: no size stands for the others."""
+    networks = percentile_rows({"mean_horizon_lt": 4.5}, sizes=(500.0, 1000.0))
+    others = networks[networks["validation"] == "RV"].assign(forecaster="esn_true_washout")
+    others["p50"] = [1.25, 1.75]
+    both = pd.concat([networks, others])
+    figure = horizon_by_size(both, interval_rows(both))
+    (line,) = [
+        line for line in figure.axes[0].get_lines() if line.get_label() == "network, true washout"
+    ]
+    assert [*line.get_xdata()] == [500.0, 1000.0]
+    assert [*line.get_ydata()] == [1.25, 1.75]
+    alone = horizon_by_size(networks, interval_rows(networks))
+    bars = [
+        [
+            collection.get_segments()
+            for collection in one.axes[0].collections
+            if collection.get_gid()
+        ]
+        for one in (figure, alone)
+    ]
+    assert bars[0]
+    np.testing.assert_array_equal(*bars)
+    scores = percentile_rows(SCORES, prediction_times=PREDICTION_TIMES)
+    drawn = classification_scores(
+        pd.concat([scores, scores.assign(forecaster="esn_true_washout", p50=0.25)]), 500, 3
+    )
+    assert lines_with(drawn.axes[0], [0.25] * len(PREDICTION_TIMES)) == 2
+
+
 def test_published_values_are_shown_only_at_our_sizes() -> None:
     table = percentile_rows({"mean_horizon_lt": 4.5}, sizes=(500.0, 1000.0))
     published = percentile_rows({"mean_horizon_lt": 4.0}, sizes=(500.0, 3000.0))
@@ -626,7 +656,7 @@ def test_strategies_have_one_look_in_all_figures_of_control():
 def test_an_axis_holds_the_intervals_of_single_networks():
     axes = Figure().subplots()
     ends = {"low": [0.1, 0.2], "high": [0.8, 0.9]}
-    keys = {"neurons": [100.0, 200.0], "metric": "f_score", "validation": "RV"}
+    keys = {"forecaster": "esn", "neurons": [100.0, 200.0], "metric": "f_score", "validation": "RV"}
     axes.plot([100.0, 200.0], [0.5, 0.5])
     draw_single_intervals(
         axes, pd.DataFrame({**keys, **ends}), "f_score", "RV", validation_style("RV")

@@ -123,7 +123,7 @@ def classification_scores(
     )
     for row, metric in enumerate(METRICS):
         by_time: Axes = panels[row, 0]
-        draw_references(by_time, percentiles, metric, "prediction_time_lt")
+        draw_references(by_time, percentiles, metric, "prediction_time_lt", neurons=neurons)
         for validation in validations:
             style = validation_style(validation)
             chosen: dict[str, object] = {"validation": validation, "metric": metric}

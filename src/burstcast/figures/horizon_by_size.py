@@ -87,7 +87,7 @@ def horizon_by_size(
     figure = new_figure(SINGLE_COLUMN, 3.2 if many else 2.8)
     axes = figure.subplots()
     # a perfect forecaster reaches the longest lead time of the search
-    draw_references(axes, percentiles, "mean_horizon_lt", None, leave_out=["equations"])
+    draw_references(axes, percentiles, "mean_horizon_lt", "neurons", leave_out=["equations"])
     references = len(axes.get_legend_handles_labels()[0])
     for validation in ordered_validations(networks["validation"].dropna()):
         style = validation_style(validation)

@@ -82,7 +82,7 @@ def _draw_curves(axes: Axes, data: pd.DataFrame, curves: pd.DataFrame, neurons: 
         style = validation_style(validation).copy()
         style["marker"] = ""
         draw_percentiles(axes, select(networks, validation=validation), "time", style)
-    draw_references(axes, curves, "survival", "time", leave_out=["data"])
+    draw_references(axes, curves, "survival", "time", neurons=neurons, leave_out=["data"])
     axes.set_yscale("log")
     if axes.get_ylim()[0] > 0.1:  # less than a decade: numbers at all ticks
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))

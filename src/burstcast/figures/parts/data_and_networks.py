@@ -82,7 +82,7 @@ def draw_by_size(
         rows = select(networks, validation=validation)
         style = validation_style(validation)
         draw_percentiles(axes, rows, "neurons", style, label=f"ESN, {validation}")
-    draw_references(axes, percentiles, metric, None, leave_out=["data"])
+    draw_references(axes, percentiles, metric, "neurons", leave_out=["data"])
     axes.set_xticks(sorted(networks["neurons"].dropna().unique()))
     axes.margins(x=0.1)
     axes.set_xlabel(NEURONS_LABEL)

@@ -150,15 +150,15 @@ def draw_single_intervals(
     axes
         Where to draw.
     intervals
-        Of single networks: neurons, validation, metric, low, high. The bar of a size has the
-        medians over its networks.
+        Of each forecaster by itself: forecaster, neurons, validation, metric, low, high. The bar of
+        a size has the medians over its networks, of the kind ``esn``.
     metric, validation
         What is shown of them.
     style
         Of the line that the bars belong to.
     """
     shown = (intervals["metric"] == metric) & (intervals["validation"] == validation)
-    rows = intervals[shown].dropna(subset=["low", "high"])
+    rows = intervals[shown & (intervals["forecaster"] == "esn")].dropna(subset=["low", "high"])
     if not rows.empty:
         ends = rows.groupby("neurons")[["low", "high"]].median()
         figure = axes.get_figure(root=True)

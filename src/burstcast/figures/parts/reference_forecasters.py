@@ -64,32 +64,41 @@ def draw_references(
     axes: Axes,
     percentiles: pd.DataFrame,
     metric: str,
-    x: str | None,
+    x: str,
+    *,
+    neurons: float | None = None,
     leave_out: Collection[str] = (),
 ) -> None:
-    """Draw the forecasters that are no networks: the median of a metric as a quiet line.
+    """Draw the forecasters of other kinds than ``esn``: the median of a metric as a quiet line.
+
+    A kind that has sizes has a line for each validation strategy.
 
     Parameters
     ----------
     axes
         Where to draw.
     percentiles
-        Of one case; rows of networks are left out.
+        Of one case; rows of the kind ``esn`` are left out.
     metric
         Which metric.
     x
-        Column on the horizontal axis; None: what they achieve does not depend on it, and is a
-        horizontal line.
+        Column on the horizontal axis. If it is ``neurons``, kinds without sizes are horizontal
+        lines.
+    neurons
+        Size that is shown of kinds that have sizes, where another column is on the axis.
     leave_out
         Kinds that are not drawn.
     """
-    for kind in ordered_forecasters(set(percentiles["forecaster"].dropna()) - {"esn"}):
+    for kind in ordered_forecasters(set(percentiles["forecaster"].dropna()) - {"esn", *leave_out}):
         rows = select(percentiles, forecaster=kind, metric=metric)
-        if kind in leave_out or rows.empty:
-            continue
+        if x != "neurons":
+            rows = rows[rows["neurons"].isna() | (rows["neurons"] == neurons)]
         line: dict[str, Any] = {**forecaster_style(kind), "linewidth": 1.0, "zorder": 1.5}
-        if x is None:
-            axes.axhline(float(rows["p50"].iloc[0]), **line)
-        else:
-            rows = rows.sort_values(x)
-            axes.plot(rows[x], rows["p50"], **line)
+        for _, curve in rows.groupby("validation", dropna=False):
+            if curve[x].isna().all():
+                axes.axhline(float(curve["p50"].iloc[0]), **line)
+            else:
+                curve = curve.sort_values(x)
+                marker = "." if len(curve) == 1 else ""
+                axes.plot(curve[x], curve["p50"], **line, marker=marker)
+            line["label"] = ""
