@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.figures.parts.planes import draw_periodic_field
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     TRUTH,
@@ -150,17 +151,7 @@ def burst_vorticity(
     panels: list[Axes] = list(lower.subplots(1, len(fields), sharey=True))
     largest = float(np.abs(fields).max())
     for axes, field, time in zip(panels, fields, times_lt, strict=True):
-        drawn = axes.imshow(
-            field.T,
-            origin="lower",
-            extent=(0.0, domain[0], 0.0, domain[1]),
-            cmap="RdBu_r",
-            vmin=-largest,
-            vmax=largest,
-        )
-        axes.set_xlabel("$x$")
-        axes.set_xticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
-        axes.set_yticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
+        drawn = draw_periodic_field(axes, field, domain, largest)
         axes.set_title(f"${time:+.1f}$ LT" if time else "peak", loc="right")
     panels[0].set_ylabel("$y$")
     lower.colorbar(drawn, ax=panels, label="Vorticity", shrink=0.7)

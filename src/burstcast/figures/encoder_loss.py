@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from burstcast.arrays import FloatArray
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.pod import PodEncoder
+from burstcast.figures.parts.planes import draw_periodic_field
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     FLOOR,
@@ -162,17 +163,7 @@ def encoder_loss(
     panels: list[Axes] = list(lower.subplots(1, len(modes), sharey=True, squeeze=False)[0])
     for axes, (number, field) in zip(panels, modes.items(), strict=True):
         largest = float(np.abs(field).max())
-        axes.imshow(
-            field.T,
-            origin="lower",
-            extent=(0.0, domain[0], 0.0, domain[1]),
-            cmap="RdBu_r",
-            vmin=-largest,
-            vmax=largest,
-        )
-        axes.set_xlabel("$x$")
-        axes.set_xticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
-        axes.set_yticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
+        draw_periodic_field(axes, field, domain, largest)
         axes.set_title(f"mode {number}", loc="right")
     panels[0].set_ylabel("$y$")
     letter_panels([lines, *panels])

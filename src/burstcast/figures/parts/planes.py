@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.ticker import MaxNLocator
 
 from burstcast.arrays import FloatArray
@@ -42,6 +43,36 @@ def draw_plane(
     axes.get_xticklabels()[0].set_horizontalalignment("left")
     axes.get_xticklabels()[-1].set_horizontalalignment("right")
     return mesh
+
+
+def draw_periodic_field(
+    axes: Axes, field: FloatArray, domain: tuple[float, float], largest: float
+) -> AxesImage:
+    """Draw a field of a doubly periodic flow, with diverging colours.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    field
+        ``(points_x, points_y)``.
+    domain
+        Periods along x and y.
+    largest
+        Magnitude at both ends of the scale.
+    """
+    image = axes.imshow(
+        field.T,
+        origin="lower",
+        extent=(0.0, domain[0], 0.0, domain[1]),
+        cmap="RdBu_r",
+        vmin=-largest,
+        vmax=largest,
+    )
+    axes.set_xlabel("$x$")
+    axes.set_xticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
+    axes.set_yticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
+    return image
 
 
 def _multiples_of_pi(coordinate: FloatArray) -> tuple[list[float], list[str]]:
