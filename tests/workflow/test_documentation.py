@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 # programs of the reader's system, which no test can run
-OF_OTHERS = ("squeue", "scancel", "sacct", "tail", "ls", "export", "git", "cd")
+OF_OTHERS = ("squeue", "scancel", "sacct", "tail", "ls", "find", "export", "git", "cd")
 # what takes long by itself, and is run elsewhere or by hand
 ELSEWHERE = ("tutorial.md",)  # it has a test of its own
 TAKES_LONG = ("test", "test-long", "test-slurm", "bench", "check")
