@@ -1,11 +1,11 @@
 """Markdown tables of the campaign whose forecasters know the parameters, for docs/results.md."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
+from burstcast_report.control_tables import SCORED, chosen_runs, condition, strategy
 from burstcast_report.results_tables import (
     Tables,
     markdown,
@@ -15,7 +15,6 @@ from burstcast_report.results_tables import (
     with_ends,
 )
 
-SCORED = ("forecaster", "neurons", "validation")
 TRAINED = (400.0, 600.0, 1000.0)
 """Reynolds numbers that aware forecasters of the preset were trained on."""
 
@@ -65,33 +64,6 @@ def under_switching(tables: Tables) -> str:
 SWITCHED = "Re400switched"
 
 
-def choices(tables: Tables, case: str) -> str:
-    """Strategies at their best under each condition: what is left, how long they act, how hard."""
-    found = tables.rows("control_choices", case=case)
-    if found.empty:
-        return ""
-    whole = found.assign(observed=found.get("observed", pd.Series("", found.index)).fillna(""))
-    order = whole.sort_values(
-        ["observed", "noise", "strength", "delay_lt"],
-        ascending=[True, True, False, True],
-        kind="stable",
-    )
-    found = found.loc[order.index]
-    rows = []
-    for runs in _runs(found):
-        rows.append(
-            [
-                _condition(runs.keys),
-                _strategy(runs.keys),
-                percent_with_ends(runs.scores["relative_exceedance"]),
-                percent_with_ends(runs.scores["control_fraction"]),
-                significant(1000 * runs.scores["effort"]["value"], 2),
-            ]
-        )
-    head = ["condition", "strategy, settings as chosen", "left [%]", "time under actuation [%]"]
-    return markdown([*head, "effort [1e-3]"], rows)
-
-
 # -- targets ---------------------------------------------------------------------------------------
 
 
@@ -134,23 +106,19 @@ def targets(tables: Tables) -> str:
     """Each target of control, what was reached on the scored flows, and whether that suffices."""
     rows = []
     for target in TARGETS:
-        found = tables.rows(
-            "control_choices",
-            case=target.case,
-            forecaster=target.forecaster,
-            delay_lt=target.delay_lt,
-            strength=target.strength,
-            noise=0.01,
-        )
-        for runs in _runs(found):
+        wanted = {
+            **{"case": target.case, "forecaster": target.forecaster, "noise": 0.01},
+            **{"delay_lt": target.delay_lt, "strength": target.strength},
+        }
+        for run in chosen_runs(tables, **wanted):
             left, acting = (
-                runs.scores[name] for name in ("relative_exceedance", "control_fraction")
+                run.scores[name] for name in ("relative_exceedance", "control_fraction")
             )
             met = left["value"] <= target.left and acting["value"] <= target.acting
             rows.append(
                 [
-                    f"{target.case}, {_condition(runs.keys)}",
-                    _strategy(runs.keys),
+                    f"{target.case}, {condition(run.keys)}",
+                    strategy(run.keys),
                     f"{100 * target.left:g} at {100 * target.acting:g}",
                     f"{percent_with_ends(left)} at {percent_with_ends(acting)}",
                     "yes" if met else "no",
@@ -192,52 +160,6 @@ def forecast_targets(tables: Tables) -> str:
 
 
 # -- parts -----------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class _Run:
-    """A run of `control_choices`: its keys, and its scores by metric."""
-
-    keys: dict[str, Any]
-    scores: dict[str, dict[Any, Any]]
-
-
-_RESULTS = ("metric", "value", "low", "high")
-
-
-def _runs(found: pd.DataFrame) -> Iterator[_Run]:
-    keys = [str(name) for name in found if name not in _RESULTS]
-    for _, part in found.groupby(keys, dropna=False, sort=False):
-        records = part.to_dict("records")
-        whose = {str(name): value for name, value in records[0].items() if name not in _RESULTS}
-        yield _Run(whose, {row["metric"]: row for row in records})
-
-
-def _condition(keys: dict[str, Any]) -> str:
-    parts = []
-    if keys["strength"] != 1:
-        parts.append(f"strength {keys['strength']:g}")
-    if keys["delay_lt"]:
-        parts.append(f"{keys['delay_lt']:g} LT late")
-    if keys["noise"] != 0.01:
-        parts.append(f"{100 * keys['noise']:g} % noise")
-    if isinstance(keys.get("observed"), str):
-        parts.append(f"observed: {keys['observed'].replace('_', ' ')}")
-    return ", ".join(parts) or "in time"
-
-
-def _strategy(keys: dict[str, Any]) -> str:
-    name = str(keys["strategy"]).replace("_", " ")
-    if keys["forecaster"] != "none":
-        name += f" by {_name(tuple(keys[key] for key in SCORED))}"
-    settings = [
-        f"{label} {keys[key]:g}"
-        for key, label in (("level", "level"), ("horizon_lt", "horizon"), ("margin", "margin"))
-        if key in keys and pd.notna(keys[key])
-    ]
-    if isinstance(keys.get("options"), str):
-        settings.append(keys["options"].replace("=", " "))
-    return f"{name} ({', '.join(settings)})" if settings else name
 
 
 def _name(who: tuple[Any, ...]) -> str:

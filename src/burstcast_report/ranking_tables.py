@@ -7,6 +7,7 @@ import pandas as pd
 
 from burstcast.probability.ranking import ONSET
 from burstcast.tables.ranked import SAME_EVERYWHERE, shown_once
+from burstcast_report.control_tables import chosen_runs, strategy
 from burstcast_report.results_tables import (
     Tables,
     markdown,
@@ -84,42 +85,29 @@ def targets(tables: Tables) -> str:
 
 def _control(tables: Tables) -> list[list[str]]:
     """Least exceedance that control leaves at a tenth of the time, by all and from sensors."""
-    found = tables.rows("control_strategies")
-    if found.empty:
-        return []
-    runs = [str(name) for name in found if name not in ("metric", "value", "low", "high")]
-    records = [
-        {row["metric"]: row for row in part.to_dict("records")}
-        for _, part in found.groupby(runs, dropna=False, sort=False)
+    runs = [
+        run
+        for run in chosen_runs(tables)
+        if run.scores["control_fraction"]["value"] <= _MOST_TIME
+        and run.keys["forecaster"] != "random"
     ]
     shown = []
-    for whose in ("by true states", "from sensors"):
-        some = [
-            run
-            for run in records
-            if run["control_fraction"]["value"] <= _MOST_TIME
-            and isinstance(run["control_fraction"].get("observed"), str)
-            == (whose != "by true states")
-        ]
+    for from_sensors, name in ((False, "by true states"), (True, "from sensors")):
+        some = [run for run in runs if isinstance(run.keys.get("observed"), str) == from_sensors]
         if not some:
             continue
-        best = min(some, key=lambda run: run["relative_exceedance"]["value"])
-        left, time = best["relative_exceedance"], best["control_fraction"]
+        best = min(some, key=lambda run: run.scores["relative_exceedance"]["value"])
+        left, time = (best.scores[name] for name in ("relative_exceedance", "control_fraction"))
         shown.append(
             [
-                f"exceedance left under control {whose}, at a tenth of the time at most",
+                f"exceedance left under control {name}, at a tenth of the time at most",
                 "1 % at most",
                 f"{percent_with_ends(left)} % at {percent_with_ends(time)} % of the time: "
-                f"{_strategy(left)} of `{left['case']}`",
+                f"{strategy(best.keys)} of `{best.keys['case']}`",
                 _reached(left["value"] <= _MOST_LEFT),
             ]
         )
     return shown
-
-
-def _strategy(row: Mapping[Any, Any]) -> str:
-    by = "" if row["forecaster"] == "none" else f" by {row['forecaster']}".replace("_", " ")
-    return f"{row['strategy']}".replace("_", " ") + by
 
 
 def _rows(tables: Tables, event: str) -> pd.DataFrame:

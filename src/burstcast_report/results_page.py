@@ -24,7 +24,13 @@ import jinja2
 import pandas as pd
 
 from burstcast.tables.published import compare
-from burstcast_report import authors_tables, aware_tables, ranking_tables, results_tables
+from burstcast_report import (
+    authors_tables,
+    aware_tables,
+    control_tables,
+    ranking_tables,
+    results_tables,
+)
 from burstcast_report.claims import NOT_KEPT, findings
 from burstcast_report.results_tables import (
     OF_SINGLE_NETWORKS,
@@ -295,6 +301,7 @@ def page(kept: Path = KEPT) -> str:
         vars(results_tables),
         authors_tables=authors_tables,
         aware_tables=aware_tables,
+        control_tables=control_tables,
         ranking_tables=ranking_tables,
         claims_table=claims_table,
         unjudged_table=unjudged_table,

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from burstcast_report import aware_tables
+from burstcast_report import aware_tables, control_tables
 from burstcast_report.results_tables import Tables
 
 
@@ -73,11 +73,11 @@ def test_targets_of_forecasts_are_differences_of_scores(tables):
 
 
 def test_choices_name_conditions_and_settings(tables):
-    rows = cells(aware_tables.choices(tables, "Re400"))
+    rows = cells(control_tables.choices(tables, "Re400"))
     assert [row[0] for row in rows] == ["in time", "strength 0.25", "observed: modes 4"]
     assert rows[0][1] == "planned by aware network, 1000 neurons, RV (horizon 3, margin 0)"
     assert rows[0][2:] == ["0 (0 to 0)", "1.9 (0.95 to 3.8)", "1"]
-    assert aware_tables.choices(tables, "Re999") == ""
+    assert control_tables.choices(tables, "Re999") == ""
 
 
 def test_scores_stand_by_reynolds_number_with_unseen_ones_in_bold(tables):

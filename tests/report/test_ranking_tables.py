@@ -9,6 +9,7 @@ from burstcast_report.results_tables import Tables
 def run(forecaster, left, acting, **keys):
     """Rows of one run of control."""
     same = {"case": "turbulence", "forecaster": forecaster, "strategy": "reactive", **keys}
+    same |= {"neurons": None, "validation": None, "noise": 0.01, "strength": 1, "delay_lt": 0}
     values = {"relative_exceedance": left, "control_fraction": acting}
     return [
         {**same, "metric": metric, "value": value, "low": 0.5 * value, "high": 2 * value}
@@ -24,7 +25,7 @@ def test_the_least_that_control_leaves_at_a_tenth_of_the_time(tmp_path):
         *run("equations_filtered", 0.1, 0.05, observed="sensors"),
         *run("none", 0.2, 0.05, observed="sensors"),
     ]
-    pd.DataFrame(rows).to_csv(tmp_path / "control_strategies.csv", index=False)
+    pd.DataFrame(rows).to_csv(tmp_path / "control_choices.csv", index=False)
     ranks = [
         {
             "case": "sensors",
@@ -41,6 +42,8 @@ def test_the_least_that_control_leaves_at_a_tenth_of_the_time(tmp_path):
     ranks += [{**row, "alarm": "esn_direct", "forecaster": "esn_direct"} for row in ranks[:3]]
     pd.DataFrame(ranks).to_csv(tmp_path / "ranking.csv", index=False)
     by_truth, by_sensors = ranking_tables.targets(Tables(tmp_path)).splitlines()[-2:]
-    assert by_truth.endswith("reactive by equations of `turbulence` | reached |")
+    assert by_truth.endswith(
+        "reactive by equations, from the true state of `turbulence` | reached |"
+    )
     assert "0.5 (0.25 to 1) % at 4 (2 to 8) % of the time" in by_truth.replace("**", "")
-    assert by_sensors.endswith("reactive by equations filtered of `turbulence` | not reached |")
+    assert by_sensors.endswith("reactive by equations, filtered of `turbulence` | not reached |")
