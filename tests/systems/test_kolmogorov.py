@@ -103,16 +103,29 @@ def test_symmetries_take_solutions_to_solutions(states, symmetry):
     )
 
 
-def test_a_force_on_the_large_scale_mode_makes_it_grow_and_does_work(states):
-    driven = KolmogorovFlow(large_scale_growth=0.2)
+def test_a_force_on_the_large_scale_mode_makes_it_grow_up_to_its_limit_and_does_work(states):
+    driven = KolmogorovFlow(large_scale_growth=0.2, large_scale_limit=0.7)
     change = driven.right_hand_side(states) - FLOW.right_hand_side(states)
     large_scale = [driven.component_names.index(name) for name in ("a_1_0", "b_1_0")]
     expected = np.zeros_like(states)
-    expected[large_scale] = 0.2 * states[large_scale]
+    a, b = states[large_scale]
+    expected[large_scale] = 0.2 * (1 - (a**2 + b**2) / 0.49) * states[large_scale]
     np.testing.assert_allclose(change, expected, atol=1e-14)
     budget = driven.energy_budget(states)
     power = (states * driven.right_hand_side(states)).sum(axis=0)
     np.testing.assert_allclose(budget.input - budget.dissipation, power, atol=1e-12)
+
+
+def test_a_force_on_the_large_scale_mode_is_bounded(states):
+    driven = KolmogorovFlow(largest_wavenumber=5, large_scale_growth=2.0)
+    small = np.zeros((driven.dimension, 2))
+    large_scale = [driven.component_names.index(name) for name in ("a_1_0", "b_1_0")]
+    small[large_scale] = [[0.01, 3.0], [0.02, -2.0]]
+    later = integrate(driven, small, 0.05, 4000, 40)
+    modulus = np.hypot(*later[-20:, large_scale].transpose(1, 0, 2))
+    # beside viscosity, 1 / 40, and what it exchanges with other modes
+    assert (modulus > 0.7).all()
+    assert (modulus < 1.3).all()
 
 
 def test_symmetries_are_those_of_the_plane(states):
@@ -198,6 +211,8 @@ def test_leading_exponents_are_those_of_the_whole_spectrum():
     [
         ({"reynolds": 0.0}, "reynolds must be positive"),
         ({"reynolds": -1.0}, "reynolds must be positive"),
+        ({"large_scale_growth": np.nan}, "large_scale_growth must be finite"),
+        ({"large_scale_limit": 0.0}, "large_scale_limit must be positive"),
         ({"largest_wavenumber": 7.5}, "largest_wavenumber must be a positive whole number"),
         ({"forcing_wavenumber": 0}, "forcing_wavenumber must be a positive whole number"),
         ({"forcing_wavenumber": 8, "largest_wavenumber": 7}, "must be at most largest_wavenumber"),

@@ -51,8 +51,12 @@ class KolmogorovFlow(SemilinearSystem):
         components. Flows with 7 burst twice as often as those with 10 or 15.
     large_scale_growth
         Growth rate that a force in phase with the large-scale mode, the wave vector (1, 0), gives
-        its amplitude, in inverse units of time; 0: there is no such force. An actuator that keeps
-        up the mode whose collapse precedes a burst.
+        its amplitude while it is small, in inverse units of time; 0: there is no such force. An
+        actuator that keeps up the mode whose collapse precedes a burst.
+    large_scale_limit
+        Modulus of the large-scale mode at which this force vanishes, and beyond which it damps the
+        mode: the growth rate falls with the squared modulus, so that no force diverges. At Re = 40
+        the modulus is 0.89 in the median, and 1.11 at most.
 
     Raises
     ------
@@ -64,6 +68,7 @@ class KolmogorovFlow(SemilinearSystem):
     forcing_wavenumber: float = 4
     largest_wavenumber: float = 10
     large_scale_growth: float = 0.0
+    large_scale_limit: float = 1.0
 
     observable_name: ClassVar[str] = "dissipation"
     observable_symbol: ClassVar[str] = "D"
@@ -86,6 +91,10 @@ class KolmogorovFlow(SemilinearSystem):
             raise ValueError(f"reynolds must be positive and finite, not {self.reynolds}")
         if not math.isfinite(self.large_scale_growth):
             raise ValueError(f"large_scale_growth must be finite, not {self.large_scale_growth}")
+        if not (math.isfinite(self.large_scale_limit) and self.large_scale_limit > 0.0):
+            raise ValueError(
+                f"large_scale_limit must be positive and finite, not {self.large_scale_limit}"
+            )
         for name in ("forcing_wavenumber", "largest_wavenumber"):
             value = getattr(self, name)
             if not (value >= 1 and float(value).is_integer()):
@@ -118,20 +127,28 @@ class KolmogorovFlow(SemilinearSystem):
         return _modes(int(self.largest_wavenumber))
 
     def linear_rates(self) -> FloatArray:
-        """Viscous rates -|k|^2 / Re, ``(dimension,)``, and the growth of the large-scale mode."""
+        """Viscous rates -|k|^2 / Re, ``(dimension,)``, and the growth of a small large-scale mode."""
         rates: FloatArray = -np.tile(self._modes.square, 2) / self.reynolds
         rates[self._large_scale] += self.large_scale_growth
         return rates
 
     def nonlinear(self, state: FloatArray) -> FloatArray:
-        """Advection and force, ``(dimension, ...)``."""
+        """Advection and forces, ``(dimension, ...)``."""
         columns = state.reshape(self.dimension, -1)
         change = np.empty_like(columns)
         for start in range(0, columns.shape[1], _BLOCK):
             block = slice(start, start + _BLOCK)
             change[:, block] = _advection(columns[:, block], self._modes)
         change[self._forced] -= math.sqrt(0.5)
+        if self.large_scale_growth:
+            mode = columns[self._large_scale]
+            change[self._large_scale] -= self.large_scale_growth * self._saturation(mode) * mode
         return change.reshape(state.shape)
+
+    def _saturation(self, mode: FloatArray) -> FloatArray:
+        """Share of the growth that the large-scale mode ``(2, ...)`` has lost, ``(...)``."""
+        share: FloatArray = np.square(mode / self.large_scale_limit).sum(axis=0)
+        return share
 
     @property
     def _large_scale(self) -> list[int]:
@@ -153,8 +170,9 @@ class KolmogorovFlow(SemilinearSystem):
         """Work of the forces, the mean of u sin(n y) and more, and dissipation; ``(...)`` each."""
         work = -math.sqrt(0.5) * state[self._forced]
         if self.large_scale_growth:
-            large_scale = np.square(state[self._large_scale]).sum(axis=0)
-            work = work + self.large_scale_growth * large_scale
+            mode = state[self._large_scale]
+            growth = self.large_scale_growth * (1.0 - self._saturation(mode))
+            work = work + growth * np.square(mode).sum(axis=0)
         return EnergyBudget(work, self.observable(state))
 
     def laminar_state(self) -> FloatArray:
