@@ -127,7 +127,7 @@ class KolmogorovFlow(SemilinearSystem):
         return _modes(int(self.largest_wavenumber))
 
     def linear_rates(self) -> FloatArray:
-        """Viscous rates -|k|^2 / Re, ``(dimension,)``, and the growth of a small large-scale mode."""
+        """Rates of viscosity, -|k|^2 / Re, and of a weak large-scale mode, ``(dimension,)``."""
         rates: FloatArray = -np.tile(self._modes.square, 2) / self.reynolds
         rates[self._large_scale] += self.large_scale_growth
         return rates
