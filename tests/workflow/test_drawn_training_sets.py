@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from burstcast.files.netcdf import Variable, read_netcdf, write_netcdf
+from burstcast_workflow.harness.settings import Settings
 
 ROOT = Path(__file__).parents[2]
 KEPT, LENGTH, TRAINING, TEST = 90, 50, 4, 30
@@ -56,8 +57,7 @@ def chosen(source, drawn, **settings):
         source=str(source),
         ensemble=str(ensemble),
         summary=str(summary),
-        settings={**SETTINGS, "drawn": drawn, **settings},
-        provenance={},
+        settings=Settings({**SETTINGS, "drawn": drawn, **settings}, {}),
     )
     assert json.loads(summary.read_text())["series_kept"] == KEPT
     return read_netcdf(ensemble, "state")["state"][:, 0, 0].astype(int)

@@ -57,13 +57,13 @@ def test_success(tmp_path):
     result, log = run(
         tmp_path,
         """
-        def main(*, data, network, settings, provenance):
+        def main(*, data, network, settings):
             print("from print")
             os.system("echo from a child")
             os.write(2, b"from compiled code")
             np.log(np.zeros(1))
             assert data == "data.nc"
-            write_json(network, {"settings": dict(settings), "provenance": provenance})
+            write_json(network, {"settings": dict(settings), "provenance": settings.provenance})
         """,
     )
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
@@ -85,7 +85,7 @@ def test_a_job_of_a_run_finds_own_modules_and_records_how_long_it_took(tmp_path)
         from snaketrust.run import Run
         Run.new("results").claim({}, sources.all_code(), [os.path.abspath("mine")])
         snakemake.output = Files(network="results/network.json")
-        def main(*, data, network, settings, provenance):
+        def main(*, data, network, settings):
             import own_flow
             time.sleep(0.2)
             write_json(network, {"rate": own_flow.RATE})
@@ -104,8 +104,8 @@ def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
         run(
             tmp_path / name,
             """
-            def main(*, data, network, settings, provenance):
-                write_json(network, provenance)
+            def main(*, data, network, settings):
+                write_json(network, settings.provenance)
             """,
         )
         records.append((tmp_path / name / "deep" / "er" / "network.json").read_bytes())
@@ -123,7 +123,7 @@ def test_failure_is_one_line_and_a_traceback_in_the_log(tmp_path):
     result, log = run(
         tmp_path,
         """
-        def main(*, data, network, settings, provenance):
+        def main(*, data, network, settings):
             raise ValueError("series are\\n  too short")
         """,
     )
@@ -142,7 +142,7 @@ def test_settings_that_snakemake_does_not_track_are_refused(tmp_path):
         tmp_path,
         """
         snakemake.params.settings["neurons"] = np.int64(3)
-        def main(*, data, network, settings, provenance):
+        def main(*, data, network, settings):
             raise AssertionError("must not run")
         """,
     )
@@ -203,7 +203,7 @@ def test_outputs_from_the_cache_say_nothing_about_settings(tmp_path):
     ("parameters", "complaint"),
     [
         ("*, network, settings", "main takes no argument data"),
-        ("*, data, settings, provenance", "main takes no argument network"),
+        ("*, data, settings", "main takes no argument network"),
         ("*, data, network, other", "missing 1 required keyword-only argument: 'other'"),
     ],
 )
@@ -225,12 +225,12 @@ def test_leftovers_of_killed_jobs_are_removed(tmp_path):
     leftover = tmp_path / "deep" / "er" / ".network.json.0123.partial"
     leftover.parent.mkdir(parents=True)
     leftover.write_text("half")
-    run(tmp_path, "def main(*, data, network, settings, provenance): pass")
+    run(tmp_path, "def main(*, data, network, settings): pass")
     assert not leftover.exists()
 
 
 WAIT = """
-def main(*, data, network, settings, provenance):
+def main(*, data, network, settings):
     with atomic(network) as partial:
         partial.write_text("half")
         open("ready", "w").close()

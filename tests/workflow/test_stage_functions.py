@@ -76,13 +76,13 @@ def test_tables_of_a_case_that_has_none(paper):
 def test_thresholds_are_inputs_where_they_are_quantiles(paper):
     inputs = {"ensemble": "ensemble.nc"}
     of_paper = paper.reads("data/events.py", "case.event_threshold")["settings"]
-    assert paper.with_thresholds(inputs, of_paper) == inputs
+    assert paper.with_unknowns(inputs, of_paper) == inputs
     other = stages(QUANTILE)
     settings = other.reads("data/events.py", "case.event_threshold")["settings"]
-    found = other.with_thresholds(inputs, settings)
+    found = other.with_unknowns(inputs, settings)
     assert found[THRESHOLDS](JOB) == ["results/paper/Re600/event_threshold.json"]
     unread = other.reads("data/simulate.py", "case.ensemble")["settings"]
-    assert other.with_thresholds(inputs, unread)[THRESHOLDS](JOB) == []
+    assert other.with_unknowns(inputs, unread)[THRESHOLDS](JOB) == []
 
 
 def test_values_of_a_stage_are_given_or_asked_for(paper):

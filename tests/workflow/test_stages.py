@@ -129,7 +129,7 @@ def test_a_script_takes_the_files_of_its_rule(rule):
         assert {*declared.inputs, *declared.gathered, "tables"} == files
         return
     names, optional = parameters(main_of(script_of(rule)))
-    assert names - {"settings", "provenance"} == files
+    assert names - {"settings"} == files
     assert not optional
 
 

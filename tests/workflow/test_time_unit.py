@@ -1,16 +1,18 @@
 import pytest
 
+from burstcast_workflow.harness.settings import Settings, exponent_in
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
 
 
-def settings(published, time_unit="published", time_step=0.25, stride=4):
-    return {
+def settings(published, time_unit="published", time_step=0.25, stride=4, file=""):
+    declared = {
         "case.ensemble.time_step": time_step,
         "case.ensemble.sampling_stride": stride,
         "case.lyapunov.time_unit": time_unit,
         "case.lyapunov.published_exponent": published,
     }
+    return Settings(declared, {}, computed_exponent=exponent_in(file))
 
 
 def computed(tmp_path, exponent):
@@ -24,8 +26,8 @@ def test_the_interval_of_the_networks():
 
 
 def test_the_config_is_believed_without_a_file():
-    assert lyapunov_time(settings(0.0163), []) == 61
-    assert lyapunov_time(settings(0.9, time_step=0.01, stride=2), []) == 55
+    assert lyapunov_time(settings(0.0163)) == 61
+    assert lyapunov_time(settings(0.9, time_step=0.01, stride=2)) == 55
 
 
 @pytest.mark.parametrize(
@@ -34,12 +36,12 @@ def test_the_config_is_believed_without_a_file():
 )
 def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
     path = computed(tmp_path, exponent)
-    of_steps = {"time_step": time_step, "stride": stride}
-    assert lyapunov_time(settings(None, **of_steps), path) == steps
+    of_steps = {"time_step": time_step, "stride": stride, "file": path}
+    assert lyapunov_time(settings(None, **of_steps)) == steps
     # where it sets the unit of time although there is a published one
-    assert lyapunov_time(settings(0.01, "computed", **of_steps), path) == steps
+    assert lyapunov_time(settings(0.01, "computed", **of_steps)) == steps
     published = round(1 / (0.01 * time_step * stride))
-    assert lyapunov_time(settings(0.01, **of_steps), path) == published != steps
+    assert lyapunov_time(settings(0.01, **of_steps)) == published != steps
 
 
 @pytest.mark.parametrize(
@@ -47,4 +49,4 @@ def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
 )
 def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path, exponent, reason):
     with pytest.raises(ValueError, match=rf"{reason}.*lyapunov\.published_exponent"):
-        lyapunov_time(settings(None), computed(tmp_path, exponent))
+        lyapunov_time(settings(None, file=computed(tmp_path, exponent)))

@@ -179,7 +179,7 @@ def stage(
 
     Inputs by the names of the script's arguments, in the words that the rules use::
 
-        files("ensemble time_unit")              outputs of earlier stages, by their names there
+        files("ensemble events")                 outputs of earlier stages, by their names there
         {"scan": f"{CASE}/scan.csv"}             a path
         {"forecasts": files_in_case("forecast.nc")}              of all forecasters of the case
         {"flows": files_in_case("flows.nc", campaign.strategy_runs)}    of some, or of control
@@ -229,7 +229,7 @@ def stage(
         name:
             rule_name
         input:
-            **stages.with_thresholds(inputs, parameters["settings"]),
+            **stages.with_unknowns(inputs, parameters["settings"]),
         output:
             **outputs,
         log:

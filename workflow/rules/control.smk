@@ -2,7 +2,7 @@
 
 CONTROL = f"{CASE}/control/{{controller}}/{{strategy}}"
 controlling = {
-    **files("ensemble summary time_unit"),
+    **files("ensemble summary"),
     "forecasters": stages.controlling,
 }
 stage(

@@ -65,7 +65,7 @@ stage(
     # what kinds of forecasters learn from that know the parameters
     "data/scheduled_series",
     "series with the parameters in force",
-    inputs=files("ensemble time_unit"),
+    inputs=files("ensemble"),
     outputs={"scheduled_series": f"{CASE}/scheduled_series.nc"},
     settings="SYSTEM TIME OBSERVED case.training.actuation case.actuation "
     "case.laminarisation_threshold",
@@ -106,7 +106,7 @@ EVALUATED = (
 stage(
     "data/evaluation_set",
     "starting points of the forecasts",
-    inputs=files("ensemble time_unit"),
+    inputs=files("ensemble"),
     outputs=EVALUATION_SET,
     settings=EVALUATED,
     cost="data",
@@ -115,7 +115,7 @@ stage(
 stage(
     "data/switched_evaluation_set",
     "starting points of forecasts under actuation",
-    inputs=files("ensemble time_unit"),
+    inputs=files("ensemble"),
     outputs=EVALUATION_SET,
     settings=f"{EVALUATED} case.training.actuation case.actuation "
     "case.laminarisation_threshold",
@@ -126,7 +126,7 @@ stage(
 stage(
     "data/events",
     "extreme events",
-    inputs=files("ensemble time_unit"),
+    inputs=files("ensemble"),
     outputs={"events": f"{CASE}/events.nc", "events_summary": f"{CASE}/events.json"},
     settings="TIME OBSERVED case.event_threshold washout_lt horizon.events "
     "horizon.longest_lead_time_lt",
@@ -136,7 +136,7 @@ stage(
     # a target for people whose programs forecast the case
     "data/forecast_task",
     "export the washouts for other programs",
-    inputs=files("ensemble evaluation_set events summary time_unit"),
+    inputs=files("ensemble evaluation_set events summary"),
     outputs={
         "forecast_task": f"{CASE}/forecast_task.nc",
         "page_of_task": f"{CASE}/forecast_task.md",

@@ -3,7 +3,7 @@
 stage(
     "evaluation/forecast",
     "forecast the evaluation set",
-    inputs=files("forecaster evaluation_set time_unit"),
+    inputs=files("forecaster evaluation_set"),
     outputs={"forecast": f"{FORECASTER}/forecast.nc"},
     settings="FORECASTER forecaster.divergence_bound forecasters.aware WINDOWS",
     cost="forecast",
@@ -15,7 +15,7 @@ stage(
     "read forecasts of another program",
     inputs={
         "files": stages.external_files,
-        **files("ensemble evaluation_set events summary time_unit"),
+        **files("ensemble evaluation_set events summary"),
     },
     outputs={
         "forecast": f"{FORECASTER}/forecast.nc",
@@ -29,7 +29,7 @@ stage(
 stage(
     "evaluation/horizon",
     "prediction horizons",
-    inputs=files("forecaster events summary time_unit"),
+    inputs=files("forecaster events summary"),
     outputs={"horizon": f"{FORECASTER}/horizon.nc"},
     settings="FORECASTER HORIZON case.event_threshold washout_lt",
     cost="horizon",
@@ -39,7 +39,7 @@ stage(
 stage(
     "evaluation/long_term",
     "long-term runs",
-    inputs=files("ensemble forecaster time_unit"),
+    inputs=files("ensemble forecaster"),
     outputs={"long_term": f"{FORECASTER}/long_term.nc"},
     settings="LONG_TERM",
     cost="long_term",
@@ -48,7 +48,7 @@ stage(
 stage(
     "evaluation/lyapunov_spectrum",
     "Lyapunov exponents of its own flow",
-    inputs=files("ensemble forecaster time_unit long_term"),
+    inputs=files("ensemble forecaster long_term"),
     outputs={"spectrum": f"{FORECASTER}/lyapunov_spectrum.nc"},
     settings="LONG_RUNS case.lyapunov.orthonormalisation_interval "
     "statistics.lyapunov_exponents statistics.lyapunov_runs",
@@ -58,9 +58,7 @@ stage(
 stage(
     "evaluation/examples",
     "example forecasts",
-    inputs=files(
-        "ensemble summary evaluation_set events time_unit forecaster forecast horizon"
-    ),
+    inputs=files("ensemble summary evaluation_set events forecaster forecast horizon"),
     outputs={"examples": f"{FORECASTER}/examples.nc"},
     settings="FORECASTER HORIZON WINDOWS case.event_threshold case.training.series washout_lt "
     "figures.example_prediction_time_lt figures.example_horizon_lt",
@@ -69,7 +67,7 @@ stage(
 stage(
     "evaluation/flow_event",
     "an event whose flow is worth seeing",
-    inputs=files("ensemble summary forecaster time_unit"),
+    inputs=files("ensemble summary forecaster"),
     outputs={"event": f"{FORECASTER}/flow_event.nc"},
     settings="FORECASTER OBSERVED case.test_series "
     "case.event_threshold washout_lt figures.flow_event",

@@ -4,7 +4,7 @@ stage(
     # one job for all strategies that share their sums over the training data
     "forecasters/scan",
     "objectives on the grid",
-    inputs={**files("ensemble time_unit"), "scheduled": stages.scheduled},
+    inputs=files("ensemble scheduled"),
     outputs={
         "scan": f"{CASE}/scan/{{reservoir}}-{{strategies}}.csv",
         "scan_errors": f"{CASE}/scan/{{reservoir}}-{{strategies}}.nc",
@@ -17,8 +17,7 @@ stage(
     "forecasters/search",
     "Bayesian search",
     inputs={
-        **files("ensemble time_unit"),
-        "scheduled": stages.scheduled,
+        **files("ensemble scheduled"),
         "scan": stages.scan_of_network("csv"),
         "scan_errors": stages.scan_of_network("nc"),
     },
@@ -34,7 +33,7 @@ stage(
     # of equally good points: requested only by search.choice
     "forecasters/survival_choice",
     "choose hyperparameters by survival",
-    inputs={**files("ensemble time_unit trace"), "scheduled": stages.scheduled},
+    inputs=files("ensemble trace scheduled"),
     outputs={
         "chosen": f"{FORECASTER}/survival_choice.json",
         "candidates": f"{FORECASTER}/survival_choice.csv",
@@ -48,8 +47,7 @@ stage(
     "forecasters/train",
     "train",
     inputs={
-        **files("ensemble time_unit"),
-        "scheduled": stages.scheduled,
+        **files("ensemble scheduled"),
         "hyperparameters": stages.hyperparameters,
     },
     outputs={"forecaster": f"{FORECASTER}/forecaster.nc"},
@@ -62,7 +60,7 @@ stage(
     # forecasters of all other kinds, which need no search
     "forecasters/fit",
     "fit",
-    inputs={**files("ensemble time_unit"), "scheduled": stages.scheduled},
+    inputs=files("ensemble scheduled"),
     outputs={"forecaster": f"{FORECASTER}/forecaster.nc"},
     settings="FORECASTER OBSERVED",
     cost="training",

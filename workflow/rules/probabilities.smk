@@ -5,7 +5,7 @@ from burstcast_workflow.campaign.alarm_sources import shown_voters
 stage(
     "data/calibration_set",
     "starting points of the calibration",
-    inputs=files("ensemble time_unit"),
+    inputs=files("ensemble"),
     outputs={"calibration_set": f"{CASE}/calibration_set.nc"},
     settings="SYSTEM TIME OBSERVED WINDOWS washout_lt case.test_series "
     "probability.calibration_series probability.start_spacing_lt",
@@ -14,10 +14,7 @@ stage(
 stage(
     "evaluation/calibration_forecast",
     "forecast the calibration set out of sample",
-    inputs={
-        **files("ensemble forecaster calibration_set time_unit"),
-        "scheduled": stages.scheduled,
-    },
+    inputs=files("ensemble forecaster calibration_set scheduled"),
     outputs={"calibration_forecast": f"{FORECASTER}/calibration_forecast.nc"},
     settings="FORECASTER forecaster.divergence_bound OBSERVED WINDOWS washout_lt "
     "probability.calibration_series",
@@ -28,7 +25,7 @@ stage(
 stage(
     "data/training_set",
     "starting points that classifiers learn from",
-    inputs=files("ensemble time_unit"),
+    inputs=files("ensemble"),
     outputs={"training_set": f"{CASE}/training_set.nc"},
     settings="SYSTEM TIME OBSERVED WINDOWS washout_lt forecasters.classifiers.start_spacing_lt",
     cost="data",
@@ -36,7 +33,7 @@ stage(
 stage(
     "evaluation/event_probabilities",
     "train a classifier, probabilities of events",
-    inputs=files("training_set evaluation_set calibration_set time_unit"),
+    inputs=files("training_set evaluation_set calibration_set"),
     outputs={
         "forecaster": f"{FORECASTER}/forecaster.nc",
         "forecast": f"{FORECASTER}/forecast.nc",
@@ -56,7 +53,7 @@ stage(
         "calibration_forecasts": files_in_case(
             "calibration_forecast.nc", campaign.fitted_forecasters
         ),
-        **files("calibration_set time_unit"),
+        **files("calibration_set"),
     },
     outputs={"calibration": f"{CASE}/calibration.json"},
     settings="TIME case.event_threshold classification.prediction_times_lt "
@@ -69,7 +66,7 @@ stage(
     "probabilities/committee_event",
     "an event as committees see it",
     inputs={
-        **files("ensemble evaluation_set calibration time_unit"),
+        **files("ensemble evaluation_set calibration"),
         "forecasters": files_in_case("forecaster.nc", shown_voters),
         "forecasts": files_in_case("forecast.nc", shown_voters),
     },

@@ -17,7 +17,7 @@ from burstcast.discovery import suggestion
 from burstcast.files.netcdf import read_rows
 from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import Settings, exponent_in
 from burstcast_workflow.jobs.data import kept_series, observed_rows
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from snaketrust.run import CLAIM
@@ -193,7 +193,12 @@ class OpenedCampaign:
 
     def _forecaster(self, one: CaseForecaster) -> Forecaster:
         paths = ["FORECASTER", "forecaster.divergence_bound"]
-        settings = Settings(self._campaign.settings(paths, one.identity, {}), one.identity)
+        time_unit = self._campaign.time_unit(one.case)
+        settings = Settings(
+            self._campaign.settings(paths, one.identity, {}),
+            one.identity,
+            computed_exponent=exponent_in(f"{self.results}/{time_unit}" if time_unit else ""),
+        )
         if "backend" in settings["forecaster.options"]:
             settings["forecaster.options"]["backend"] = usable_backend(
                 settings["forecaster.options"]["backend"]
@@ -201,7 +206,6 @@ class OpenedCampaign:
         return read_forecaster(
             str(self.results / one.directory / "forecaster.nc"),
             settings,
-            str(self.results / self._campaign.source_case(one.case) / "lyapunov.json"),
             settings["forecaster.divergence_bound"],
         )
 

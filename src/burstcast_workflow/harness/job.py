@@ -3,11 +3,11 @@
 A script is one function with explicit arguments, at its end::
 
     @job
-    def train(*, ensemble: str, forecaster: str, settings: Settings, provenance: Provenance): ...
+    def train(*, ensemble: str, forecaster: str, settings: Settings) -> None: ...
 
-The arguments are the rule's inputs and outputs by their names, ``settings`` the settings that the
-rule declares and ``provenance`` what goes into the output files as their origin; a function takes
-the ones that it needs.
+The arguments are the rule's inputs and outputs by their names, and ``settings``, which the rule
+declares. What other jobs have found out of them, event thresholds and the unit of time, is there
+already.
 """
 
 import atexit
@@ -34,7 +34,14 @@ from burstcast_workflow.harness.environment import (
     library_version,
     shared_results,
 )
-from burstcast_workflow.harness.settings import THRESHOLDS, Settings, with_thresholds
+from burstcast_workflow.harness.settings import (
+    THRESHOLDS,
+    TIME_UNIT,
+    Provenance,
+    Settings,
+    exponent_in,
+    with_thresholds,
+)
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.stages.canonical import canonical, canonical_json
 from snaketrust import job as trust
@@ -42,8 +49,6 @@ from snaketrust.fingerprint import script_of
 
 logger = logging.getLogger(__name__)
 _told = logger.getChild("told")
-
-Provenance = dict[str, str]
 
 
 def job(function: Callable[..., None]) -> Callable[..., None]:
@@ -64,7 +69,7 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
     snakemake
         The object that Snakemake puts into the script.
     function
-        The script's: its parameters are names of inputs and outputs, ``settings``, ``provenance``.
+        The script's: its parameters are names of inputs and outputs, and ``settings``.
 
     Raises
     ------
@@ -117,9 +122,10 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
 
     def compute() -> None:
         files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
-        settings = Settings(_known(declared, files.pop(THRESHOLDS, [])), identity)
-        given = {**files, "settings": settings, "provenance": provenance(identity, declared)}
-        function(**arguments_for(function, given))
+        known = _known(declared, files.pop(THRESHOLDS, []))
+        exponent = exponent_in(files.pop(TIME_UNIT, ""))
+        settings = Settings(known, identity, provenance(identity, declared), exponent)
+        function(**arguments_for(function, {**files, "settings": settings}))
         if unread := settings.unread():
             logger.info("settings not read: %s", ", ".join(unread))
 
@@ -167,8 +173,8 @@ def arguments_for(function: Callable[..., Any], given: Mapping[str, Any]) -> dic
     """Given arguments that a function takes; it must take all files."""
     taken = inspect.signature(function).parameters
     if any(parameter.kind is parameter.VAR_KEYWORD for parameter in taken.values()):
-        return {name: value for name, value in given.items() if name != "provenance"}
-    ignored = [name for name in given if name not in (*taken, "settings", "provenance")]
+        return dict(given)
+    ignored = [name for name in given if name not in (*taken, "settings")]
     if ignored:
         raise TypeError(f"{function.__name__} takes no argument {', '.join(ignored)}")
     return {name: value for name, value in given.items() if name in taken}

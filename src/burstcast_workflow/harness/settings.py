@@ -4,6 +4,10 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+from burstcast_workflow.harness.storage import read_json
+
+Provenance = dict[str, str]
+
 
 class UndeclaredSettingError(KeyError):
     """A script reads what its rule does not declare, so that nothing would track it."""
@@ -26,10 +30,24 @@ class Settings(Mapping[str, Any]):
         Values by path, as the rule passes them.
     identity
         Rule and wildcards of the job.
+
+    Attributes
+    ----------
+    provenance
+        Origin of the job's outputs, which every NetCDF and JSON file carries.
+    computed_exponent
+        Lyapunov exponent that sets the unit of time; None where the config knows it.
     """
 
-    def __init__(self, declared: Mapping[str, Any], identity: Mapping[str, Any]) -> None:
+    def __init__(
+        self,
+        declared: Mapping[str, Any],
+        identity: Mapping[str, Any],
+        provenance: Provenance | None = None,
+        computed_exponent: float | None = None,
+    ) -> None:
         self._declared, self._identity = declared, identity
+        self.provenance, self.computed_exponent = provenance or {}, computed_exponent
         self._read: set[str] = set()
 
     def __getitem__(self, path: str) -> Any:
@@ -97,6 +115,14 @@ def concerning(settings: str) -> Iterator[None]:
 
 THRESHOLDS = "event_thresholds"
 """Input of jobs whose config gives event thresholds as quantiles: files of their values."""
+
+TIME_UNIT = "time_unit"
+"""Input of jobs whose unit of time is computed: file of the Lyapunov exponents."""
+
+
+def exponent_in(time_unit: str) -> float | None:
+    """Leading exponent in a file of computed ones; None without a file."""
+    return read_json(time_unit)["leading"]["mean"] if time_unit else None
 
 
 def with_thresholds(settings: Any, value_of: Callable[[str], Any], name: str = "") -> Any:

@@ -51,8 +51,10 @@ def write_text(path: str | Path, text: str) -> None:
         partial.write_bytes(text.encode())
 
 
-def write_json(path: str | Path, record: Any) -> None:
+def write_json(path: str | Path, record: Any, provenance: Mapping[str, str] | None = None) -> None:
     """Write plain data as JSON with sorted keys; what is undefined must be given as None.
+
+    The record is a mapping if there is a provenance, which goes beside its entries.
 
     Raises
     ------
@@ -61,6 +63,8 @@ def write_json(path: str | Path, record: Any) -> None:
     TypeError
         If a value has no counterpart in JSON (an array, a NumPy integer, a path, ...).
     """
+    if provenance is not None:
+        record = {**record, "provenance": provenance}
     try:
         text = json.dumps(record, sort_keys=True, indent=2, ensure_ascii=False, allow_nan=False)
     except (TypeError, ValueError) as error:

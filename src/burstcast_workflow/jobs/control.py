@@ -1,7 +1,7 @@
 """Runs of control: what the scripts of control set up, and the files of the outcome."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -39,11 +39,7 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 def control_setup(
-    settings: Settings,
-    ensemble: str,
-    summary: str,
-    time_unit: str | Sequence[str],
-    forecasters: Sequence[str],
+    settings: Settings, ensemble: str, summary: str, forecasters: Sequence[str]
 ) -> tuple[ControlStrategy, ControlExperiment, list[Any], FloatArray | None]:
     """Set up a job of control from its settings and inputs.
 
@@ -53,7 +49,7 @@ def control_setup(
     flow at each step, ``(flows, steps, dimension)``; None for forecasters that see the truth.
     """
     strategy = make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
-    experiment = control_experiment(settings, ensemble, summary, time_unit)
+    experiment = control_experiment(settings, ensemble, summary)
     training = read_rows(ensemble, "state", 0, settings["case.training.series"])
     experiment = replace(experiment, sensor=_sensor(settings, experiment, training))
     if strategy.told:
@@ -62,7 +58,7 @@ def control_setup(
     kind = parsed(settings["controller"]).kind
     sensor = experiment.sensor
     asked: list[Any] = [
-        read_kind(kind_class(kind), path, settings, time_unit, space=experiment.observed_space)
+        read_kind(kind_class(kind), path, settings, space=experiment.observed_space)
         for path in forecasters
     ]
     noise = None
@@ -81,15 +77,13 @@ def control_setup(
     return strategy, experiment, asked, noise
 
 
-def control_experiment(
-    settings: Settings, ensemble: str, summary: str, time_unit: str | Sequence[str]
-) -> ControlExperiment:
+def control_experiment(settings: Settings, ensemble: str, summary: str) -> ControlExperiment:
     """Experiment of a control job, from its settings and inputs.
 
     Quiet flows begin with the first states of the kept series, unselected ones with the last:
     what follows them has had no say in what is kept.
     """
-    system, steps = equations_of(settings), lyapunov_time(settings, time_unit)
+    system, steps = equations_of(settings), lyapunov_time(settings)
     actuation, strength = settings["case.actuation"], settings["control.run.strength"]
     of_strategy = settings["control.run.settings"]
     reverses = bool(of_strategy.get("push") or of_strategy.get("reversible"))
@@ -170,7 +164,6 @@ def write_control(
     experiment: ControlExperiment,
     simulation: ControlSimulation[Any, Any],
     settings: Settings,
-    provenance: Mapping[str, str],
 ) -> None:
     """Write the outcome: counts (JSON), histograms and records of the flows (NetCDF)."""
     counts, histograms, flows = files
@@ -179,9 +172,9 @@ def write_control(
     low, high = density["range"]
     edges = bin_edges(low, high, density["bins"])
     outcome = strategy.outcome(simulation, laminarisation_threshold, edges)
-    write_json(counts, {**outcome.record(), "provenance": dict(provenance)})
-    write_netcdf(histograms, histogram_variables(outcome), provenance)
+    write_json(counts, outcome.record(), settings.provenance)
+    write_netcdf(histograms, histogram_variables(outcome), settings.provenance)
     records, span = record_flows(simulation, laminarisation_threshold), Span.of(simulation.timing)
     cost = simulation.cost if settings.get("control.cost") else None
-    of_span = {**provenance, **dataclasses.asdict(span)}
+    of_span = {**settings.provenance, **dataclasses.asdict(span)}
     write_netcdf(flows, flow_variables(records, experiment.series.start, cost), of_span)

@@ -1,7 +1,5 @@
 """The forecasting task of a job's case: what forecasts of other programs start from."""
 
-from collections.abc import Sequence
-
 from burstcast.benchmark.task import TaskData, campaign_task
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.netcdf import read_netcdf
@@ -15,15 +13,10 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
 
 
 def task_data(
-    settings: Settings,
-    ensemble: str,
-    evaluation_set: str,
-    events: str,
-    summary: str,
-    time_unit: str | Sequence[str],
+    settings: Settings, ensemble: str, evaluation_set: str, events: str, summary: str
 ) -> TaskData:
     """Observed data of the case; the settings are ``TASK`` of the rules, and ``noise``."""
-    steps = lyapunov_time(settings, time_unit)
+    steps = lyapunov_time(settings)
     found = read_netcdf(evaluation_set, "series", "step", "washout")
     before = read_netcdf(events, "series", "step", "observed")
     return campaign_task(

@@ -1,7 +1,7 @@
 """Forecasters as files: what fitting has found, and which kind it belongs to."""
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from burstcast.arrays import FloatArray
@@ -26,17 +26,13 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 Kind = TypeVar("Kind", bound=ForecasterKind)
 
 
-def forecasting_case(
-    settings: Settings, time_unit: str | Sequence[str], ensemble: str | None = None
-) -> ForecastingCase:
+def forecasting_case(settings: Settings, ensemble: str | None = None) -> ForecastingCase:
     """Knowledge of a job's forecasters beside the data.
 
     Parameters
     ----------
     settings
         With system, time and ``forecaster.options``.
-    time_unit
-        The job's input of that name.
     ensemble
         Series of the case, for forecasters that are to be fitted.
     """
@@ -48,7 +44,7 @@ def forecasting_case(
         system=system_of(settings),
         time_step=settings["case.ensemble.time_step"],
         sampling_stride=settings["case.ensemble.sampling_stride"],
-        steps_per_lyapunov_time=lyapunov_time(settings, time_unit),
+        steps_per_lyapunov_time=lyapunov_time(settings),
         options=options,
         parameters=parameters_of(settings, names) if names else None,
         source=make_system(source["system"], source["parameters"]) if source else None,
@@ -77,10 +73,7 @@ def write_forecaster(path: str, forecaster: ForecasterKind, provenance: Mapping[
 
 
 def read_forecaster(
-    path: str,
-    settings: Settings,
-    time_unit: str | Sequence[str],
-    divergence_bound: float | None = None,
+    path: str, settings: Settings, divergence_bound: float | None = None
 ) -> Forecaster:
     """Read a job's own forecaster of trajectories.
 
@@ -90,20 +83,17 @@ def read_forecaster(
         The file.
     settings
         With system, time, ``forecaster`` and ``forecaster.options``.
-    time_unit
-        The job's input of that name.
     divergence_bound
         Setting of that name, where it is asked whether forecasts have diverged.
     """
     kind = kind_of(settings["forecaster"])
-    return read_kind(kind, path, settings, time_unit, divergence_bound)
+    return read_kind(kind, path, settings, divergence_bound)
 
 
 def read_kind(
     kind: type[Kind],
     path: str,
     settings: Settings,
-    time_unit: str | Sequence[str],
     divergence_bound: float | None = None,
     space: StateSpace | None = None,
 ) -> Kind:
@@ -113,13 +103,13 @@ def read_kind(
     ----------
     kind
         Its class.
-    path, settings, time_unit, divergence_bound
+    path, settings, divergence_bound
         As of `read_forecaster`.
     space
         What it forecasts, where that is not the state of the job's case.
     """
     record = ForecasterRecord(read_netcdf(path), read_attributes(path))
-    case = forecasting_case(settings, time_unit)
+    case = forecasting_case(settings)
     options = {**case.options, "divergence_bound": divergence_bound}
     case = dataclasses.replace(case, options=options, system=space or case.system)
     return kind.restore(record, case)

@@ -1,7 +1,5 @@
 """Forecasts of a job's case: the sets of their starting points, their windows."""
 
-from collections.abc import Mapping
-
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import read_rows
@@ -71,14 +69,13 @@ def write_point_set(
     rows: range,
     spacing: tuple[str, float],
     steps_per_lyapunov_time: int,
-    provenance: Mapping[str, str],
 ) -> None:
     """Write starting points in kept series of an ensemble (see `write_points`)."""
     states = read_rows(ensemble, "state", rows.start, rows.stop)
     observed = observed_rows(settings, ensemble, rows.start, states)
     observable = read_rows(ensemble, "observable", rows.start, rows.stop)
     series = (states, observed, observable)
-    write_points(path, settings, series, spacing, steps_per_lyapunov_time, provenance)
+    write_points(path, settings, series, spacing, steps_per_lyapunov_time)
 
 
 def write_points(
@@ -87,7 +84,6 @@ def write_points(
     series: tuple[FloatArray, FloatArray, FloatArray],
     spacing: tuple[str, float],
     steps_per_lyapunov_time: int,
-    provenance: Mapping[str, str],
     schedules: FloatArray | None = None,
 ) -> None:
     """Write starting points, observed washouts, and the true window summaries.
@@ -105,8 +101,6 @@ def write_points(
         Setting of the distance of two points, and its value in Lyapunov times.
     steps_per_lyapunov_time
         Steps of a forecast in a Lyapunov time.
-    provenance
-        Of the job.
     schedules
         Parameters in force in each step, ``(series, time - 1, parameters)``; None: those of the
         case.
@@ -132,4 +126,4 @@ def write_points(
     variables = point_variables(found, states, system.observable_name)
     if schedules is not None:
         variables |= schedule_variables(found, schedules, boundaries[-1])
-    write_netcdf(path, variables, provenance)
+    write_netcdf(path, variables, settings.provenance)

@@ -1,7 +1,5 @@
 """Long runs of a job's forecaster: where they start, and how they are made."""
 
-from collections.abc import Sequence
-
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.data.starting_points import segments
@@ -18,17 +16,15 @@ from burstcast_workflow.jobs.forecasters import seen_rows
 from burstcast_workflow.jobs.time_unit import long_run_steps, lyapunov_time
 
 
-def long_run_washouts(
-    settings: Settings, ensemble: str, time_unit: str | Sequence[str], who: Forecaster
-) -> FloatArray:
+def long_run_washouts(settings: Settings, ensemble: str, who: Forecaster) -> FloatArray:
     """Washouts of a forecaster before each of its long runs.
 
     Parameters
     ----------
     settings
         Of a stage of long runs.
-    ensemble, time_unit
-        Inputs of the job.
+    ensemble
+        Input of that name.
     who
         Forecaster of the long runs.
 
@@ -36,7 +32,7 @@ def long_run_washouts(
     -------
     States up to each starting point, ``(points, steps, dimension)``.
     """
-    steps = lyapunov_time(settings, time_unit)
+    steps = lyapunov_time(settings)
     true = training_states(settings, ensemble)
     states = seen_rows(who, settings, ensemble, 0, true)
     washout = durations.steps(settings["washout_lt"], steps)
@@ -50,9 +46,7 @@ def long_run_washouts(
     return segments(states, points, washout - 1, 0)
 
 
-def long_term_settings(
-    settings: Settings, ensemble: str, time_unit: str | Sequence[str]
-) -> LongTermSettings:
+def long_term_settings(settings: Settings, ensemble: str) -> LongTermSettings:
     """Settings of long runs: their length, and when they are discarded.
 
     A run has settled where it varies less than a hundredth of the bins' range, unless the config
@@ -69,7 +63,7 @@ def long_term_settings(
         "above": edges[0],
     }
     interval = durations.steps(
-        settings["statistics.fixed_point_interval_lt"], lyapunov_time(settings, time_unit)
+        settings["statistics.fixed_point_interval_lt"], lyapunov_time(settings)
     )
     with concerning(LONG_RUNS):
         return LongTermSettings(

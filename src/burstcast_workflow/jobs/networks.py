@@ -116,11 +116,7 @@ def surrogate_settings(settings: Settings) -> SurrogateSettings:
 
 
 def point_validator(
-    settings: Settings,
-    identifier: str,
-    ensemble: str,
-    time_unit: str | Sequence[str],
-    scheduled: Sequence[str],
+    settings: Settings, identifier: str, ensemble: str, scheduled: Sequence[str]
 ) -> PointValidator:
     """Validation of the search points of one reservoir.
 
@@ -130,7 +126,7 @@ def point_validator(
         Of the scan or of the search.
     identifier
         Of the network, or of the reservoir alone.
-    ensemble, time_unit, scheduled
+    ensemble, scheduled
         Inputs of the job.
     """
     system = system_of(settings)
@@ -138,7 +134,7 @@ def point_validator(
         reservoir=reservoir_seed(settings, identifier).reservoir(system.dimension),
         training=training_series(settings, ensemble, scheduled),
         observable=system.observable,
-        plan=_validation_plan(settings, lyapunov_time(settings, time_unit)),
+        plan=_validation_plan(settings, lyapunov_time(settings)),
         tikhonov=settings["search.tikhonov"],
         backend=settings["forecasters.esn.backend"],
     )

@@ -1,11 +1,8 @@
 """The unit of time of a case, from the config or from the exponent that a job computed."""
 
-from collections.abc import Sequence
-
 from burstcast import durations
 from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json
 
 
 def sampling_interval(settings: Settings) -> float:
@@ -22,15 +19,13 @@ def long_run_steps(settings: Settings, ensemble: str) -> int:
     return round(duration / sampling_interval(settings))
 
 
-def lyapunov_time(settings: Settings, time_unit: str | Sequence[str]) -> int:
+def lyapunov_time(settings: Settings) -> int:
     """Network steps in a Lyapunov time.
 
     Parameters
     ----------
     settings
         Of a job, with those of the ensemble's steps and of the exponent.
-    time_unit
-        The job's input of that name: the file of the computed exponents, or nothing.
 
     Raises
     ------
@@ -41,9 +36,9 @@ def lyapunov_time(settings: Settings, time_unit: str | Sequence[str]) -> int:
     known = durations.known_exponent(settings["case.lyapunov.time_unit"], published)
     if known is not None:
         return durations.steps_per_lyapunov_time(known, interval)
-    exponent = read_json(str(time_unit))["leading"]["mean"]
+    assert settings.computed_exponent is not None
     try:
-        return durations.steps_per_lyapunov_time(exponent, interval)
+        return durations.steps_per_lyapunov_time(settings.computed_exponent, interval)
     except ValueError as error:
         raise ValueError(
             f"the computed Lyapunov exponent cannot be the unit of time: {error} "

@@ -15,7 +15,7 @@ from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, Contr
 from burstcast_workflow.config.external_files import external_forecasts, paths_of
 from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.costs.model import CostModel
-from burstcast_workflow.harness.settings import THRESHOLDS, cases_of_thresholds
+from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
 from burstcast_workflow.tables.registry import cases_of
 from snaketrust.fingerprint import Sources
 
@@ -84,14 +84,8 @@ class Stages:
     def __init__(self, campaign: Campaign, sources: Sources, costs: CostModel) -> None:
         self.campaign, self._sources, self._costs = campaign, sources, costs
         self.results: str = campaign.config.results
-        # Outputs of stages by the name of the script's argument; several make a name ambiguous. A
-        # function is asked for each job, which takes time: not for the unit of time where all
-        # exponents are published.
-        self._files: dict[str, list[Any]] = {"time_unit": [[]]}
-        if any(map(campaign.time_unit, campaign.cases)):
-            self._files["time_unit"] = [
-                of_job(lambda wildcards: self.in_results(campaign.time_unit(wildcards.case)))
-            ]
+        # Outputs of stages by the name of the script's argument; several make a name ambiguous.
+        self._files: dict[str, list[Any]] = {"scheduled": [self.scheduled]}
 
     # -- files -------------------------------------------------------------------------------------
 
@@ -222,7 +216,7 @@ class Stages:
         own = f"{wildcards.case}/control/{forecaster}/{wildcards.strategy}/counts.json"
         return self.in_results(own if role == "random" else [])
 
-    # -- event thresholds --------------------------------------------------------------------------
+    # -- what settings leave to other jobs ---------------------------------------------------------
 
     @cached_property
     def has_quantiles(self) -> bool:
@@ -234,12 +228,23 @@ class Stages:
         """Files of the event thresholds that settings of a job only know as quantiles."""
         return self.of_cases("event_threshold.json", cases_of_thresholds(settings))
 
-    def with_thresholds(self, inputs: Mapping[str, Any], settings: OfJob) -> dict[str, Any]:
-        """Inputs of a stage, with thresholds that its settings only know as quantiles."""
-        if not self.has_quantiles:
-            return dict(inputs)
-        thresholds = of_job(lambda wildcards: self.thresholds_of(settings(wildcards)))
-        return {**inputs, THRESHOLDS: thresholds}
+    def with_unknowns(self, inputs: Mapping[str, Any], settings: OfJob) -> dict[str, Any]:
+        """Inputs of a stage, with thresholds and units of time that other jobs find out.
+
+        A function is asked for each job, which takes time: only where the config leaves any open.
+        """
+
+        @of_job
+        def time_unit(wildcards: Any) -> Paths:
+            measures_time = "case.lyapunov.time_unit" in settings(wildcards)
+            return self.in_results(self.campaign.time_unit(wildcards.case) if measures_time else [])
+
+        found = dict(inputs)
+        if self.has_quantiles:
+            found[THRESHOLDS] = of_job(lambda wildcards: self.thresholds_of(settings(wildcards)))
+        if any(map(self.campaign.time_unit, self.campaign.cases)):
+            found[TIME_UNIT] = time_unit
+        return found
 
     # -- settings, code and resources --------------------------------------------------------------
 

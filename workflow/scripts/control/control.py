@@ -2,7 +2,7 @@
 
 from burstcast.control.controllers.registry import controlling_monitor
 from burstcast.forecasters._names import parsed
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.jobs.control import control_setup, write_control
@@ -13,19 +13,15 @@ def control(
     *,
     ensemble: str,
     summary: str,
-    time_unit: str | list[str],
     forecasters: list[str],
     matched: str | list[str],
     counts: str,
     histograms: str,
     flows: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Write what control achieved; random alarms are as frequent as those counted in `matched`."""
-    strategy, experiment, asked, noise = control_setup(
-        settings, ensemble, summary, time_unit, forecasters
-    )
+    strategy, experiment, asked, noise = control_setup(settings, ensemble, summary, forecasters)
     controller = parsed(settings["controller"])
     monitor = controlling_monitor(
         controller.role or "forecaster",
@@ -37,4 +33,4 @@ def control(
     )
     simulation = strategy.simulate(experiment, monitor, noise=noise)
     files = counts, histograms, flows
-    write_control(files, strategy, experiment, simulation, settings, provenance)
+    write_control(files, strategy, experiment, simulation, settings)

@@ -4,7 +4,7 @@ from burstcast.control.strategies.prediction_triggered import PredictionTriggere
 from burstcast.control.windowed.example import simulate_event
 from burstcast.control.windowed.outcome import largest_suppressed_event
 from burstcast.files.netcdf import variables_of
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.control import control_setup
@@ -12,19 +12,10 @@ from burstcast_workflow.jobs.control import control_setup
 
 @job
 def suppressed_event(
-    *,
-    ensemble: str,
-    summary: str,
-    time_unit: str | list[str],
-    forecasters: list[str],
-    event: str,
-    settings: Settings,
-    provenance: Provenance,
+    *, ensemble: str, summary: str, forecasters: list[str], event: str, settings: Settings
 ) -> None:
     """Write the observable with and without control, and the states at four times."""
-    strategy, experiment, asked, noise = control_setup(
-        settings, ensemble, summary, time_unit, forecasters
-    )
+    strategy, experiment, asked, noise = control_setup(settings, ensemble, summary, forecasters)
     assert isinstance(strategy, PredictionTriggered)
     simulation = strategy.simulate(experiment, strategy.monitor(experiment, asked), noise=noise)
     chosen = largest_suppressed_event(simulation, settings["case.laminarisation_threshold"])
@@ -33,4 +24,4 @@ def suppressed_event(
         "series": -1 if chosen is None else experiment.series[chosen.row],
         "alarm_step": -1 if chosen is None else chosen.alarm_step,
     }
-    write_netcdf(event, variables_of(found), {**provenance, **which})
+    write_netcdf(event, variables_of(found), {**settings.provenance, **which})

@@ -1,6 +1,6 @@
 """Lay out the starting points that probabilities are calibrated on: never in the test series."""
 
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import check_kept_series, kept_series, test_series
 from burstcast_workflow.jobs.forecasts import write_point_set
@@ -8,14 +8,7 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
-def calibration_set_of_case(
-    *,
-    ensemble: str,
-    time_unit: str | list[str],
-    calibration_set: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def calibration_set_of_case(*, ensemble: str, calibration_set: str, settings: Settings) -> None:
     """Write points in the training series, or in series that are neither training nor test."""
     kept, training = kept_series(ensemble), settings["case.training.series"]
     test, more = test_series(settings, kept), settings["probability.calibration_series"]
@@ -27,6 +20,5 @@ def calibration_set_of_case(
         ensemble,
         range(training + test, training + test + more) if more else range(training),
         ("probability.start_spacing_lt", settings["probability.start_spacing_lt"]),
-        lyapunov_time(settings, time_unit),
-        provenance,
+        lyapunov_time(settings),
     )

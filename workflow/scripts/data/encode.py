@@ -9,7 +9,7 @@ from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.encoders.channels import IDENTITY, StateChannels, encoding_case
 from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.systems.registry import make_space
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.systems import system_of
@@ -17,14 +17,7 @@ from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
 @job
-def encode(
-    *,
-    source: str,
-    ensemble: str,
-    summary: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def encode(*, source: str, ensemble: str, summary: str, settings: Settings) -> None:
     """Write the channels of all series as they truly are, and as they are observed."""
     of_source, options = settings["source"], settings["case.encoder"] or {}
     space = make_space(of_source["system"], of_source["parameters"])
@@ -60,5 +53,5 @@ def encode(
     )
     if channels.decodes:
         variables |= variables_of(channels.maps(training))
-    write_netcdf(ensemble, variables, provenance)
-    write_json(summary, {**of_all, "provenance": provenance})
+    write_netcdf(ensemble, variables, settings.provenance)
+    write_json(summary, of_all, settings.provenance)

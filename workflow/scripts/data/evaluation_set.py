@@ -1,20 +1,13 @@
 """Lay out the starting points of the evaluation set: their washouts, and what truly follows."""
 
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasts import test_rows, write_point_set
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
-def evaluation_set_of_case(
-    *,
-    ensemble: str,
-    time_unit: str | list[str],
-    evaluation_set: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def evaluation_set_of_case(*, ensemble: str, evaluation_set: str, settings: Settings) -> None:
     """Write points in the test series."""
     write_point_set(
         evaluation_set,
@@ -22,6 +15,5 @@ def evaluation_set_of_case(
         ensemble,
         test_rows(settings, ensemble),
         ("classification.start_spacing_lt", settings["classification.start_spacing_lt"]),
-        lyapunov_time(settings, time_unit),
-        provenance,
+        lyapunov_time(settings),
     )

@@ -7,7 +7,7 @@ from burstcast.data.starting_points import crossing_points, horizon_events, step
 from burstcast.files.netcdf import read_netcdf, read_rows
 from burstcast.forecast.forecast_files import event_variables
 from burstcast.statistics.warning_signs import few_events
-from burstcast_workflow.harness.job import Provenance, job, tell
+from burstcast_workflow.harness.job import job, tell
 from burstcast_workflow.harness.settings import HORIZON, Settings, concerning
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.data import check_kept_series, observed_rows
@@ -15,17 +15,9 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
-def events_of_case(
-    *,
-    ensemble: str,
-    time_unit: str | list[str],
-    events: str,
-    events_summary: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def events_of_case(*, ensemble: str, events: str, events_summary: str, settings: Settings) -> None:
     """Write the events, with what was observed and what was true before each of them."""
-    steps = lyapunov_time(settings, time_unit)
+    steps = lyapunov_time(settings)
     first, threshold = settings["case.training.series"], settings["case.event_threshold"]
     observable = read_netcdf(ensemble, "observable")["observable"]
     check_kept_series(len(observable), {"training.series": first})
@@ -49,7 +41,7 @@ def events_of_case(
     states = read_rows(ensemble, "state", first, last)
     observed = observed_rows(settings, ensemble, first, states)
     variables = event_variables(points, first, observed, states, observable, before)
-    write_netcdf(events, variables, provenance)
+    write_netcdf(events, variables, settings.provenance)
     happens = observable >= threshold
     write_json(
         events_summary,
@@ -59,6 +51,6 @@ def events_of_case(
             "events_per_series": len(crossings) / len(observable),
             "usable_events": len(points),
             "largest_observable": float(np.max(observable)),
-            "provenance": provenance,
         },
+        settings.provenance,
     )

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from burstcast.benchmark.export import case_attributes, case_variables, page
 from burstcast.files.atomic_files import atomic
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecast_task import task_data
@@ -21,14 +21,14 @@ def export_task(
     evaluation_set: str,
     events: str,
     summary: str,
-    time_unit: str | list[str],
     forecast_task: str,
     page_of_task: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Write the observed data, without the truth, and the page that explains them."""
-    data = task_data(settings, ensemble, evaluation_set, events, summary, time_unit)
-    write_netcdf(forecast_task, case_variables(data), {**provenance, **case_attributes(data)})
+    data = task_data(settings, ensemble, evaluation_set, events, summary)
+    write_netcdf(
+        forecast_task, case_variables(data), {**settings.provenance, **case_attributes(data)}
+    )
     with atomic(page_of_task) as partial:
         Path(partial).write_text(page([data], SCORING, Path(forecast_task).name), encoding="utf-8")

@@ -6,7 +6,7 @@ from burstcast.data.ensemble_files import START, ensemble_variables
 from burstcast.data.measured_data import kept_series
 from burstcast.files.netcdf import Variable
 from burstcast.files.units import TIME
-from burstcast_workflow.harness.job import Provenance, job, tell
+from burstcast_workflow.harness.job import job, tell
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.data import test_series
@@ -15,14 +15,7 @@ from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
 @job
-def import_data(
-    *,
-    sources: list[str],
-    ensemble: str,
-    summary: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def import_data(*, sources: list[str], ensemble: str, summary: str, settings: Settings) -> None:
     """Write the series, their observable, and a summary."""
     measured = measured_series(settings, sources)
     if measured.left_out:
@@ -50,5 +43,5 @@ def import_data(
     if measured.start is not None:
         start = measured.start[index] + past * sampling_interval(settings)
         variables[START] = Variable(("series",), start, TIME, "time of the first sample")
-    write_netcdf(ensemble, variables, provenance)
-    write_json(summary, {**of_all, "provenance": provenance})
+    write_netcdf(ensemble, variables, settings.provenance)
+    write_json(summary, of_all, settings.provenance)

@@ -13,7 +13,7 @@ from burstcast.systems.lyapunov import (
     mean_with_interval,
     perturbation_growth,
 )
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.data import check_kept_series, kept_series
@@ -25,14 +25,7 @@ MOST_EXPONENTS = 24
 
 
 @job
-def lyapunov(
-    *,
-    ensemble: str,
-    exponents: str,
-    spectrum: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def lyapunov(*, ensemble: str, exponents: str, spectrum: str, settings: Settings) -> None:
     """Write the exponents with their 95 % confidence intervals, and those of each series."""
     system = equations_of(settings)
     time_step, series = settings["case.ensemble.time_step"], settings["case.lyapunov.series"]
@@ -77,7 +70,7 @@ def lyapunov(
             "spectrum_high": spectral.high.tolist(),
             "series": len(states),
             "duration": by_series.duration,
-            "provenance": provenance,
         },
+        settings.provenance,
     )
-    write_netcdf(spectrum, variables_of(by_series), provenance)
+    write_netcdf(spectrum, variables_of(by_series), settings.provenance)

@@ -2,7 +2,7 @@
 
 from burstcast import random_streams
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.data import training_states
@@ -10,9 +10,7 @@ from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
 @job
-def estimated_exponent(
-    *, ensemble: str, exponents: str, settings: Settings, provenance: Provenance
-) -> None:
+def estimated_exponent(*, ensemble: str, exponents: str, settings: Settings) -> None:
     """Write the exponent of the training series, with its interval."""
     series, interval = training_states(settings, ensemble), sampling_interval(settings)
     try:
@@ -39,6 +37,6 @@ def estimated_exponent(
             "log_distance": found.log_distance.tolist(),
             "fitted_steps": list(found.fitted),
             "theiler_window": found.theiler_window,
-            "provenance": provenance,
         },
+        settings.provenance,
     )

@@ -11,7 +11,7 @@ from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast.statistics.statistics_files import statistics_variables
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.data import density_edges
@@ -23,14 +23,7 @@ MOST_SERIES, MOST_NUMBERS = 100, 2**25
 
 @job
 def reference_statistics(
-    *,
-    ensemble: str,
-    summary: str,
-    data: str,
-    training: str,
-    floor: str,
-    settings: Settings,
-    provenance: Provenance,
+    *, ensemble: str, summary: str, data: str, training: str, floor: str, settings: Settings
 ) -> None:
     """Write the statistics of the data and of the training set, and the floor of the measures."""
     system = system_of(settings)
@@ -42,8 +35,8 @@ def reference_statistics(
     )
     series = reduce_series(blocks, system.observable, density_edges(settings, ensemble))
     first = slice(0, settings["case.training.series"])
-    write_netcdf(data, statistics_variables(series.merged(slice(None))), provenance)
-    write_netcdf(training, statistics_variables(series.merged(first)), provenance)
+    write_netcdf(data, statistics_variables(series.merged(slice(None))), settings.provenance)
+    write_netcdf(training, statistics_variables(series.merged(first)), settings.provenance)
     splits = sampling_floor(
         series,
         equally_spaced_profiles(system, settings["statistics.profile_points"]),
@@ -67,5 +60,5 @@ def reference_statistics(
                 for name in names
             },
         },
-        provenance,
+        settings.provenance,
     )

@@ -1,7 +1,7 @@
 """Training series for forecasters that know the parameters: the case's own, or actuated ones."""
 
 from burstcast.data.scheduled_series import ScheduledSeries
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.data import observed_rows, training_states
 from burstcast_workflow.jobs.scheduled import write_scheduled
@@ -11,22 +11,15 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
-def schedule_series(
-    *,
-    ensemble: str,
-    time_unit: str | list[str],
-    scheduled_series: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def schedule_series(*, ensemble: str, scheduled_series: str, settings: Settings) -> None:
     """Write the series, what is observed of them, and the parameters in force."""
     free = training_states(settings, ensemble)
     actuated = settings["case.training.actuation"] is not None
     if actuated:
-        steps = lyapunov_time(settings, time_unit)
+        steps = lyapunov_time(settings)
         series, observed = switched_series(settings, ensemble, range(len(free)), steps, "training")
     else:
         own = parameters_of(settings, settings["parameters"]).own
         series = ScheduledSeries.constant(free, own)
         observed = observed_rows(settings, ensemble, 0, free)
-    write_scheduled(scheduled_series, series, observed, actuated, provenance)
+    write_scheduled(scheduled_series, series, observed, actuated, settings.provenance)

@@ -6,20 +6,14 @@ from burstcast import random_streams
 from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.systems.sampling import sampled_initial_states
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.systems import equations_of
 
 
 @job
-def simulate(
-    *,
-    ensemble: str,
-    summary: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def simulate(*, ensemble: str, summary: str, settings: Settings) -> None:
     """Write the kept series, their observable, and a summary."""
     system = equations_of(settings)
     given = settings["case.ensemble"]
@@ -61,5 +55,5 @@ def simulate(
         np.concatenate([batch.lifetimes for batch in batches]),
         given["time_step"] * given["sampling_stride"],
     )
-    write_netcdf(ensemble, variables, provenance)
-    write_json(summary, {**of_all, "provenance": provenance})
+    write_netcdf(ensemble, variables, settings.provenance)
+    write_json(summary, of_all, settings.provenance)

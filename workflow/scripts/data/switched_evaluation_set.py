@@ -1,6 +1,6 @@
 """Lay out the starting points of the evaluation set in test series whose actuator switches."""
 
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasts import test_rows, write_points
 from burstcast_workflow.jobs.switched import switched_series
@@ -10,15 +10,10 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 @job
 def switched_evaluation_set_of_case(
-    *,
-    ensemble: str,
-    time_unit: str | list[str],
-    evaluation_set: str,
-    settings: Settings,
-    provenance: Provenance,
+    *, ensemble: str, evaluation_set: str, settings: Settings
 ) -> None:
     """Write points in series that go on from the ends of the test series, with their schedules."""
-    steps = lyapunov_time(settings, time_unit)
+    steps = lyapunov_time(settings)
     rows = test_rows(settings, ensemble)
     series, observed = switched_series(settings, ensemble, rows, steps, "test")
     observable = system_of(settings).observable(series.states.transpose(2, 0, 1))
@@ -28,6 +23,5 @@ def switched_evaluation_set_of_case(
         (series.states, observed, observable),
         ("classification.start_spacing_lt", settings["classification.start_spacing_lt"]),
         steps,
-        provenance,
         series.schedules,
     )

@@ -12,7 +12,7 @@ from burstcast.data.training_realisations import (
     trained_first,
 )
 from burstcast.files.netcdf import read_netcdf
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.data import check_kept_series, test_series
@@ -41,14 +41,7 @@ def _drawn(observable: FloatArray, settings: Settings) -> IntArray:
 
 
 @job
-def choose_training_series(
-    *,
-    source: str,
-    ensemble: str,
-    summary: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def choose_training_series(*, source: str, ensemble: str, summary: str, settings: Settings) -> None:
     """Write the same series; the first are others, the test series are equal."""
     training, realisation = settings["case.training.series"], settings["realisation"]
     data = read_netcdf(source, "series", "lifetime", "state", "observable")
@@ -72,5 +65,5 @@ def choose_training_series(
         data["lifetime"],
         sampling_interval(settings),
     )
-    write_netcdf(ensemble, variables, provenance)
-    write_json(summary, {**of_all, "provenance": provenance})
+    write_netcdf(ensemble, variables, settings.provenance)
+    write_json(summary, of_all, settings.provenance)

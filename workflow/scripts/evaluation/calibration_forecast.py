@@ -8,7 +8,7 @@ from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecasters import (
@@ -29,17 +29,15 @@ def forecast_calibration_set(
     ensemble: str,
     forecaster: str,
     calibration_set: str,
-    time_unit: str | list[str],
     scheduled: list[str],
     calibration_forecast: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Forecast each training series without what it has taught, or other series as they are."""
-    system, steps = system_of(settings), lyapunov_time(settings, time_unit)
+    system, steps = system_of(settings), lyapunov_time(settings)
     boundaries = window_boundaries(*windows_of(settings), steps)
     bound = settings["forecaster.divergence_bound"]
-    who = read_forecaster(forecaster, settings, time_unit, bound)
+    who = read_forecaster(forecaster, settings, bound)
     points = read_netcdf(calibration_set, "series", "washout", "true_washout")
     given = seen(who, points["washout"], points["true_washout"])
     learnt = read_scheduled(scheduled, settings["case"]) if scheduled else None
@@ -49,7 +47,7 @@ def forecast_calibration_set(
         forecasts = out_of_sample_forecasts(
             who,
             learnt.observed.states,
-            forecasting_case(settings, time_unit, ensemble),
+            forecasting_case(settings, ensemble),
             durations.steps(settings["washout_lt"], steps),
             system.observable,
             given,
@@ -61,7 +59,7 @@ def forecast_calibration_set(
         forecasts = out_of_sample_forecasts(
             who,
             learnt_rows(who, settings, ensemble),
-            forecasting_case(settings, time_unit, ensemble),
+            forecasting_case(settings, ensemble),
             durations.steps(settings["washout_lt"], steps),
             system.observable,
             given,
@@ -69,4 +67,4 @@ def forecast_calibration_set(
             boundaries,
         )
     variables = forecast_variables(forecasts, system.observable_name)
-    write_netcdf(calibration_forecast, variables, provenance)
+    write_netcdf(calibration_forecast, variables, settings.provenance)

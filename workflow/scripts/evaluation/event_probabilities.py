@@ -8,7 +8,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecasters.registry import classifier_class
 from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings, concerning
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecasters import forecasting_case, write_forecaster
@@ -21,18 +21,16 @@ def event_probabilities(
     training_set: str,
     evaluation_set: str,
     calibration_set: str,
-    time_unit: str | list[str],
     forecaster: str,
     forecast: str,
     calibration_forecast: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Learn from the training set; what was learnt from is forecast out of sample."""
     times = settings["classification.prediction_times_lt"]
     threshold = settings["case.event_threshold"]
     kind = classifier_class(settings["forecaster"])
-    case = forecasting_case(settings, time_unit)
+    case = forecasting_case(settings)
     options = {**case.options, "random_seed": settings["random_seed"]}
     case = dataclasses.replace(case, options=options)
     learnt = forecast_points(settings, training_set, []).labelled(times, threshold)
@@ -48,7 +46,7 @@ def event_probabilities(
         calibrating = out_of_sample_probabilities(
             kind, learnt, fitted.tuned(case), folds, kept["washout"], kept["series"]
         )
-    write_forecaster(forecaster, fitted, provenance)
+    write_forecaster(forecaster, fitted, settings.provenance)
     for path, found in ((forecast, tested), (calibration_forecast, calibrating)):
         probabilities = EventProbabilities(found, np.array(times, dtype=np.float64), threshold)
-        write_netcdf(path, probabilities.variables(), provenance)
+        write_netcdf(path, probabilities.variables(), settings.provenance)

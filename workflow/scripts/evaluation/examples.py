@@ -16,7 +16,7 @@ from burstcast.forecast.examples import (
 )
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
@@ -106,20 +106,18 @@ def examples_of_forecaster(
     summary: str,
     evaluation_set: str,
     events: str,
-    time_unit: str | list[str],
     forecaster: str,
     forecast: str,
     horizon: str,
     examples: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Write true and forecast observables of the examples."""
     who, steps = (
-        read_forecaster(forecaster, settings, time_unit),
-        lyapunov_time(settings, time_unit),
+        read_forecaster(forecaster, settings),
+        lyapunov_time(settings),
     )
     mean = read_json(summary)["mean_observable"]
     outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, who, steps)
     evaluations = _evaluations(ensemble, events, horizon, settings, who, steps, mean)
-    write_netcdf(examples, variables_of(outcomes) | variables_of(evaluations), provenance)
+    write_netcdf(examples, variables_of(outcomes) | variables_of(evaluations), settings.provenance)

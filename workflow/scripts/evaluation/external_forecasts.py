@@ -9,7 +9,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import horizon_variables
 from burstcast.forecasters._recorded import recorded_horizons
 from burstcast.forecasters.external import ExternalForecasts
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecast_task import task_data
@@ -23,17 +23,15 @@ def read_external_forecasts(
     evaluation_set: str,
     events: str,
     summary: str,
-    time_unit: str | list[str],
     forecast: str,
     horizon: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Write window summaries or probabilities, and prediction horizons: NaN where none is given."""
-    data = task_data(settings, ensemble, evaluation_set, events, summary, time_unit)
+    data = task_data(settings, ensemble, evaluation_set, events, summary)
     given = read_forecasts([Path(file) for file in files], data.task)
     found = ExternalForecasts.of(given, data.task, data.event_threshold)
-    write_netcdf(forecast, found.variables(data.task.space.observable_name), provenance)
+    write_netcdf(forecast, found.variables(data.task.space.observable_name), settings.provenance)
     before = read_netcdf(events)
     horizons = np.full(len(before["step"]), np.nan)
     if given.horizon is not None:
@@ -41,4 +39,4 @@ def read_external_forecasts(
             data.horizon_washouts, given.horizon, before["observed"], before["truth"], data.search
         )
     variables = horizon_variables(before["series"], before["step"], horizons)
-    write_netcdf(horizon, variables, provenance)
+    write_netcdf(horizon, variables, settings.provenance)

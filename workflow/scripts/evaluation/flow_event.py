@@ -10,7 +10,7 @@ from burstcast.forecast.example_events import (
     isolated_events,
     predicted_event,
 )
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.data import kept_series, test_series
@@ -21,23 +21,16 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 @job
 def find_flow_event(
-    *,
-    ensemble: str,
-    summary: str,
-    forecaster: str,
-    time_unit: str | list[str],
-    event: str,
-    settings: Settings,
-    provenance: Provenance,
+    *, ensemble: str, summary: str, forecaster: str, event: str, settings: Settings
 ) -> None:
     """Write the observable through the event and the states at four times, true and forecast."""
-    system, unit = system_of(settings), lyapunov_time(settings, time_unit)
+    system, unit = system_of(settings), lyapunov_time(settings)
     wanted, first = settings["figures.flow_event"], settings["case.training.series"]
     last = first + test_series(settings, kept_series(ensemble))
     truth = read_rows(ensemble, "observable", first, last)
     states = read_rows(ensemble, "state", first, last)
     trained = read_rows(ensemble, "state", 0, first)
-    who = read_forecaster(forecaster, settings, time_unit)
+    who = read_forecaster(forecaster, settings)
     observed = seen_rows(who, settings, ensemble, first, states)
     lead = durations.steps(wanted["lead_lt"], unit)
     washout = durations.steps(settings["washout_lt"], unit)
@@ -74,4 +67,4 @@ def find_flow_event(
         steps_per_lyapunov_time=unit,
     )
     where = {"series": -1 if found is None else first + found.series}
-    write_netcdf(event, variables_of(event_of_flow), {**provenance, **where})
+    write_netcdf(event, variables_of(event_of_flow), {**settings.provenance, **where})

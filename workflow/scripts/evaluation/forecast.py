@@ -4,7 +4,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
@@ -15,21 +15,15 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 @job
 def forecast_evaluation_set(
-    *,
-    forecaster: str,
-    evaluation_set: str,
-    time_unit: str | list[str],
-    forecast: str,
-    settings: Settings,
-    provenance: Provenance,
+    *, forecaster: str, evaluation_set: str, forecast: str, settings: Settings
 ) -> None:
     """Write the first and largest observable of every window of every forecast."""
     system = system_of(settings)
-    boundaries = window_boundaries(*windows_of(settings), lyapunov_time(settings, time_unit))
+    boundaries = window_boundaries(*windows_of(settings), lyapunov_time(settings))
     bound = settings["forecaster.divergence_bound"]
-    who = read_forecaster(forecaster, settings, time_unit, bound)
+    who = read_forecaster(forecaster, settings, bound)
     points = read_netcdf(evaluation_set)
     given = seen(who, points["washout"], points["true_washout"])
     forecasts = window_forecasts(who, system.observable, given, boundaries, points.get("parameter"))
     variables = forecast_variables(forecasts, system.observable_name)
-    write_netcdf(forecast, variables, provenance)
+    write_netcdf(forecast, variables, settings.provenance)

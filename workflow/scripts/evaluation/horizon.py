@@ -3,7 +3,7 @@
 from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import horizon_variables
 from burstcast.forecast.horizon import prediction_horizons
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
@@ -14,18 +14,11 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 @job
 def measure_horizons(
-    *,
-    forecaster: str,
-    events: str,
-    summary: str,
-    time_unit: str | list[str],
-    horizon: str,
-    settings: Settings,
-    provenance: Provenance,
+    *, forecaster: str, events: str, summary: str, horizon: str, settings: Settings
 ) -> None:
     """Write the prediction horizon of every event."""
-    data, steps = read_netcdf(events), lyapunov_time(settings, time_unit)
-    who = read_forecaster(forecaster, settings, time_unit)
+    data, steps = read_netcdf(events), lyapunov_time(settings)
+    who = read_forecaster(forecaster, settings)
     horizons = prediction_horizons(
         who,
         system_of(settings).observable,
@@ -33,4 +26,6 @@ def measure_horizons(
         data["truth"],
         horizon_search(settings, steps, read_json(summary)["mean_observable"]),
     )
-    write_netcdf(horizon, horizon_variables(data["series"], data["step"], horizons), provenance)
+    write_netcdf(
+        horizon, horizon_variables(data["series"], data["step"], horizons), settings.provenance
+    )

@@ -4,7 +4,7 @@ from burstcast.files.netcdf import Variable
 from burstcast.files.units import NUMBER
 from burstcast.statistics.long_term import Fate, run_long_term
 from burstcast.statistics.statistics_files import reduction_variables, statistics_variables
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
@@ -13,20 +13,12 @@ from burstcast_workflow.jobs.systems import system_of
 
 
 @job
-def run_freely(
-    *,
-    ensemble: str,
-    forecaster: str,
-    time_unit: str | list[str],
-    long_term: str,
-    settings: Settings,
-    provenance: Provenance,
-) -> None:
+def run_freely(*, ensemble: str, forecaster: str, long_term: str, settings: Settings) -> None:
     """Write the forecaster's long-term statistics and what became of each closed loop."""
     bound = settings["forecaster.divergence_bound"]
-    who = read_forecaster(forecaster, settings, time_unit, bound)
-    how = long_term_settings(settings, ensemble, time_unit)
-    washouts = long_run_washouts(settings, ensemble, time_unit, who)
+    who = read_forecaster(forecaster, settings, bound)
+    how = long_term_settings(settings, ensemble)
+    washouts = long_run_washouts(settings, ensemble, who)
     run = run_long_term(who, system_of(settings).observable, washouts, how)
     fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
     write_netcdf(
@@ -39,5 +31,5 @@ def run_freely(
             ),
             **reduction_variables(run.runs),
         },
-        provenance,
+        settings.provenance,
     )

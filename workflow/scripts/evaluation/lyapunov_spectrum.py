@@ -6,7 +6,7 @@ from burstcast import random_streams
 from burstcast.files.netcdf import read_netcdf, variables_of
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
@@ -16,18 +16,11 @@ from burstcast_workflow.jobs.time_unit import long_run_steps, sampling_interval
 
 @job
 def lyapunov_spectrum(
-    *,
-    ensemble: str,
-    forecaster: str,
-    time_unit: str | list[str],
-    long_term: str,
-    spectrum: str,
-    settings: Settings,
-    provenance: Provenance,
+    *, ensemble: str, forecaster: str, long_term: str, spectrum: str, settings: Settings
 ) -> None:
     """Write the leading exponents of each of the first runs that were kept."""
-    who = read_forecaster(forecaster, settings, time_unit)
-    washouts = long_run_washouts(settings, ensemble, time_unit, who)
+    who = read_forecaster(forecaster, settings)
+    washouts = long_run_washouts(settings, ensemble, who)
     kept = np.flatnonzero(read_netcdf(long_term, "fate")["fate"] == Fate.KEPT)
     interval = sampling_interval(settings)
     found = forecaster_spectrum(
@@ -41,4 +34,4 @@ def lyapunov_spectrum(
             settings["random_seed"], "lyapunov spectrum", settings["case"], settings["forecaster"]
         ),
     )
-    write_netcdf(spectrum, variables_of(found), provenance)
+    write_netcdf(spectrum, variables_of(found), settings.provenance)

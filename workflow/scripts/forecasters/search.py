@@ -8,7 +8,7 @@ from burstcast.tuning import network_search
 from burstcast.tuning.scan_files import read_evaluations
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.uncertainty import objective_uncertainty
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.harness.tables import read_table, write_table
@@ -24,18 +24,16 @@ from burstcast_workflow.jobs.networks import (
 def search(
     *,
     ensemble: str,
-    time_unit: str | list[str],
     scheduled: list[str],
     scan: str,
     scan_errors: str,
     hyperparameters: str,
     trace: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Write the whole trace of the search and its best point."""
     identifier = settings["forecaster"]
-    validator = point_validator(settings, identifier, ensemble, time_unit, scheduled)
+    validator = point_validator(settings, identifier, ensemble, scheduled)
     strategy = make_strategy(str(parsed(identifier).validation))
     reservoir = reservoir_seed(settings, identifier)
     found = network_search.search(
@@ -50,4 +48,4 @@ def search(
     uncertainty = objective_uncertainty(np.array([one.validation.log_errors for one in found]))
     table = pd.DataFrame([one.record() for one in found])
     write_table(trace, table.assign(**vars(uncertainty)))
-    write_json(hyperparameters, {**network_search.best(found).record(), "provenance": provenance})
+    write_json(hyperparameters, network_search.best(found).record(), settings.provenance)

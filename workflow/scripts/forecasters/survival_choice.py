@@ -9,7 +9,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.statistics.long_term import Fate, run_long_term
 from burstcast.statistics.survival import Lifetimes, escape_rate
 from burstcast.tuning.survival import as_good_as_the_best, nearest_escape_rate
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.harness.tables import read_table, write_table
@@ -29,13 +29,11 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
 def choose_by_survival(
     *,
     ensemble: str,
-    time_unit: str | list[str],
     scheduled: list[str],
     trace: str,
     chosen: str,
     candidates: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Write how fast the candidates' long runs escape, and the point that is taken."""
     interval, confidence = sampling_interval(settings), settings["bootstrap.confidence"]
@@ -50,7 +48,7 @@ def choose_by_survival(
     )
     points = points[good].sort_values("objective", kind="stable")
     series = training_series(settings, ensemble, scheduled)
-    how = long_term_settings(settings, ensemble, time_unit)
+    how = long_term_settings(settings, ensemble)
     networks: Any = kind_of(settings["forecaster"])
     told = knowledge(settings, scheduled)
     seed = reservoir_seed(settings, settings["forecaster"])
@@ -61,12 +59,12 @@ def choose_by_survival(
             dynamics_at(settings, seed, series.dimension, values),
             seed,
             series,
-            washout=durations.steps(settings["washout_lt"], lyapunov_time(settings, time_unit)),
+            washout=durations.steps(settings["washout_lt"], lyapunov_time(settings)),
             tikhonov=values["tikhonov"],
             divergence_bound=settings["forecaster.divergence_bound"],
             **told,
         )
-        washouts = long_run_washouts(settings, ensemble, time_unit, who)
+        washouts = long_run_washouts(settings, ensemble, who)
         run = run_long_term(who, system_of(settings).observable, washouts, how)
         lifetimes = Lifetimes(run.lifetimes, run.fates != Fate.KEPT, how.steps)
         rates.append(escape_rate(lifetimes, interval, confidence))
@@ -83,4 +81,4 @@ def choose_by_survival(
     )
     write_table(candidates, table)
     names = ["spectral_radius", "input_scaling", "tikhonov", "objective", "solver"]
-    write_json(chosen, {**table.iloc[row][names].to_dict(), "provenance": provenance})
+    write_json(chosen, table.iloc[row][names].to_dict(), settings.provenance)

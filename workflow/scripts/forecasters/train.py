@@ -3,7 +3,7 @@
 from typing import Any
 
 from burstcast import durations
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.jobs.forecasters import kind_of, write_forecaster
@@ -20,12 +20,10 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 def train(
     *,
     ensemble: str,
-    time_unit: str | list[str],
     scheduled: list[str],
     hyperparameters: str,
     forecaster: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Write the trained network."""
     series = training_series(settings, ensemble, scheduled)
@@ -36,9 +34,9 @@ def train(
         dynamics_at(settings, seed, series.dimension, chosen),
         seed,
         series,
-        washout=durations.steps(settings["washout_lt"], lyapunov_time(settings, time_unit)),
+        washout=durations.steps(settings["washout_lt"], lyapunov_time(settings)),
         tikhonov=chosen["tikhonov"],
         divergence_bound=None,
         **knowledge(settings, scheduled),
     )
-    write_forecaster(forecaster, network, provenance)
+    write_forecaster(forecaster, network, settings.provenance)

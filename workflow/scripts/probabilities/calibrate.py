@@ -4,7 +4,7 @@ from typing import Any
 
 from burstcast.probability.alarm_rule import CALIBRATED, VOTES, AlarmRule
 from burstcast.probability.calibration import UNCALIBRATED, isotonic, logistic
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.probabilities import forecast_points
@@ -13,13 +13,7 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 @job
 def calibrate(
-    *,
-    calibration_set: str,
-    calibration_forecasts: list[str],
-    time_unit: str | list[str],
-    calibration: str,
-    settings: Settings,
-    provenance: Provenance,
+    *, calibration_set: str, calibration_forecasts: list[str], calibration: str, settings: Settings
 ) -> None:
     """Write calibrations and thresholds by alarm, event threshold and prediction time."""
     points = forecast_points(settings, calibration_set, calibration_forecasts)
@@ -54,11 +48,5 @@ def calibrate(
             }
             for factor in sorted({1.0, *settings["probability.threshold_factors"]})
         }
-    write_json(
-        calibration,
-        {
-            "steps_per_lyapunov_time": lyapunov_time(settings, time_unit),
-            "alarms": alarms,
-            "provenance": provenance,
-        },
-    )
+    record = {"steps_per_lyapunov_time": lyapunov_time(settings), "alarms": alarms}
+    write_json(calibration, record, settings.provenance)

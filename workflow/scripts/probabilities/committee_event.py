@@ -10,7 +10,7 @@ from burstcast.files.netcdf import read_rows, variables_of
 from burstcast.probability.alarm_rule import CALIBRATED, rules_of
 from burstcast.probability.committee_event import member_observables, see_event
 from burstcast.probability.typical_event import typical_event
-from burstcast_workflow.harness.job import Provenance, job
+from burstcast_workflow.harness.job import job
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
@@ -23,19 +23,22 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 def _forecasts(
     forecasters: Sequence[str],
     forecasts: Sequence[str],
-    time_unit: str | list[str],
+    settings: Settings,
     washout: FloatArray,
     reach: int,
 ) -> dict[str, FloatArray]:
     """Observables that the members of each forecaster's ensemble forecast, by forecaster.
 
-    Forecasters have the settings that their ``forecasts`` were made with.
+    Forecasters have the settings that their ``forecasts`` were made with, and this job's unit of
+    time.
     """
     paths = {one.name: one.path for one in origins(forecasters)}
     found: dict[str, FloatArray] = {}
     for one in origins(forecasts):
-        forecaster = read_forecaster(paths[one.name], one.settings, time_unit)
-        observable = system_of(one.settings).observable
+        exponent = settings.computed_exponent
+        known = Settings(one.settings, one.identity, computed_exponent=exponent)
+        forecaster = read_forecaster(paths[one.name], known)
+        observable = system_of(known).observable
         found[one.name.identifier] = member_observables(forecaster, observable, washout, reach)
     return found
 
@@ -48,13 +51,11 @@ def event_of_committees(
     calibration: str,
     forecasters: list[str],
     forecasts: list[str],
-    time_unit: str | list[str],
     committee_event: str,
     settings: Settings,
-    provenance: Provenance,
 ) -> None:
     """Write what happened, what all members forecast, votes, probabilities, alarm thresholds."""
-    steps, threshold = lyapunov_time(settings, time_unit), settings["case.event_threshold"]
+    steps, threshold = lyapunov_time(settings), settings["case.event_threshold"]
     points = forecast_points(settings, evaluation_set, forecasts)
     times = settings["classification.prediction_times_lt"]
     committees = [source for source in points.alarms if source.committee]
@@ -77,7 +78,7 @@ def event_of_committees(
         now = int(points.data["step"][point])
         series = read_rows(ensemble, "observable", row, row + 1)[0]
         true = series[now + 1 - len(washout) : now + 1 + reach]
-        found = _forecasts(forecasters, forecasts, time_unit, washout, reach)
+        found = _forecasts(forecasters, forecasts, settings, washout, reach)
         fans = [np.concatenate([found[name] for name in one.forecasters]) for one in committees]
         happened = [bool(points.happened(time, threshold)[point]) for time in times]
         chosen = read_json(calibration)
@@ -91,4 +92,4 @@ def event_of_committees(
     kinds = [committee.name.keys["forecaster"] for committee in committees]
     whose = {"committees": " ".join(kinds)}
     which = {"point": -1 if point is None else point}
-    write_netcdf(committee_event, variables_of(event), {**provenance, **whose, **which})
+    write_netcdf(committee_event, variables_of(event), {**settings.provenance, **whose, **which})
