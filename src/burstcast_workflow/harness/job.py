@@ -39,13 +39,33 @@ from burstcast_workflow.harness.settings import (
     TIME_UNIT,
     Provenance,
     Settings,
+    concerning,
     exponent_in,
     with_thresholds,
 )
-from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.harness.storage import (
+    atomic,
+    read_json,
+    write_json,
+    write_netcdf,
+    write_text,
+)
 from burstcast_workflow.stages.canonical import canonical, canonical_json
 from snaketrust import job as trust
 from snaketrust.fingerprint import script_of
+
+__all__ = [
+    "Settings",
+    "atomic",
+    "concerning",
+    "job",
+    "read_json",
+    "tell",
+    "write_json",
+    "write_netcdf",
+    "write_text",
+]
+"""What scripts use."""
 
 logger = logging.getLogger(__name__)
 _told = logger.getChild("told")

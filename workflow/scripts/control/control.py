@@ -2,9 +2,7 @@
 
 from burstcast.control.controllers.registry import controlling_monitor
 from burstcast.forecasters._names import parsed
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.harness.job import Settings, job, read_json
 from burstcast_workflow.jobs.control import control_setup, write_control
 
 

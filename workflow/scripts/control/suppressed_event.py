@@ -4,9 +4,7 @@ from burstcast.control.strategies.prediction_triggered import PredictionTriggere
 from burstcast.control.windowed.example import simulate_event
 from burstcast.control.windowed.outcome import largest_suppressed_event
 from burstcast.files.netcdf import variables_of
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.control import control_setup
 
 

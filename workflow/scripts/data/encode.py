@@ -9,9 +9,7 @@ from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.encoders.channels import IDENTITY, StateChannels, encoding_case
 from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.systems.registry import make_space
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import sampling_interval
 

@@ -1,7 +1,6 @@
 """Lay out the starting points of the evaluation set: their washouts, and what truly follows."""
 
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.jobs.forecasts import test_rows, write_point_set
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 

@@ -2,9 +2,7 @@
 
 from burstcast.data.event_threshold import threshold_at
 from burstcast.files.netcdf import read_rows
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.harness.job import Settings, job, write_json
 from burstcast_workflow.jobs.data import check_kept_series, kept_series
 
 

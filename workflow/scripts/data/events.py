@@ -7,9 +7,8 @@ from burstcast.data.starting_points import crossing_points, horizon_events, step
 from burstcast.files.netcdf import read_netcdf, read_rows
 from burstcast.forecast.forecast_files import event_variables
 from burstcast.statistics.warning_signs import few_events
-from burstcast_workflow.harness.job import job, tell
-from burstcast_workflow.harness.settings import HORIZON, Settings, concerning
-from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, concerning, job, tell, write_json, write_netcdf
+from burstcast_workflow.harness.settings import HORIZON
 from burstcast_workflow.jobs.data import check_kept_series, observed_rows
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 

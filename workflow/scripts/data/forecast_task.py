@@ -4,9 +4,7 @@ from pathlib import Path
 
 from burstcast.benchmark.export import case_attributes, case_variables, page
 from burstcast.files.atomic_files import atomic
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecast_task import task_data
 
 SCORING = """\

@@ -6,9 +6,7 @@ from burstcast.data.ensemble_files import START, ensemble_variables
 from burstcast.data.measured_data import kept_series
 from burstcast.files.netcdf import Variable
 from burstcast.files.units import TIME
-from burstcast_workflow.harness.job import job, tell
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, tell, write_json, write_netcdf
 from burstcast_workflow.jobs.data import test_series
 from burstcast_workflow.jobs.measured import measured_series, present_space, with_past
 from burstcast_workflow.jobs.time_unit import sampling_interval

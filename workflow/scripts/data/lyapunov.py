@@ -13,9 +13,7 @@ from burstcast.systems.lyapunov import (
     mean_with_interval,
     perturbation_growth,
 )
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
 from burstcast_workflow.jobs.data import check_kept_series, kept_series
 from burstcast_workflow.jobs.systems import equations_of
 

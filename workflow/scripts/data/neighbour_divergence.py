@@ -2,9 +2,7 @@
 
 from burstcast import random_streams
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.harness.job import Settings, job, write_json
 from burstcast_workflow.jobs.data import training_states
 from burstcast_workflow.jobs.time_unit import sampling_interval
 

@@ -11,9 +11,7 @@ from burstcast.statistics.measures import Measures, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast.statistics.statistics_files import statistics_variables
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, read_json, write_netcdf
 from burstcast_workflow.jobs.data import density_edges
 from burstcast_workflow.jobs.systems import system_of
 

@@ -1,8 +1,7 @@
 """Training series for forecasters that know the parameters: the case's own, or actuated ones."""
 
 from burstcast.data.scheduled_series import ScheduledSeries
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.jobs.data import observed_rows, training_states
 from burstcast_workflow.jobs.scheduled import write_scheduled
 from burstcast_workflow.jobs.switched import switched_series

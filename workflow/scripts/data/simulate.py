@@ -6,9 +6,7 @@ from burstcast import random_streams
 from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.systems.sampling import sampled_initial_states
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
 from burstcast_workflow.jobs.systems import equations_of
 
 

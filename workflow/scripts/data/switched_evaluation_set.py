@@ -1,7 +1,6 @@
 """Lay out the starting points of the evaluation set in test series whose actuator switches."""
 
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.jobs.forecasts import test_rows, write_points
 from burstcast_workflow.jobs.switched import switched_series
 from burstcast_workflow.jobs.systems import system_of

@@ -12,9 +12,7 @@ from burstcast.data.training_realisations import (
     trained_first,
 )
 from burstcast.files.netcdf import read_netcdf
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
 from burstcast_workflow.jobs.data import check_kept_series, test_series
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import sampling_interval

@@ -1,7 +1,6 @@
 """Lay out the starting points in the training series that classifiers of events learn from."""
 
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.jobs.data import check_kept_series, kept_series
 from burstcast_workflow.jobs.forecasts import write_point_set
 from burstcast_workflow.jobs.time_unit import lyapunov_time

@@ -8,9 +8,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecasters.registry import classifier_class
 from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings, concerning
-from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.harness.job import Settings, concerning, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import forecasting_case, write_forecaster
 from burstcast_workflow.jobs.probabilities import forecast_points
 

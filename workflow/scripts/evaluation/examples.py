@@ -16,9 +16,7 @@ from burstcast.forecast.examples import (
 )
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.forecasts import horizon_search
 from burstcast_workflow.jobs.systems import system_of

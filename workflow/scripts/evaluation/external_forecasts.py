@@ -9,9 +9,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import horizon_variables
 from burstcast.forecasters._recorded import recorded_horizons
 from burstcast.forecasters.external import ExternalForecasts
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecast_task import task_data
 
 

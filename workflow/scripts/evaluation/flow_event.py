@@ -10,9 +10,7 @@ from burstcast.forecast.example_events import (
     isolated_events,
     predicted_event,
 )
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, read_json, write_netcdf
 from burstcast_workflow.jobs.data import kept_series, test_series
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen_rows
 from burstcast_workflow.jobs.systems import system_of

@@ -4,9 +4,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.forecasts import windows_of
 from burstcast_workflow.jobs.systems import system_of

@@ -3,9 +3,7 @@
 from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import horizon_variables
 from burstcast.forecast.horizon import prediction_horizons
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.forecasts import horizon_search
 from burstcast_workflow.jobs.systems import system_of

@@ -4,9 +4,7 @@ from burstcast.files.netcdf import Variable
 from burstcast.files.units import NUMBER
 from burstcast.statistics.long_term import Fate, run_long_term
 from burstcast.statistics.statistics_files import reduction_variables, statistics_variables
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
 from burstcast_workflow.jobs.systems import system_of

@@ -6,9 +6,7 @@ from burstcast import random_streams
 from burstcast.files.netcdf import read_netcdf, variables_of
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.long_runs import long_run_washouts
 from burstcast_workflow.jobs.time_unit import long_run_steps, sampling_interval

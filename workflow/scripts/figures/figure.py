@@ -9,9 +9,7 @@ from burstcast.figures.parts.style import render
 from burstcast.figures.registry import figure_module
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.forecasters._names import parsed
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import atomic, read_json
+from burstcast_workflow.harness.job import Settings, atomic, job, read_json
 from burstcast_workflow.harness.tables import read_table
 
 

@@ -2,8 +2,7 @@
 
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import forecaster_class
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.jobs.forecasters import forecasting_case, learnt_rows, write_forecaster
 from burstcast_workflow.jobs.scheduled import read_scheduled
 

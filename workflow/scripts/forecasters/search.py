@@ -8,9 +8,7 @@ from burstcast.tuning import network_search
 from burstcast.tuning.scan_files import read_evaluations
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.uncertainty import objective_uncertainty
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.harness.job import Settings, job, write_json
 from burstcast_workflow.harness.tables import read_table, write_table
 from burstcast_workflow.jobs.networks import (
     point_validator,

@@ -9,9 +9,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.statistics.long_term import Fate, run_long_term
 from burstcast.statistics.survival import Lifetimes, escape_rate
 from burstcast.tuning.survival import as_good_as_the_best, nearest_escape_rate
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.harness.job import Settings, job, write_json
 from burstcast_workflow.harness.tables import read_table, write_table
 from burstcast_workflow.jobs.forecasters import kind_of
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings

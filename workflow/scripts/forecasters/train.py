@@ -3,9 +3,7 @@
 from typing import Any
 
 from burstcast import durations
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json
+from burstcast_workflow.harness.job import Settings, job, read_json
 from burstcast_workflow.jobs.forecasters import kind_of, write_forecaster
 from burstcast_workflow.jobs.networks import (
     dynamics_at,

@@ -4,9 +4,7 @@ from typing import Any
 
 from burstcast.probability.alarm_rule import CALIBRATED, VOTES, AlarmRule
 from burstcast.probability.calibration import UNCALIBRATED, isotonic, logistic
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.harness.job import Settings, job, write_json
 from burstcast_workflow.jobs.probabilities import forecast_points
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 

@@ -10,9 +10,7 @@ from burstcast.files.netcdf import read_rows, variables_of
 from burstcast.probability.alarm_rule import CALIBRATED, rules_of
 from burstcast.probability.committee_event import member_observables, see_event
 from burstcast.probability.typical_event import typical_event
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.gather import origins
 from burstcast_workflow.jobs.probabilities import forecast_points

@@ -3,9 +3,7 @@
 from pathlib import Path
 
 from burstcast.tables.joined import joined_tables
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_text
+from burstcast_workflow.harness.job import Settings, job, write_text
 
 
 @job

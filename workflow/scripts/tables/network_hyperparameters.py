@@ -2,9 +2,7 @@
 
 from burstcast.tables.latex import network_parameters, side_by_side
 from burstcast.tables.typesetting import to_latex
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import write_text
+from burstcast_workflow.harness.job import Settings, job, write_text
 from burstcast_workflow.harness.tables import write_table
 from burstcast_workflow.stages.canonical import natural_order
 

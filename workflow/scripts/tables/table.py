@@ -3,8 +3,7 @@
 from typing import Any
 
 from burstcast.tables.makers.registry import PATH, maker
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.jobs.tables import content, gathered, of_case, write_tables
 
 

@@ -4,8 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from burstcast.tables.realisations import scatter_of_families
-from burstcast_workflow.harness.job import job
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.tables import write_tables
 
