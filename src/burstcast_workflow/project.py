@@ -40,13 +40,7 @@ def snakefile() -> str:
 
 
 def packages_of(project: Path) -> Path:
-    """Directory of the packages that belong to the workflow's files.
-
-    Parameters
-    ----------
-    project
-        Directory of these files.
-    """
+    """Directory of the packages that belong to the workflow's files in a directory."""
     beside = project / "src"
     return beside if beside.is_dir() else project.parents[1]
 

@@ -37,15 +37,6 @@ class RefusedError(WorkflowError):  # type: ignore[misc]
 def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Started:
     """Check the code and the config, and make Snakemake plan by records and claim the results.
 
-    Parameters
-    ----------
-    workflow
-        Snakemake's.
-    config
-        What its files and the command line say.
-    project
-        Directory of the ``Snakefile``.
-
     Raises
     ------
     ConfigError

@@ -15,12 +15,7 @@ _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 def unreadable_config(arguments: Sequence[str], own: Path = Path("config.yaml")) -> str | None:
     """Describe the first config file that cannot be read; None if all can be read.
 
-    Parameters
-    ----------
-    arguments
-        Of snakemake, without its name.
-    own
-        The config file of the workflow, if it is there.
+    ``arguments`` are those of snakemake; the workflow's ``own`` config need not be there.
     """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="+", default=[], type=Path)

@@ -54,17 +54,7 @@ def interrupted() -> bool:
 
 
 class Progress:
-    """Progress of a run in predicted time, and the time left.
-
-    Parameters
-    ----------
-    expected
-        Predicted seconds of each job.
-    cores
-        Cores that share them.
-    started
-        When the run began, seconds.
-    """
+    """Progress of a run on some cores in the predicted seconds of its jobs, and the time left."""
 
     def __init__(self, expected: Mapping[int, float], cores: int, started: float) -> None:
         self._expected, self._cores, self._started = dict(expected), max(1, cores), started

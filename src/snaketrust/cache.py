@@ -66,13 +66,6 @@ class Cache:
 def restore(entry: Path, outputs: Mapping[str, Path]) -> bool:
     """Copy the outputs of an entry into place if it is there and sound; remove it if it is damaged.
 
-    Parameters
-    ----------
-    entry
-        Its directory (`Cache.entry`).
-    outputs
-        Where its files go, by their names.
-
     Returns
     -------
     Whether they were there.
@@ -103,14 +96,7 @@ def restore(entry: Path, outputs: Mapping[str, Path]) -> bool:
 def store(entry: Path, rule: str, outputs: Mapping[str, Path], seconds: float) -> None:
     """Copy a job's outputs into an entry, which appears whole or not at all.
 
-    Parameters
-    ----------
-    entry
-        Its directory (`Cache.entry`).
-    rule, seconds
-        The job's rule and the cost of its outputs, for readers of the cache.
-    outputs
-        The job's files, by their names.
+    Rule and seconds are for readers of the cache.
     """
     building = _building(entry)
     try:

@@ -48,12 +48,7 @@ class Codes:
     """Code hashes of sources. Each file is read once: edits are seen by another instance.
 
     Parsing takes a tenth of the time of planning, so what is found out is kept, by the hashes of
-    the sources' bytes: what is kept cannot be out of date.
-
-    Parameters
-    ----------
-    memory
-        File in which an earlier process has kept what it found out; it need not exist.
+    the sources' bytes: what is kept cannot be out of date. The file, ``memory``, need not exist.
     """
 
     def __init__(self, memory: Path | None = None) -> None:

@@ -48,12 +48,7 @@ def _spec_in(directory: str, module: str) -> ModuleSpec | None:
 def search_directories(configs: Iterable[str | Path], project: Path) -> list[str]:
     """Directories of a user's own modules: the working directory, then those of the configs.
 
-    Parameters
-    ----------
-    configs
-        Files of the configuration.
-    project
-        The workflow's own directory, which is none of them.
+    The project's own directory is none of them.
     """
     places = [Path.cwd(), *(Path(config).absolute().parent for config in configs)]
     outside = [place for place in places if place.resolve() != project.resolve()]

@@ -20,12 +20,7 @@ _CHANGING = (
 
 
 def planned(arguments: Sequence[str]) -> Any:
-    """Let Snakemake plan, and return its workflow.
-
-    Parameters
-    ----------
-    arguments
-        Options of snakemake.
+    """Let Snakemake plan by its options, and return its workflow.
 
     Raises
     ------

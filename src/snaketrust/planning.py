@@ -36,13 +36,7 @@ class Known(NamedTuple):
 
 
 class KnownResults:
-    """Knowledge of the files in a results directory.
-
-    Parameters
-    ----------
-    results
-        The directory, as the rules spell it.
-    """
+    """Knowledge of the files in a results directory, as the rules spell it."""
 
     def __init__(self, results: str) -> None:
         self.results, self.records = results, Records(results)

@@ -83,13 +83,7 @@ class Record:
 
 
 class Records:
-    """Records of a results directory.
-
-    Parameters
-    ----------
-    results
-        The directory.
-    """
+    """Records of a results directory."""
 
     def __init__(self, results: str) -> None:
         self.results = results
@@ -172,15 +166,7 @@ class Records:
         revision: str = "",
         environment: Sequence[str] = (),
     ) -> None:
-        """Write the records of a job's outputs.
-
-        Parameters
-        ----------
-        outputs
-            Its files.
-        identity, parameters, inputs, log, seconds, revision, environment
-            As in `Record`; the inputs by their paths, as the rules give them.
-        """
+        """Write the records (`Record`) of a job's outputs; inputs by their paths in the rules."""
         for path in outputs:
             if (name := self.name(path)).startswith("../"):
                 continue  # elsewhere, as by the prefix of a workflow that has this one as a module
@@ -225,14 +211,7 @@ class Inputs:
 
     @classmethod
     def read(cls, files: Mapping[str, Sequence[str]], records: Records | None) -> "Inputs":
-        """Verify files by their records.
-
-        Parameters
-        ----------
-        files
-            By the rule's names for them.
-        records
-            Of the results; None where the job runs outside of the workflow.
+        """Verify files by their records; without records, outside of the workflow, digest them.
 
         Raises
         ------

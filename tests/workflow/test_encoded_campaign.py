@@ -97,7 +97,10 @@ def controlled(strategy, kind, **settings):
         ),
         (
             controlled("probability_triggered", "esn", probability=[0.2], hold_lt=[1]),
-            ["control.strategies[0].forecasters names esn", "takes classifiers: precursor"],
+            [
+                "control.strategies[0].forecasters names esn",
+                "takes classifiers: esn_direct, precursor",
+            ],
         ),
         (
             controlled(

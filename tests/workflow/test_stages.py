@@ -14,7 +14,7 @@ import pytest
 from helpers_rules import Wildcards, workflow
 
 from burstcast.figures.registry import figure_module
-from burstcast.forecasters.registry import AWARE_KINDS, all_kinds, available_kinds, kind_class
+from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
 from burstcast.tables.makers._probabilities import SETTINGS as SCORED
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.config.model import BlockForecasters, Choice
@@ -306,8 +306,8 @@ def test_what_is_read_is_found_through_helpers():
 def test_kinds_of_the_config_are_those_of_the_library():
     assert sorted(BlockForecasters.model_fields) == all_kinds()
     assert sorted(Choice.model_fields) == all_kinds()
-    files = [kind for kind in all_kinds() if kind_class(kind).from_files]
-    assert all_kinds() == sorted([*available_kinds(), *AWARE_KINDS, *files])
+    others = {*all_kinds()} - {*available_kinds()}
+    assert all(kind_class(kind).from_files or kind_class(kind).aware for kind in others)
 
 
 def constraint(name):

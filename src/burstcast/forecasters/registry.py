@@ -10,13 +10,11 @@ from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters.base import Forecaster, ForecasterKind
 
 _OTHERS = ("base", "registry")
-AWARE_KINDS = ("esn_aware", "quadratic_aware", "quadratic_aware_filtered")
-"""Kinds that learn how the flow depends on parameters, from series with schedules."""
 
 
 def available_kinds() -> list[str]:
     """Names of all the kinds that learn from series alone, sorted."""
-    learning = [kind for kind in all_kinds() if kind not in AWARE_KINDS]
+    learning = [kind for kind in all_kinds() if not learns_parameters(kind)]
     return [kind for kind in learning if not kind_class(kind).from_files]
 
 

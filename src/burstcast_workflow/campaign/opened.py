@@ -30,16 +30,9 @@ _MOST_NAMES = 6
 
 
 class Shelf(Mapping[str, Found], Generic[Found]):
-    """Lazy mapping of results by name: each is read on access.
+    """Lazy mapping of existing results by name: each is read on access.
 
-    Parameters
-    ----------
-    what
-        Noun for messages: "tables".
-    names
-        Names of the existing results.
-    read
-        Reads one result by its name.
+    ``what`` is their noun in messages: "tables".
     """
 
     def __init__(self, what: str, names: Iterable[str], read: Callable[[str], Found]) -> None:

@@ -39,11 +39,6 @@ def campaign_summary(tables: Path) -> str:
 def summary_table(tables: Path) -> pd.DataFrame | None:
     """Medians over the networks of each ensemble: F-score, prediction horizon, control.
 
-    Parameters
-    ----------
-    tables
-        Directory of the campaign's tables.
-
     Returns
     -------
     A row for each ensemble, the best of each case first: case, ``forecaster``, and a column for
@@ -106,13 +101,7 @@ def _control(path: Path) -> dict[str, "pd.Series[float]"]:
 
 
 def warnings_summary(tables: Path) -> str:
-    """Signs that results are less than they seem, each with what to try; empty if there are none.
-
-    Parameters
-    ----------
-    tables
-        Directory of the campaign's tables.
-    """
+    """Signs that results are less than they seem, each with what to try; "" if there are none."""
     found = found_warnings(tables)
     if not found:
         return ""
@@ -135,11 +124,6 @@ def found_warnings(tables: Path) -> list[FoundWarning]:
     """Signs that results are less than they seem; what is said of several is one.
 
     The first of each kind come first, so that no kind is missing where not all are shown.
-
-    Parameters
-    ----------
-    tables
-        Directory of the campaign's tables.
     """
     table = _read(tables / _WARNINGS)
     if table is None:

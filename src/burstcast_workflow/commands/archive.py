@@ -64,11 +64,7 @@ class NothingToArchiveError(ValueError):
 def versions(results: Path) -> dict[str, Any]:
     """Versions of Python and of the libraries here; revisions and BLAS kernels that made results.
 
-    Parameters
-    ----------
-    results
-        The results directory. Each record says the revision of its job; a campaign that was edited
-        while it grew has several.
+    Each record says the revision of its job; a campaign that was edited while it grew has several.
     """
     revisions: Counter[str] = Counter()
     kernels: set[str] = set()
@@ -113,15 +109,6 @@ def _is_archive(path: Path) -> bool:
 
 def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, bytes]:
     """Files of the archive of a campaign, by their names in it.
-
-    Parameters
-    ----------
-    results
-        The results directory.
-    config
-        The whole configuration.
-    why
-        What would run again.
 
     Raises
     ------

@@ -49,18 +49,10 @@ def metadata(
     revision: str,
     licence: str,
 ) -> bytes:
-    """Metadata of a crate.
+    """Metadata of a crate of files of a campaign, `WORKFLOW` among them.
 
-    Parameters
-    ----------
-    name
-        Of the campaign.
-    files
-        Names of the files in the crate, `WORKFLOW` among them.
-    records
-        Of all results of the campaign, one at least.
-    revision, licence
-        Revision of the sources, and the SPDX name of their licence.
+    There are records of all results of the campaign, one at least. Revision and licence are those
+    of the sources, the latter an SPDX name.
     """
     parts = sorted(files)
     inside = frozenset(parts)

@@ -27,18 +27,7 @@ class PartOfCampaignError(ValueError):
 
 
 def stale_files(results: str, workflow: Any) -> list[str]:
-    """Files below a results directory that the campaign does not make any more.
-
-    Parameters
-    ----------
-    results
-        The directory, as the rules spell it.
-    workflow
-        Of Snakemake, after planning.
-
-    Returns
-    -------
-    Their names, from the directory on.
+    """Names of files in a results directory that a planned campaign does not make any more.
 
     Raises
     ------
@@ -66,18 +55,8 @@ def stale_note(results: str, workflow: Any) -> str:
 def remove_files(results: str, names: Sequence[str]) -> list[str]:
     """Remove files with their records, and directories that are empty then.
 
-    Files that are not what their jobs wrote stay: a user has put them there.
-
-    Parameters
-    ----------
-    results
-        The results directory.
-    names
-        Of files, from the directory on.
-
-    Returns
-    -------
-    Why each file stays that is not removed.
+    Files that are not what their jobs wrote stay: a user has put them there. Returns why each file
+    stays that is not removed.
 
     Raises
     ------

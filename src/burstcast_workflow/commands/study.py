@@ -69,18 +69,7 @@ def presets() -> dict[str, Path]:
 
 
 def lay_out(directory: Path, preset: str) -> list[Path]:
-    """Lay out a study.
-
-    Parameters
-    ----------
-    directory
-        Where; it is made, unless it is there and empty.
-    preset
-        Which config it begins with (`presets`).
-
-    Returns
-    -------
-    The files.
+    """Lay out a study in a new or an empty directory; return its files.
 
     Raises
     ------

@@ -133,17 +133,7 @@ def more_and_fewer(before: Sequence[Identity], after: Sequence[Identity]) -> lis
 def new_values(
     added: Sequence[Identity], known: Sequence[Identity], *, gone: bool = False
 ) -> list[str]:
-    """Describe new jobs or files: "one more seed, 9 -> 10 (9)".
-
-    Parameters
-    ----------
-    added
-        Identities that are new, or gone.
-    known
-        The others.
-    gone
-        Whether the former are gone.
-    """
+    """Describe jobs or files that are new, or gone, beside others: "one more seed, 9 -> 10 (9)"."""
     unexplained = [_dimensions(one) for one in added]
     others = [_dimensions(one) for one in known]
     texts = []
@@ -204,12 +194,7 @@ def changed_modules(old: Sequence[str], new: Sequence[str]) -> list[str]:
 def causes(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> list[Cause]:
     """Why jobs would run, each cause with all jobs that it sets off, directly or further down.
 
-    Parameters
-    ----------
-    jobs
-        All jobs that would run.
-    known
-        Wildcards of the jobs that have results already, by rule.
+    ``known`` has the wildcards of the jobs that have results already, by rule.
     """
     found: dict[str, Cause] = {}
     for number, job in enumerate(jobs):
@@ -314,16 +299,9 @@ def _counted(jobs: Iterable[Job]) -> str:
 
 
 def jobs_to_run(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
-    """Jobs that would run, with their reasons.
+    """Jobs that would run by a plan of Snakemake, in its order, with their reasons.
 
-    Parameters
-    ----------
-    workflow
-        Of Snakemake, after planning (`planned`).
-
-    Returns
-    -------
-    Jobs in the order of the workflow, and the wildcards of jobs that have results already, by rule.
+    Beside them, the wildcards of the jobs that have results already, by rule.
     """
     dag, results = workflow.dag, KnownResults(names_of_rules(workflow)["run"].results)
     known: dict[str, list[Identity]] = {}

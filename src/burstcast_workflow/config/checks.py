@@ -13,7 +13,7 @@ from burstcast.control.controllers.committee import VOTE_SHARE, votes
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
-from burstcast.forecasters.registry import kind_class
+from burstcast.forecasters.registry import available_kinds, kind_class, trajectory_kinds
 from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.campaign.control_plans import block_plans
@@ -226,9 +226,10 @@ def _without_trajectories(config: Configuration) -> Iterator[str]:
         for kind in choice.kinds if choice else ():
             known = kind_class(kind)
             if known.has_trajectories and by_probability:
+                classifiers = sorted({*available_kinds()} - {*trajectory_kinds()})
                 yield (
                     f"{place} names {kind}, which forecasts states; a strategy that acts on "
-                    "probabilities takes classifiers: precursor, esn_direct"
+                    f"probabilities takes classifiers: {', '.join(classifiers)}"
                 )
             if known.from_files:
                 yield (

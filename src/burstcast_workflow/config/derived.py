@@ -11,10 +11,6 @@ from burstcast_workflow.stages.canonical import natural_order
 
 _STRATEGY = "RV"
 """Validation strategy of the example network, where the campaign has it."""
-_TIMES = {"example_prediction_time_lt": 2, "fixed_prediction_time_lt": 3}
-_SEVERAL = ("reynolds_prediction_times_lt", (2, 3))
-_OF_CONTROL = ("control_prediction_time_lt", 2)
-"""Prediction times of figures, in Lyapunov times: the nearest that the campaign has is shown."""
 
 
 def completed(config: Configuration) -> Configuration:
@@ -26,14 +22,13 @@ def completed(config: Configuration) -> Configuration:
     """
     figures = config.figures
     classified = config.classification.prediction_times_lt
-    several, wanted = _SEVERAL
+    two, three = _nearest(classified, 2), _nearest(classified, 3)
     shown = {
         **_example(config),
-        **{name: _nearest(classified, time) for name, time in _TIMES.items()},
-        several: sorted(
-            {time for one in wanted if (time := _nearest(classified, one)) is not None}
-        ),
-        _OF_CONTROL[0]: _nearest(config.control.prediction_times_lt, _OF_CONTROL[1]),
+        "example_prediction_time_lt": two,
+        "fixed_prediction_time_lt": three,
+        "reynolds_prediction_times_lt": sorted({time for time in (two, three) if time is not None}),
+        "control_prediction_time_lt": _nearest(config.control.prediction_times_lt, 2),
     }
     said = {name: getattr(figures, name) for name in shown}
     shown |= {name: value for name, value in said.items() if value is not None}

@@ -40,16 +40,8 @@ def misfits(
 ) -> list[str]:
     """Durations that do not fit into the series of a case, if its Lyapunov time is known.
 
-    Where it is computed, only the durations of control are compared with each other.
-
-    Parameters
-    ----------
-    config
-        The whole configuration.
-    name, case
-        The case.
-    kinds, validations
-        Kinds of its forecasters, and validation strategies of its networks.
+    Where it is computed, only the durations of control are compared with each other. The case has
+    forecasters of these kinds, and networks of these validation strategies.
     """
     ensemble, exponent = case.ensemble, case.lyapunov.known_exponent
     problems: list[str] = []

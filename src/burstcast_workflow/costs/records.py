@@ -50,16 +50,7 @@ def costs_of_jobs(jobs: Iterable[Any], model: CostModel) -> Iterator[tuple[Any, 
 
 
 def job_costs(workflow: Any, model: CostModel, above: Path = Path()) -> pd.DataFrame:
-    """Costs of the jobs of a campaign, predicted and measured.
-
-    Parameters
-    ----------
-    workflow
-        Of Snakemake, after planning.
-    model
-        Predicts the costs.
-    above
-        Directory that the jobs' paths start from.
+    """Costs of the jobs of a planned campaign, predicted and measured.
 
     Returns
     -------
@@ -96,11 +87,6 @@ def _measured(record: Path, outputs: Iterable[Path]) -> dict[str, float]:
 
 def rule_costs(jobs: pd.DataFrame) -> pd.DataFrame:
     """Predicted costs of the jobs of each rule, and measured costs of jobs with records.
-
-    Parameters
-    ----------
-    jobs
-        Of `job_costs`.
 
     Returns
     -------

@@ -21,17 +21,7 @@ from snaketrust.fingerprint import Sources
 
 
 class FigureJobs:
-    """Inputs, parameters and place in the report, by the wildcards of a figure's job.
-
-    Parameters
-    ----------
-    stages
-        Where files lie.
-    sources
-        The code that jobs run.
-    published
-        File of the published values.
-    """
+    """Inputs, parameters and place in the report, by the wildcards of a figure's job."""
 
     def __init__(self, stages: Stages, sources: Sources, published: str) -> None:
         self._stages, self._sources, self._published = stages, sources, published

@@ -84,13 +84,6 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
     Floating-point errors keep NumPy's defaults, a warning in the log: a diverged forecast is a
     result, and it is the library that knows when a number that is not finite is an error.
 
-    Parameters
-    ----------
-    snakemake
-        The object that Snakemake puts into the script.
-    function
-        The script's: its parameters are names of inputs and outputs, and ``settings``.
-
     Raises
     ------
     SystemExit

@@ -130,15 +130,6 @@ def with_thresholds(settings: Any, value_of: Callable[[str], Any], name: str = "
 
     The config of a job has the quantile and its case; the value is known when the training series
     are. Scripts are given the value.
-
-    Parameters
-    ----------
-    settings
-        Nested mappings and lists.
-    value_of
-        Finds the threshold of a case.
-    name
-        What the settings are called.
     """
     if isinstance(settings, Mapping):
         if name.endswith("event_threshold"):

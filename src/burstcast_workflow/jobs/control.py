@@ -1,6 +1,5 @@
-"""Runs of control: what the scripts of control set up, and the files of the outcome."""
+"""Runs of control: what the scripts of control set up."""
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -16,9 +15,6 @@ from burstcast.control.experiment import (
     controlled_series,
     noise_of_flows,
 )
-from burstcast.control.flow_files import flow_variables, histogram_variables
-from burstcast.control.records import Span, record_flows
-from burstcast.control.simulation import ControlSimulation
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
 from burstcast.data.dataset import component_scales
@@ -27,12 +23,11 @@ from burstcast.files.netcdf import read_rows
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import kind_class
 from burstcast.observation.part import ObservedPart
-from burstcast.statistics.densities import bin_edges
 from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf
+from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.jobs.forecasters import read_kind
 from burstcast_workflow.jobs.systems import equations_of, parameters_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
@@ -156,25 +151,3 @@ def _values(
         strength = settings["control.run.strength"]
         return ActuationValues(off.own, (strength,), (-strength,))
     return ActuationValues(off.own, SystemParameters.of(experiment.actuated_system, names).own)
-
-
-def write_control(
-    files: tuple[str, str, str],
-    strategy: ControlStrategy,
-    experiment: ControlExperiment,
-    simulation: ControlSimulation[Any, Any],
-    settings: Settings,
-) -> None:
-    """Write the outcome: counts (JSON), histograms and records of the flows (NetCDF)."""
-    counts, histograms, flows = files
-    laminarisation_threshold = settings["case.laminarisation_threshold"]
-    density = settings["case.controlled_density"]
-    low, high = density["range"]
-    edges = bin_edges(low, high, density["bins"])
-    outcome = strategy.outcome(simulation, laminarisation_threshold, edges)
-    write_json(counts, outcome.record(), settings.provenance)
-    write_netcdf(histograms, histogram_variables(outcome), settings.provenance)
-    records, span = record_flows(simulation, laminarisation_threshold), Span.of(simulation.timing)
-    cost = simulation.cost if settings.get("control.cost") else None
-    of_span = {**settings.provenance, **dataclasses.asdict(span)}
-    write_netcdf(flows, flow_variables(records, experiment.series.start, cost), of_span)

@@ -21,15 +21,7 @@ def kept_series(ensemble: str) -> int:
 
 
 def check_kept_series(kept: int, needs: Mapping[str, int]) -> None:
-    """Check that an ensemble has as many series as are taken from it.
-
-    Parameters
-    ----------
-    kept
-        Series that did not laminarise.
-    needs
-        How many of them each setting asks for, by its name; no series is taken twice.
-    """
+    """Check that the kept series are as many as settings ask for, none of them twice."""
     if sum(needs.values()) > kept:
         listed = " and ".join(f"{name} is {count}" for name, count in needs.items())
         raise ValueError(
@@ -40,15 +32,7 @@ def check_kept_series(kept: int, needs: Mapping[str, int]) -> None:
 
 
 def test_series(settings: Settings, kept: int) -> int:
-    """Number of test series: as many as are asked for, or all that follow the training series.
-
-    Parameters
-    ----------
-    settings
-        With ``case.training.series`` and ``case.test_series``, null for all that follow.
-    kept
-        Series of the ensemble.
-    """
+    """Number of test series: ``case.test_series``, or all kept series after the training series."""
     wanted = settings["case.test_series"]
     # none is left: one is asked for, so that the check says how many there are
     return int(wanted or max(1, kept - settings["case.training.series"]))
@@ -68,18 +52,8 @@ def observed_rows(
 ) -> FloatArray:
     """Observations of kept series: states with noise, or the channels of encoded series.
 
-    Parameters
-    ----------
-    settings
-        With ``random_seed`` and ``case.training``.
-    ensemble
-        Path of the ensemble.
-    first
-        Row of the first of the series.
-    states
-        Of the series, ``(series, time, dimension)``.
-    kind
-        Word that tells other series from those of the ensemble; their noise is drawn separately.
+    Rows of the ensemble begin with ``first``; ``states`` are ``(series, time, dimension)``. The
+    noise of series that are not the ensemble's is drawn separately, by a ``kind`` of their own.
     """
     if not kind and OBSERVED in variable_names(ensemble):
         return read_rows(ensemble, OBSERVED, first, first + len(states))

@@ -27,15 +27,7 @@ Kind = TypeVar("Kind", bound=ForecasterKind)
 
 
 def forecasting_case(settings: Settings, ensemble: str | None = None) -> ForecastingCase:
-    """Knowledge of a job's forecasters beside the data.
-
-    Parameters
-    ----------
-    settings
-        With system, time and ``forecaster.options``.
-    ensemble
-        Series of the case, for forecasters that are to be fitted.
-    """
+    """Knowledge of a job's forecasters beside the data; with an ensemble, of those to be fitted."""
     options = settings["forecaster.options"]
     source = options.get("source")
     told: Mapping[str, Any] = settings.get("forecasters.aware") or options
@@ -77,17 +69,9 @@ def read_forecaster(
 ) -> Forecaster:
     """Read a job's own forecaster of trajectories.
 
-    Parameters
-    ----------
-    path
-        The file.
-    settings
-        With system, time, ``forecaster`` and ``forecaster.options``.
-    divergence_bound
-        Setting of that name, where it is asked whether forecasts have diverged.
+    The bound is given where forecasts that diverge are to be recognised.
     """
-    kind = kind_of(settings["forecaster"])
-    return read_kind(kind, path, settings, divergence_bound)
+    return read_kind(kind_of(settings["forecaster"]), path, settings, divergence_bound)
 
 
 def read_kind(
@@ -97,17 +81,7 @@ def read_kind(
     divergence_bound: float | None = None,
     space: StateSpace | None = None,
 ) -> Kind:
-    """Read a forecaster of a kind (see `read_forecaster`).
-
-    Parameters
-    ----------
-    kind
-        Its class.
-    path, settings, divergence_bound
-        As of `read_forecaster`.
-    space
-        What it forecasts, where that is not the state of the job's case.
-    """
+    """Read a forecaster of a kind (see `read_forecaster`), by default of the case's states."""
     record = ForecasterRecord(read_netcdf(path), read_attributes(path))
     case = forecasting_case(settings)
     options = {**case.options, "divergence_bound": divergence_bound}

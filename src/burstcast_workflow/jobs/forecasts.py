@@ -16,6 +16,7 @@ from burstcast_workflow.jobs.data import (
     test_series,
 )
 from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 def windows_of(settings: Settings) -> tuple[float, int]:
@@ -41,17 +42,7 @@ def test_rows(settings: Settings, ensemble: str) -> range:
 
 
 def horizon_search(settings: Settings, steps: int, mean_observable: float) -> HorizonSearch:
-    """Search for prediction horizons.
-
-    Parameters
-    ----------
-    settings
-        With ``HORIZON case.event_threshold washout_lt`` of the rules.
-    steps
-        Steps of a forecast in a Lyapunov time.
-    mean_observable
-        Over all data.
-    """
+    """Search for prediction horizons; ``steps`` are a Lyapunov time, the mean is of all data."""
     return HorizonSearch(
         longest_lead_time_lt=settings["horizon.longest_lead_time_lt"],
         lead_time_step_lt=settings["horizon.lead_time_step_lt"],
@@ -63,19 +54,13 @@ def horizon_search(settings: Settings, steps: int, mean_observable: float) -> Ho
 
 
 def write_point_set(
-    path: str,
-    settings: Settings,
-    ensemble: str,
-    rows: range,
-    spacing: tuple[str, float],
-    steps_per_lyapunov_time: int,
+    path: str, settings: Settings, ensemble: str, rows: range, spacing: tuple[str, float]
 ) -> None:
     """Write starting points in kept series of an ensemble (see `write_points`)."""
     states = read_rows(ensemble, "state", rows.start, rows.stop)
     observed = observed_rows(settings, ensemble, rows.start, states)
     observable = read_rows(ensemble, "observable", rows.start, rows.stop)
-    series = (states, observed, observable)
-    write_points(path, settings, series, spacing, steps_per_lyapunov_time)
+    write_points(path, settings, (states, observed, observable), spacing)
 
 
 def write_points(
@@ -83,24 +68,19 @@ def write_points(
     settings: Settings,
     series: tuple[FloatArray, FloatArray, FloatArray],
     spacing: tuple[str, float],
-    steps_per_lyapunov_time: int,
     schedules: FloatArray | None = None,
 ) -> None:
     """Write starting points, observed washouts, and the true window summaries.
 
     Parameters
     ----------
-    path
-        The file.
-    settings
-        With ``SYSTEM OBSERVED WINDOWS washout_lt`` of the rules.
+    path, settings
+        The file, and the job's settings.
     series
         What the points lie in: states, what is observed of them, both ``(series, time,
         dimension)``, and the true observable, ``(series, time)``.
     spacing
         Setting of the distance of two points, and its value in Lyapunov times.
-    steps_per_lyapunov_time
-        Steps of a forecast in a Lyapunov time.
     schedules
         Parameters in force in each step, ``(series, time - 1, parameters)``; None: those of the
         case.
@@ -110,7 +90,7 @@ def write_points(
     ValueError
         If the series are too short for a single point.
     """
-    system, steps = system_of(settings), steps_per_lyapunov_time
+    system, steps = system_of(settings), lyapunov_time(settings)
     states, observed, observable = series
     (name, spacing_lt), (resolution_lt, count) = spacing, windows_of(settings)
     boundaries = window_boundaries(resolution_lt, count, steps)

@@ -17,21 +17,7 @@ from burstcast_workflow.jobs.time_unit import long_run_steps, lyapunov_time
 
 
 def long_run_washouts(settings: Settings, ensemble: str, who: Forecaster) -> FloatArray:
-    """Washouts of a forecaster before each of its long runs.
-
-    Parameters
-    ----------
-    settings
-        Of a stage of long runs.
-    ensemble
-        Input of that name.
-    who
-        Forecaster of the long runs.
-
-    Returns
-    -------
-    States up to each starting point, ``(points, steps, dimension)``.
-    """
+    """Washouts of a forecaster before each of its long runs, ``(points, steps, dimension)``."""
     steps = lyapunov_time(settings)
     true = training_states(settings, ensemble)
     states = seen_rows(who, settings, ensemble, 0, true)

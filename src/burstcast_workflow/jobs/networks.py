@@ -22,15 +22,7 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 def knowledge(settings: Settings, scheduled: Sequence[str]) -> dict[str, Any]:
-    """Parameter inputs of a network that knows the parameters; empty for others.
-
-    Parameters
-    ----------
-    settings
-        With ``forecasters.aware``.
-    scheduled
-        Input of that name.
-    """
+    """Parameter inputs of a network that knows the parameters; empty for others."""
     if not scheduled:
         return {}
     options = settings["forecasters.aware"]
@@ -45,16 +37,7 @@ def knowledge(settings: Settings, scheduled: Sequence[str]) -> dict[str, Any]:
 def training_series(
     settings: Settings, ensemble: str, scheduled: Sequence[str] = ()
 ) -> TrainingSeries:
-    """Training series of a case as forecasters see them.
-
-    Parameters
-    ----------
-    settings
-        Of the job.
-    ensemble
-        Input of that name.
-    scheduled
-        Input of that name: series that networks learn from which know the parameters.
+    """Training series of a case as forecasters see them: scheduled ones, if there are any.
 
     Raises
     ------
@@ -118,17 +101,7 @@ def surrogate_settings(settings: Settings) -> SurrogateSettings:
 def point_validator(
     settings: Settings, identifier: str, ensemble: str, scheduled: Sequence[str]
 ) -> PointValidator:
-    """Validation of the search points of one reservoir.
-
-    Parameters
-    ----------
-    settings
-        Of the scan or of the search.
-    identifier
-        Of the network, or of the reservoir alone.
-    ensemble, scheduled
-        Inputs of the job.
-    """
+    """Validation of the search points of one reservoir, its own or that of a network."""
     system = system_of(settings)
     return PointValidator(
         reservoir=reservoir_seed(settings, identifier).reservoir(system.dimension),

@@ -76,14 +76,7 @@ def of_case(settings: Settings, rows: Mapping[str, Rows]) -> dict[str, Rows]:
 def write_tables(paths: Iterable[str], settings: Settings, **rows: Rows) -> None:
     """Write the tables of a job, and the percentiles over networks that they declare.
 
-    Parameters
-    ----------
-    paths
-        Their files, which have the names of the tables and of the percentiles.
-    settings
-        Settings of the job.
-    rows
-        Rows of each table, by its name.
+    Rows are given by the name of the table; files have the names of tables and percentiles.
 
     Raises
     ------
@@ -105,16 +98,9 @@ def write_tables(paths: Iterable[str], settings: Settings, **rows: Rows) -> None
 
 
 def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:
-    """Table with the declared columns in their order.
+    """Table with the declared columns in their order, by the name that messages have.
 
-    Parameters
-    ----------
-    rows
-        Values by column.
-    columns
-        Names; a column with an asterisk is left out where no row has a value.
-    name
-        Name of the table, for messages.
+    A column with an asterisk is left out where no row has a value.
 
     Raises
     ------

@@ -22,11 +22,6 @@ def long_run_steps(settings: Settings, ensemble: str) -> int:
 def lyapunov_time(settings: Settings) -> int:
     """Network steps in a Lyapunov time.
 
-    Parameters
-    ----------
-    settings
-        Of a job, with those of the ensemble's steps and of the exponent.
-
     Raises
     ------
     ValueError

@@ -69,17 +69,7 @@ def one_of(names: Iterable[str]) -> str:
 
 
 class Stages:
-    """Files, settings, code and resources of stages.
-
-    Parameters
-    ----------
-    campaign
-        Its cases, forecasters and settings.
-    sources
-        The code that jobs run.
-    costs
-        What stages take.
-    """
+    """Files, settings, code and resources of the stages of a campaign."""
 
     def __init__(self, campaign: Campaign, sources: Sources, costs: CostModel) -> None:
         self.campaign, self._sources, self._costs = campaign, sources, costs

@@ -3,7 +3,6 @@
 from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.jobs.data import check_kept_series, kept_series, test_series
 from burstcast_workflow.jobs.forecasts import write_point_set
-from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
@@ -19,5 +18,4 @@ def calibration_set_of_case(*, ensemble: str, calibration_set: str, settings: Se
         ensemble,
         range(training + test, training + test + more) if more else range(training),
         ("probability.start_spacing_lt", settings["probability.start_spacing_lt"]),
-        lyapunov_time(settings),
     )

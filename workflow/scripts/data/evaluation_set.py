@@ -2,7 +2,6 @@
 
 from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.jobs.forecasts import test_rows, write_point_set
-from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
@@ -14,5 +13,4 @@ def evaluation_set_of_case(*, ensemble: str, evaluation_set: str, settings: Sett
         ensemble,
         test_rows(settings, ensemble),
         ("classification.start_spacing_lt", settings["classification.start_spacing_lt"]),
-        lyapunov_time(settings),
     )

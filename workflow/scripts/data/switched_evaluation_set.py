@@ -12,8 +12,7 @@ def switched_evaluation_set_of_case(
     *, ensemble: str, evaluation_set: str, settings: Settings
 ) -> None:
     """Write points in series that go on from the ends of the test series, with their schedules."""
-    steps = lyapunov_time(settings)
-    rows = test_rows(settings, ensemble)
+    rows, steps = test_rows(settings, ensemble), lyapunov_time(settings)
     series, observed = switched_series(settings, ensemble, rows, steps, "test")
     observable = system_of(settings).observable(series.states.transpose(2, 0, 1))
     write_points(
@@ -21,6 +20,5 @@ def switched_evaluation_set_of_case(
         settings,
         (series.states, observed, observable),
         ("classification.start_spacing_lt", settings["classification.start_spacing_lt"]),
-        steps,
         series.schedules,
     )

@@ -3,7 +3,6 @@
 from burstcast_workflow.harness.job import Settings, job
 from burstcast_workflow.jobs.data import check_kept_series, kept_series
 from burstcast_workflow.jobs.forecasts import write_point_set
-from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
@@ -20,5 +19,4 @@ def training_set_of_case(*, ensemble: str, training_set: str, settings: Settings
             "forecasters.classifiers.start_spacing_lt",
             settings["forecasters.classifiers.start_spacing_lt"],
         ),
-        lyapunov_time(settings),
     )

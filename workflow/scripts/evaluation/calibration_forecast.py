@@ -41,28 +41,17 @@ def forecast_calibration_set(
     learnt = read_scheduled(scheduled, settings["case"]) if scheduled else None
     if settings["probability.calibration_series"] or (learnt and not learnt.own_rows):
         forecasts = window_forecasts(who, system.observable, given, boundaries)
-    elif learnt:
-        forecasts = out_of_sample_forecasts(
-            who,
-            learnt.observed.states,
-            forecasting_case(settings, ensemble),
-            durations.steps(settings["washout_lt"], steps),
-            system.observable,
-            given,
-            np.array(learnt.own_rows)[points["series"]],
-            boundaries,
-            learnt.schedules,
-        )
     else:
         forecasts = out_of_sample_forecasts(
             who,
-            learnt_rows(who, settings, ensemble),
+            learnt.observed.states if learnt else learnt_rows(who, settings, ensemble),
             forecasting_case(settings, ensemble),
             durations.steps(settings["washout_lt"], steps),
             system.observable,
             given,
-            points["series"],
+            np.array(learnt.own_rows)[points["series"]] if learnt else points["series"],
             boundaries,
+            learnt.schedules if learnt else None,
         )
     variables = forecast_variables(forecasts, system.observable_name)
     write_netcdf(calibration_forecast, variables, settings.provenance)
