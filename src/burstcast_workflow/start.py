@@ -9,12 +9,12 @@ from typing import Any
 
 from snakemake.exceptions import WorkflowError
 
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.aware_checks import extrapolations
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.lengths import few_points
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
-from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.costs.excess import with_costs
 from burstcast_workflow.project import code_of
 from snaketrust import start as trust
@@ -74,13 +74,14 @@ def _load(config: Mapping[str, Any], files: Sequence[str], defaults: Path) -> di
         raise with_costs(error, config) from None
 
 
-def tell_what_is_off(cases: Sequence[str], config: Configuration, *, has_networks: bool) -> None:
+def tell_what_is_off(campaign: Campaign) -> None:
     """Print what the campaign lacks, has little of, and extrapolates."""
-    if not has_networks:
+    if not campaign.networks:
         print(f"no networks in the campaign; off: {OFF_WITHOUT_NETWORKS}", file=sys.stderr)
-    if cases:
-        print(f"{', '.join(cases)}: measured series; off: {OFF}", file=sys.stderr)
-    for text in filter(None, [few_points(config), *extrapolations(config)]):
+    measured = [case for case in campaign.measured_cases if case not in campaign.encoded_cases]
+    if measured:
+        print(f"{', '.join(measured)}: measured series; off: {OFF}", file=sys.stderr)
+    for text in filter(None, [few_points(campaign.config), *extrapolations(campaign.config)]):
         print(text, file=sys.stderr)
 
 

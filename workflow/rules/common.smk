@@ -4,7 +4,6 @@ import os
 import re
 import sys
 import time
-from itertools import filterfalse
 from pathlib import Path
 
 from burstcast_workflow.campaign.campaign import Campaign
@@ -95,11 +94,7 @@ INTEGRATED, IMPORTED = (
     for cases in (campaign.simulated_cases, campaign.measured_cases)
 )
 if workflow.is_main_process:
-    tell_what_is_off(
-        [*filterfalse(campaign.encoded_cases.__contains__, campaign.measured_cases)],
-        campaign.config,
-        has_networks=bool(campaign.networks),
-    )
+    tell_what_is_off(campaign)
 
 
 wildcard_constraints:

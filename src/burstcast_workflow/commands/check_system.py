@@ -18,25 +18,12 @@ from burstcast.systems.registry import make_system
 from snaketrust.modules import make_importable
 
 
-def proposed_case_name(system: str) -> str:
-    """Name that a case may have, from that of its system: ``my.flows:Roessler`` is roessler."""
-    name = re.sub(r"[^A-Za-z0-9_.-]", "_", system.rpartition(":")[2]).lower()
-    return name if name[:1].isalpha() else f"case_{name}"
-
-
-def proposed_case(
-    system: str, parameters: Mapping[str, float], check: SystemCheck
-) -> dict[str, Any]:
-    """A case as a config has it: ``{"cases": {name: {...}}}``."""
-    entry: dict[str, Any] = {"system": system}
-    if parameters:
-        entry["parameters"] = dict(parameters)
-    return {"cases": {proposed_case_name(system): {**entry, **check.case}}}
-
-
 def case_text(system: str, parameters: Mapping[str, float], check: SystemCheck) -> str:
-    """The case in YAML, to paste into a config."""
-    proposed = proposed_case(system, parameters, check)
+    """A case in YAML, to paste into a config: of ``my.flows:Roessler`` its name is roessler."""
+    name = re.sub(r"[^A-Za-z0-9_.-]", "_", system.rpartition(":")[2]).lower()
+    of_equations = {"parameters": dict(parameters)} if parameters else {}
+    case = {"system": system, **of_equations, **check.case}
+    proposed = {"cases": {name if name[:1].isalpha() else f"case_{name}": case}}
     return yaml.safe_dump(_plain(proposed), sort_keys=False, default_flow_style=None, width=90)
 
 

@@ -21,6 +21,7 @@ _HOLDS: dict[str, Callable[[Any, Any], bool]] = {
     "not_beyond": lambda value, other: value <= other,
     "multiple_of": _is_multiple,
     "one_of": lambda value, other: value in other,
+    "within": lambda value, other: other[0] <= value <= other[1],
 }
 
 

@@ -15,6 +15,7 @@ from burstcast_workflow.config.cases import (
     case_of,
     case_record,
     data_of,
+    reynolds_in,
 )
 from burstcast_workflow.config.external_files import problems_of_external
 from burstcast_workflow.config.lengths import lag_misfits, misfits, room_misfits
@@ -98,7 +99,7 @@ def _files(system: str, files: list[str]) -> Iterator[str]:
 def _system(name: str, case: Simulated) -> Iterator[str]:
     parameters, ensemble, actuation = case.parameters, case.ensemble, case.actuation
     reynolds = parameters.get("reynolds")
-    if name.startswith("Re") and reynolds is not None and _is_reynolds_of_another(name, reynolds):
+    if reynolds_in(name) not in (None, reynolds):
         yield (
             f"parameters.reynolds is {reynolds:g}, which contradicts the name {name}: leave it out"
         )
@@ -139,20 +140,10 @@ def _system(name: str, case: Simulated) -> Iterator[str]:
         yield f"actuation.force has {len(actuation.force)} numbers; it needs {dimension}"
 
 
-def _is_reynolds_of_another(name: str, reynolds: float) -> bool:
-    try:
-        return float(name.removeprefix("Re")) != reynolds
-    except ValueError:  # a name such as Reference
-        return False
-
-
 def _counts_of_series(config: Configuration, case: Simulated) -> Iterator[str]:
     """Mistakes in the numbers of series and their uses."""
     series, training = case.ensemble.series, case.training.series
     test, more = case.test_series, config.probability.calibration_series
-    if case.lyapunov.series > series:
-        of_exponents = case.lyapunov.series
-        yield f"lyapunov.series is {of_exponents}; it must be at most ensemble.series, {series}"
     if training + test > series:
         yield (
             f"training.series and test_series are {training} and {test}; together they must be at "

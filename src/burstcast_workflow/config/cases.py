@@ -22,6 +22,12 @@ def case_name(reynolds: float) -> str:
     return f"Re{canonical(float(reynolds))}"
 
 
+def reynolds_in(name: str) -> float | None:
+    """Reynolds number in a name such as Re400; None in other names."""
+    match = _REYNOLDS_NAME.fullmatch(name)
+    return float(match[1]) if match else None
+
+
 def block_cases(block: Block) -> list[str]:
     """Names of the cases of one block of the campaign, each once.
 
@@ -114,9 +120,9 @@ def case_record(config: Configuration, name: str) -> Config:
         if "initial_state" not in record["ensemble"] and _draws_initial_states(system):
             record["ensemble"].update(dict.fromkeys(_INITIAL))
         _derive(record)
-    if match := _REYNOLDS_NAME.fullmatch(name):
+    if (reynolds := reynolds_in(name)) is not None:
         # what the entry itself says stays, for the checks to compare
-        record.setdefault("parameters", {}).setdefault("reynolds", float(match[1]))
+        record.setdefault("parameters", {}).setdefault("reynolds", reynolds)
     return record
 
 

@@ -56,7 +56,6 @@ def contradictions(config: Configuration) -> list[str]:
         *_campaign(config),
         *_strategies(config),
         *_without_trajectories(config),
-        *_surrogate(config),
         *_figures(config),
     ]
     cases_of: dict[str, list[str]] = {}
@@ -172,16 +171,6 @@ def _realisations(config: Configuration, place: str, block: Block, name: str) ->
                 f"those of the calibration are {needed} series of {name}, but ensemble.series is "
                 f"{case.ensemble.series}"
             )
-
-
-def _surrogate(config: Configuration) -> Iterator[str]:
-    surrogate = config.search.surrogate
-    (low, high), first = surrogate.length_scale, surrogate.first_length_scale
-    if not low <= first <= high:
-        yield (
-            f"search.surrogate.first_length_scale is {first:g}, but length_scale bounds it: "
-            f"{low:g} to {high:g}"
-        )
 
 
 def _strategies(config: Configuration) -> Iterator[str]:

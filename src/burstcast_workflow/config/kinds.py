@@ -273,6 +273,7 @@ RELATIONS = {
     "not_beyond": "must not be beyond",
     "multiple_of": "must be a multiple of",
     "one_of": "must be one of",
+    "within": "must be within",
 }
 
 

@@ -268,7 +268,9 @@ class TimeUnit(Section):
 class Lyapunov(TimeUnit):
     """The Lyapunov exponents."""
 
-    series: Whole = setting("trajectories that the exponents are averaged over", ge=2)
+    series: Whole = setting(
+        "trajectories that the exponents are averaged over", ge=2, at_most="ensemble.series"
+    )
     perturbation: Positive = setting(
         "initial distance of neighbouring trajectories",
         "attractor sizes",
@@ -709,7 +711,7 @@ class Surrogate(Section):
     variance: PositiveRange = setting("bounds of its variance", "variances of the objectives")
     length_scale: PositiveRange = setting("bounds of its length scales", "decades")
     first_length_scale: Positive = setting(
-        "length scale that its fit starts from, within the bounds", "decades"
+        "length scale that its fit starts from", "decades", within="search.surrogate.length_scale"
     )
     random_state: Annotated[
         Annotated[Whole, Field(ge=0)] | None, Words("a whole number from 0, or null")
