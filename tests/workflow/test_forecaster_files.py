@@ -125,10 +125,10 @@ def test_a_forecaster_comes_back_bit_for_bit(kind, network, ensemble, tmp_path):
         made = found(network.network, network.seed, network.divergence_bound)
     else:
         training = training_series(settings, ensemble).observed
-        made = forecaster_class(kind).fit(training, forecasting_case(settings, []))
+        made = forecaster_class(kind).fit(training, forecasting_case(settings))
     path = str(tmp_path / "forecaster.nc")
     write_forecaster(path, made, {"source": "test"})
-    back = read_forecaster(path, settings, [])
+    back = read_forecaster(path, settings)
     assert type(back) is type(made) is forecaster_class(kind)
     washout = np.random.default_rng(5).normal(size=(12, 3, 3))
     outputs = [one.advance(one.start(washout), 20)[0] for one in (made, back)]
@@ -145,7 +145,7 @@ def test_a_forecaster_comes_back_bit_for_bit(kind, network, ensemble, tmp_path):
 def test_a_network_keeps_what_training_told_of_it(network, tmp_path):
     path = str(tmp_path / "forecaster.nc")
     write_forecaster(path, network, {})
-    back = read_forecaster(path, SETTINGS, [])
+    back = read_forecaster(path, SETTINGS)
     assert back.seed == network.seed
     assert back.network.dynamics.reservoir.input_bias == 0.1
     for name in ("tikhonov", "solver", "reciprocal_condition"):
@@ -168,7 +168,7 @@ def test_a_forecaster_has_its_bound(network, tmp_path):
     write_forecaster(path, network, {})
     outputs = np.full((2, 3, 1), 3.0) * network.network.input_range[:, np.newaxis]
     for bound, lost in ((2.0, True), (4.0, False)):
-        forecaster = read_forecaster(path, SETTINGS, [], bound)
+        forecaster = read_forecaster(path, SETTINGS, bound)
         assert forecaster.diverged(outputs).tolist() == [lost]
     assert network.diverged(outputs).tolist() == [False]
 
@@ -178,11 +178,11 @@ def test_unknown_backends_are_refused(network, tmp_path):
     write_forecaster(path, network, {})
     options = {"backend": "fortran"}
     with pytest.raises(ValueError, match="backend"):
-        read_forecaster(path, {**SETTINGS, "forecaster.options": options}, [])
+        read_forecaster(path, {**SETTINGS, "forecaster.options": options})
 
 
 def test_what_forecasters_may_know_of_their_case():
-    case = forecasting_case({**SETTINGS, "forecaster.options": {}}, [])
+    case = forecasting_case({**SETTINGS, "forecaster.options": {}})
     assert (case.system.rho, case.system.dimension) == (30, 3)
     assert (case.time_step, case.sampling_stride, case.steps_per_lyapunov_time) == (0.01, 4, 27)
     assert case.options == {}
@@ -195,7 +195,7 @@ def test_only_the_bound_is_given_the_truth(kind, network):
         made = kind_of_it(network.network, network.seed, network.divergence_bound)
     else:
         series = np.random.default_rng(4).normal(size=(3, 90, 3)).cumsum(axis=1)
-        made = kind_of_it.fit(series, forecasting_case(SETTINGS, []))
+        made = kind_of_it.fit(series, forecasting_case(SETTINGS))
     observed, true = np.zeros(3), np.ones(3)
     bounds = ("equations", "esn_true_washout")
     assert seen(made, observed, true) is (true if kind in bounds else observed)

@@ -64,7 +64,7 @@ def ensemble(tmp_path_factory):
 
 
 def validator(settings, ensemble):
-    return point_validator(settings, IDENTIFIER, ensemble, [], [])
+    return point_validator(settings, IDENTIFIER, ensemble, [])
 
 
 def test_durations_are_those_of_the_settings(ensemble):

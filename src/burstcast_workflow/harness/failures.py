@@ -1,6 +1,5 @@
 """Failures of a run: the last lines of the logs of failed jobs, in one place."""
 
-from collections.abc import Iterable
 from pathlib import Path
 
 _MOST_JOBS = 10
@@ -44,12 +43,8 @@ def failure_summary(rule_logs: Path, scheduler_logs: Path, since: float) -> str:
 
 def _written(directory: Path, since: float) -> list[Path]:
     """Logs that were written since a time, in the order in which they were."""
-    times = {path: path.stat().st_mtime for path in _logs(directory)}
+    times = {path: path.stat().st_mtime for path in directory.rglob("*.log")}
     return sorted((path for path in times if times[path] >= since), key=lambda path: times[path])
-
-
-def _logs(directory: Path) -> Iterable[Path]:
-    return directory.rglob("*.log") if directory.is_dir() else []
 
 
 def _part(title: str, path: Path) -> str:

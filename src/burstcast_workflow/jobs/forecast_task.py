@@ -3,27 +3,24 @@
 from burstcast.benchmark.task import TaskData, campaign_task
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.netcdf import read_netcdf
-from burstcast.forecast.windows import window_boundaries
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.jobs.data import observed_rows, training_states
-from burstcast_workflow.jobs.forecasts import horizon_search, windows_of
+from burstcast_workflow.jobs.forecasts import boundaries_of, horizon_search
 from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
+from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
 def task_data(
     settings: Settings, ensemble: str, evaluation_set: str, events: str, summary: str
 ) -> TaskData:
     """Observed data of the case; the settings are ``TASK`` of the rules, and ``noise``."""
-    steps = lyapunov_time(settings)
     found = read_netcdf(evaluation_set, "series", "step", "washout")
     before = read_netcdf(events, "series", "step", "observed")
     return campaign_task(
         case=settings["case"],
         seed=settings["random_seed"],
         space=system_of(settings),
-        boundaries=window_boundaries(*windows_of(settings), steps),
+        boundaries=boundaries_of(settings),
         prediction_times_lt=settings["classification.prediction_times_lt"],
         window_lt=settings["classification.window_lt"],
         resolution_lt=settings["classification.resolution_lt"],
@@ -32,7 +29,7 @@ def task_data(
         washouts=found["washout"],
         events=SeriesPoints(before["series"], before["step"]),
         before_events=before["observed"],
-        search=horizon_search(settings, steps, read_json(summary)["mean_observable"]),
+        search=horizon_search(settings, summary),
         noise=settings["noise"],
         event_threshold=settings["case.event_threshold"],
         sampling_interval=sampling_interval(settings),

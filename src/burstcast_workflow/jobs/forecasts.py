@@ -8,7 +8,7 @@ from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.windows import window_boundaries
 from burstcast_workflow.harness.settings import CLASSIFICATION, Settings, concerning
-from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.data import (
     check_kept_series,
     kept_series,
@@ -19,12 +19,12 @@ from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
-def windows_of(settings: Settings) -> tuple[float, int]:
-    """Length of a window in Lyapunov times, and how many there are."""
+def boundaries_of(settings: Settings) -> tuple[int, ...]:
+    """Boundaries of the windows of a forecast, in steps."""
     resolution = settings["classification.resolution_lt"]
     longest = settings["classification.longest_prediction_time_lt"]
     reach = longest + settings["classification.window_lt"]
-    return resolution, round(reach / resolution) - 1
+    return window_boundaries(resolution, round(reach / resolution) - 1, lyapunov_time(settings))
 
 
 def test_rows(settings: Settings, ensemble: str) -> range:
@@ -41,13 +41,13 @@ def test_rows(settings: Settings, ensemble: str) -> range:
     return range(first, first + series)
 
 
-def horizon_search(settings: Settings, steps: int, mean_observable: float) -> HorizonSearch:
-    """Search for prediction horizons; ``steps`` are a Lyapunov time, the mean is of all data."""
+def horizon_search(settings: Settings, summary: str) -> HorizonSearch:
+    """Search for prediction horizons, with the mean of all data from their summary."""
+    steps, mean = lyapunov_time(settings), read_json(summary)["mean_observable"]
     return HorizonSearch(
         longest_lead_time_lt=settings["horizon.longest_lead_time_lt"],
         lead_time_step_lt=settings["horizon.lead_time_step_lt"],
-        tolerance=settings["horizon.tolerance"]
-        * (settings["case.event_threshold"] - mean_observable),
+        tolerance=settings["horizon.tolerance"] * (settings["case.event_threshold"] - mean),
         washout=durations.steps(settings["washout_lt"], steps),
         steps_per_lyapunov_time=steps,
     )
@@ -92,8 +92,7 @@ def write_points(
     """
     system, steps = system_of(settings), lyapunov_time(settings)
     states, observed, observable = series
-    (name, spacing_lt), (resolution_lt, count) = spacing, windows_of(settings)
-    boundaries = window_boundaries(resolution_lt, count, steps)
+    (name, spacing_lt), boundaries = spacing, boundaries_of(settings)
     with concerning(CLASSIFICATION):
         found = observed_points(
             observed,

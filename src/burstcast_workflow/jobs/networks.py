@@ -107,17 +107,17 @@ def point_validator(
         reservoir=reservoir_seed(settings, identifier).reservoir(system.dimension),
         training=training_series(settings, ensemble, scheduled),
         observable=system.observable,
-        plan=_validation_plan(settings, lyapunov_time(settings)),
+        plan=_validation_plan(settings),
         tikhonov=settings["search.tikhonov"],
         backend=settings["forecasters.esn.backend"],
     )
 
 
-def _validation_plan(settings: Settings, steps_per_lyapunov_time: int) -> ValidationPlan:
+def _validation_plan(settings: Settings) -> ValidationPlan:
     """Parameters of the validation strategies, in steps."""
     recycle = settings["case.recycle_validation"]
     washout_lt, interval_lt = settings["washout_lt"], settings["search.interval_lt"]
-    steps = steps_per_lyapunov_time
+    steps = lyapunov_time(settings)
     return ValidationPlan(
         washout=durations.positive_steps(washout_lt, steps, "washout_lt"),
         interval=durations.positive_steps(interval_lt, steps, "search.interval_lt"),

@@ -6,7 +6,6 @@ from burstcast import durations
 from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.window_forecasts import window_forecasts
-from burstcast.forecast.windows import window_boundaries
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
 from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import (
@@ -15,7 +14,7 @@ from burstcast_workflow.jobs.forecasters import (
     read_forecaster,
     seen,
 )
-from burstcast_workflow.jobs.forecasts import windows_of
+from burstcast_workflow.jobs.forecasts import boundaries_of
 from burstcast_workflow.jobs.scheduled import read_scheduled
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
@@ -32,8 +31,7 @@ def forecast_calibration_set(
     settings: Settings,
 ) -> None:
     """Forecast each training series without what it has taught, or other series as they are."""
-    system, steps = system_of(settings), lyapunov_time(settings)
-    boundaries = window_boundaries(*windows_of(settings), steps)
+    system, boundaries = system_of(settings), boundaries_of(settings)
     bound = settings["forecaster.divergence_bound"]
     who = read_forecaster(forecaster, settings, bound)
     points = read_netcdf(calibration_set, "series", "washout", "true_washout")
@@ -46,7 +44,7 @@ def forecast_calibration_set(
             who,
             learnt.observed.states if learnt else learnt_rows(who, settings, ensemble),
             forecasting_case(settings, ensemble),
-            durations.steps(settings["washout_lt"], steps),
+            durations.steps(settings["washout_lt"], lyapunov_time(settings)),
             system.observable,
             given,
             np.array(learnt.own_rows)[points["series"]] if learnt else points["series"],

@@ -16,7 +16,7 @@ from burstcast.forecast.examples import (
 )
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
-from burstcast_workflow.harness.job import Settings, job, read_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.forecasts import horizon_search
 from burstcast_workflow.jobs.systems import system_of
@@ -33,9 +33,9 @@ def _outcomes(
     forecast_file: str,
     settings: Settings,
     forecaster: Forecaster,
-    steps: int,
 ) -> OutcomeExamples:
     """One forecast of the test set for each outcome."""
+    steps = lyapunov_time(settings)
     resolution = settings["classification.resolution_lt"]
     window_lt = settings["classification.window_lt"]
     prediction_time_lt = settings["figures.example_prediction_time_lt"]
@@ -67,15 +67,14 @@ def _outcomes(
 
 def _evaluations(
     ensemble: str,
+    summary: str,
     events_file: str,
     horizon: str,
     settings: Settings,
     forecaster: Forecaster,
-    steps: int,
-    mean_observable: float,
 ) -> Evaluations:
     """Forecasts of one event from its last starts."""
-    search = horizon_search(settings, steps, mean_observable)
+    search = horizon_search(settings, summary)
     events = read_netcdf(events_file)
     example = horizon_example(
         read_netcdf(horizon)["prediction_horizon_lt"],
@@ -83,7 +82,7 @@ def _evaluations(
         settings["figures.example_horizon_lt"],
     )
     before = search.steps_before_event
-    shown = before + 1 + durations.steps(AFTER_EVENT_LT, steps)
+    shown = before + 1 + durations.steps(AFTER_EVENT_LT, search.steps_per_lyapunov_time)
     truth = np.full(shown, np.nan)
     observed = np.full((before + 1, events["observed"].shape[2]), np.nan)
     starts: tuple[float, ...] = ()
@@ -111,11 +110,7 @@ def examples_of_forecaster(
     settings: Settings,
 ) -> None:
     """Write true and forecast observables of the examples."""
-    who, steps = (
-        read_forecaster(forecaster, settings),
-        lyapunov_time(settings),
-    )
-    mean = read_json(summary)["mean_observable"]
-    outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, who, steps)
-    evaluations = _evaluations(ensemble, events, horizon, settings, who, steps, mean)
+    who = read_forecaster(forecaster, settings)
+    outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, who)
+    evaluations = _evaluations(ensemble, summary, events, horizon, settings, who)
     write_netcdf(examples, variables_of(outcomes) | variables_of(evaluations), settings.provenance)

@@ -3,12 +3,10 @@
 from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.window_forecasts import window_forecasts
-from burstcast.forecast.windows import window_boundaries
 from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
-from burstcast_workflow.jobs.forecasts import windows_of
+from burstcast_workflow.jobs.forecasts import boundaries_of
 from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
@@ -16,8 +14,7 @@ def forecast_evaluation_set(
     *, forecaster: str, evaluation_set: str, forecast: str, settings: Settings
 ) -> None:
     """Write the first and largest observable of every window of every forecast."""
-    system = system_of(settings)
-    boundaries = window_boundaries(*windows_of(settings), lyapunov_time(settings))
+    system, boundaries = system_of(settings), boundaries_of(settings)
     bound = settings["forecaster.divergence_bound"]
     who = read_forecaster(forecaster, settings, bound)
     points = read_netcdf(evaluation_set)

@@ -3,11 +3,10 @@
 from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import horizon_variables
 from burstcast.forecast.horizon import prediction_horizons
-from burstcast_workflow.harness.job import Settings, job, read_json, write_netcdf
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster, seen
 from burstcast_workflow.jobs.forecasts import horizon_search
 from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
@@ -15,14 +14,13 @@ def measure_horizons(
     *, forecaster: str, events: str, summary: str, horizon: str, settings: Settings
 ) -> None:
     """Write the prediction horizon of every event."""
-    data, steps = read_netcdf(events), lyapunov_time(settings)
-    who = read_forecaster(forecaster, settings)
+    data, who = read_netcdf(events), read_forecaster(forecaster, settings)
     horizons = prediction_horizons(
         who,
         system_of(settings).observable,
         seen(who, data["observed"], data["true_state"]),
         data["truth"],
-        horizon_search(settings, steps, read_json(summary)["mean_observable"]),
+        horizon_search(settings, summary),
     )
     write_netcdf(
         horizon, horizon_variables(data["series"], data["step"], horizons), settings.provenance
