@@ -158,7 +158,7 @@ def _processor_time(function: Callable[[], object]) -> float:
 
 @dataclass(frozen=True)
 class Row:
-    """One measured stage; seconds are those of the stage's whole work."""
+    """One measured stage; seconds are for the stage's whole work."""
 
     stage: str
     work: str
@@ -817,7 +817,7 @@ def main() -> None:
         rows += stages.rows()
         beside.append(stages.beside_reservoirpy())
         of_moments.append(stages.seconds_per_centred_state)
-        rates = stages.rates()  # those of the last size
+        rates = stages.rates()  # of the last size
         print(f"{neurons} neurons measured", flush=True)
     rates |= moment_rates(sizes, of_moments)
     integrations, integration_rates = integration(data, clock)

@@ -255,8 +255,8 @@ def counts(given, trained, kind):
 def long_term(given, trained):
     """Share of discarded closed loops, and of the others share of time in events and distance.
 
-    The loops start in the training series and last as long as they; the distance of their
-    distribution of k from that of all series is Kantorovich's.
+    The loops start in the training series and last as long; the distance of their distribution of
+    k from the distribution over all series is Kantorovich's.
     """
     points = starting_points(PER_SET, given.observed.shape[1], 200, WASHOUT, 0)
     washouts = segments(given.observed, points, WASHOUT - 1, 0).transpose(1, 2, 0)

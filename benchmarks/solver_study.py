@@ -2,9 +2,9 @@
 
     python benchmarks/solver_study.py results/paper/Re400/ensemble.nc --neurons 1000 --networks 10
 
-For each network: which factorisations fail, how far the weights are from those of QR of
-[R; sqrt(beta) I], and the objective of the Recycle Validation that they lead to. The results that
-we rely on are in docs/solver.md.
+For each network: which factorisations fail, how far the weights are from the solution by QR of
+[R; sqrt(beta) I], and the objective of the Recycle Validation that they lead to. Results are in
+docs/solver.md.
 """
 
 import argparse

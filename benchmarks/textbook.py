@@ -42,7 +42,7 @@ class TextbookNetwork:
 
 
 def input_matrix(dynamics: Dynamics) -> np.ndarray:
-    """W_in as a dense matrix ``(neurons, dimension + 1)``; its last column is that of the bias."""
+    """W_in as a dense matrix ``(neurons, dimension + 1)``; its last column belongs to the bias."""
     reservoir = dynamics.reservoir
     matrix = np.zeros((reservoir.neurons, reservoir.dimension + 1))
     rows = np.arange(reservoir.neurons)

@@ -379,7 +379,7 @@ def test_an_observable_that_is_given_is_that_of_the_fit(observable, training, tm
     for same in (0, lambda states: states.sum(axis=-1) - states[..., 1:].sum(axis=-1)):
         burstcast.EventForecaster.load(path, same)
     for other in (1, lambda states: states[..., 0] + 1e-6, lambda states: -states[..., 0]):
-        with pytest.raises(ValueError, match=r"load was given is not that of .*forecaster\.nc"):
+        with pytest.raises(ValueError, match=r"load was given differs from .*forecaster\.nc"):
             burstcast.EventForecaster.load(path, other)
 
 
@@ -467,7 +467,7 @@ def test_what_cannot_be_done_is_said(training, fitted, test_series):
         burstcast.EventForecaster().predict(test_series)
     with pytest.raises(ValueError, match=r"fitted were the prediction_times 0\.5, 1"):
         fitted.predict(test_series, 2.0)
-    with pytest.raises(ValueError, match="have 2 components, those of the training had 3"):
+    with pytest.raises(ValueError, match="have 2 components, the training series had 3"):
         fitted.predict(test_series[..., :2])
 
 

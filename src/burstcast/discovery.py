@@ -88,7 +88,7 @@ def _place(error: Exception) -> str:
     if isinstance(error, SyntaxError):
         return f"{error.filename}, line {error.lineno}: "
     frames = traceback.extract_tb(error.__traceback__)
-    # the module's own line, not that of a library which it calls
+    # the module's own line, not a line of a library which it calls
     libraries = (os.path.dirname(os.__file__), "<frozen ")
     files = [
         frame

@@ -15,11 +15,11 @@ def upward_crossings(observable: FloatArray, threshold: float, axis: int = -1) -
     Parameters
     ----------
     observable
-        Of any shape; a value that is NaN is not at or above the threshold.
+        Observable of any shape; a value that is NaN is not at or above the threshold.
     threshold
         The event threshold, k_e.
     axis
-        Of time.
+        Axis of time.
 
     Returns
     -------

@@ -18,7 +18,7 @@ def is_laminar(observable: FloatArray, threshold: float | None) -> BoolArray:
     Parameters
     ----------
     observable
-        Of any shape; a value that is NaN is not laminar.
+        Observable of any shape; a value that is NaN is not laminar.
     threshold
         The laminarisation threshold, k_l; None: no value is laminar.
 
@@ -40,11 +40,11 @@ def first_laminar_step(observable: FloatArray, threshold: float | None, axis: in
     Parameters
     ----------
     observable
-        Of any shape.
+        Observable of any shape.
     threshold
         The laminarisation threshold; None: no series is ever laminar.
     axis
-        Of time.
+        Axis of time.
 
     Returns
     -------

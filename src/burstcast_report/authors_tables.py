@@ -1,7 +1,7 @@
 """Tables of docs/results.md about the choices of the paper's authors and the training sets.
 
 Two campaigns have the same networks on the same training sets, which are drawn by their share of
-time with an extreme event: one with the choices of the authors' programs, one with those of
+time with an extreme event: one with the choices of the authors' programs, one with the choices in
 config.yaml. The networks of a size are a balanced design of training sets and seeds.
 """
 
@@ -29,7 +29,7 @@ from burstcast_report.results_tables import (
 CASE = "Re400"
 CONFIDENCE = 0.95
 MORE_EVENTS = 0.04
-"""By which the share of events in the authors' training set, 0.17, exceeds that of all data."""
+"""By which the share of events in the authors' training set, 0.17, exceeds the one of all data."""
 TRUE = "esn_true_washout"
 
 
@@ -147,8 +147,8 @@ def _interval(score: Score, tables: Tables, **where: Any) -> tuple[float, float,
     """Mean over training sets, and the margin for what other training and test data give.
 
     The margin is the root of the sum of two variances: of a further training set beside the mean of
-    these, and of two choices of the test series, ours and the authors'. Its degrees of freedom are
-    those of the training sets.
+    these, and of two choices of the test series, ours and the authors'. The training sets give its
+    degrees of freedom.
     """
     values = score.by_training_set(tables, **where)
     if values.empty:

@@ -24,10 +24,10 @@ def scores_by_reynolds(tables: Tables, time: float) -> str:
     found = _scores(tables).query("prediction_time_lt == @time")
     cases = _free_cases(found)
     rows = []
-    for who, part in found.groupby([*SCORED], dropna=False, sort=False):
+    for forecaster, part in found.groupby([*SCORED], dropna=False, sort=False):
         cells = {row["case"]: with_ends(row) for row in part.to_dict("records")}
         if not cells.keys().isdisjoint(cases.values()):
-            rows.append([_name(who), *(cells.get(case, "") for case in cases.values())])
+            rows.append([_name(forecaster), *(cells.get(case, "") for case in cases.values())])
     heads = [f"{value:g}" if value in TRAINED else f"**{value:g}**" for value in cases]
     return markdown(["Re", *heads], rows)
 
@@ -37,14 +37,14 @@ def escape_rates(tables: Tables) -> str:
     found = tables.rows("survival")
     cases = _free_cases(found)
     rows = []
-    for who, part in found.groupby([*SCORED], dropna=False, sort=False):
+    for forecaster, part in found.groupby([*SCORED], dropna=False, sort=False):
         cells = {}
         for row in part.to_dict("records"):
             ends = {end: row[f"escape_rate_{end}"] for end in ("low", "high")}
             cells[row["case"]] = with_ends(
                 {"value": row["escape_rate"], **ends}, lambda rate: significant(1000 * rate, 2)
             )
-        name = "true flow" if who[0] == "data" else _name(who)
+        name = "true flow" if forecaster[0] == "data" else _name(forecaster)
         rows.append([name, *(cells.get(case, "") for case in cases.values())])
     return markdown(["Re", *(f"{value:g}" for value in cases)], rows)
 
@@ -55,9 +55,9 @@ def under_switching(tables: Tables) -> str:
     found = found[found["case"] == SWITCHED]
     times = sorted(time for time in found["prediction_time_lt"].unique() if time % 1 == 0)
     rows = []
-    for who, part in found.groupby([*SCORED], dropna=False, sort=False):
+    for forecaster, part in found.groupby([*SCORED], dropna=False, sort=False):
         cells = {row["prediction_time_lt"]: with_ends(row) for row in part.to_dict("records")}
-        rows.append([_name(who), *(cells.get(time, "") for time in times)])
+        rows.append([_name(forecaster), *(cells.get(time, "") for time in times)])
     return markdown(["", *(f"{time:g} LT" for time in times)], rows)
 
 
@@ -74,11 +74,11 @@ class Target:
     Attributes
     ----------
     case, forecaster
-        Whose control.
+        Case that is controlled, and forecaster that controls it.
     left, acting
         Largest share of the exceedance that may be left, and of the time under actuation.
     delay_lt, strength
-        Of the actuator.
+        Delay and strength of the actuator.
     """
 
     case: str
@@ -140,10 +140,10 @@ def forecast_targets(tables: Tables) -> str:
     ]
     pairs.append((SWITCHED, "quadratic_aware_filtered", "equations_filtered"))
     rows = []
-    for case, who, other in pairs:
-        if (case, who) not in value or (case, other) not in value:
+    for case, forecaster, other in pairs:
+        if (case, forecaster) not in value or (case, other) not in value:
             continue
-        mine, theirs = value[case, who], value[case, other]
+        mine, theirs = value[case, forecaster], value[case, other]
         difference = mine["value"] - theirs["value"]
         rows.append(
             [
@@ -162,9 +162,9 @@ def forecast_targets(tables: Tables) -> str:
 # -- parts -----------------------------------------------------------------------------------------
 
 
-def _name(who: tuple[Any, ...]) -> str:
+def _name(forecaster: tuple[Any, ...]) -> str:
     return name_of(
-        **{key: value for key, value in zip(SCORED, who, strict=True) if pd.notna(value)}
+        **{key: value for key, value in zip(SCORED, forecaster, strict=True) if pd.notna(value)}
     )
 
 

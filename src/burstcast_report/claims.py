@@ -2,7 +2,7 @@
 
 Each claim is a function of the tables of the paper's campaign. It returns a `Finding`; whether it
 agrees is computed, not written, by the rule that stands beside the claim. The intervals of numbers
-are those of the test data, not of the training series; the paper's number has a sampling error,
+belong to the test data, not to the training series; the paper's number has a sampling error,
 too, so that it "nearly" agrees with an interval that is the square root of two times as wide.
 """
 
@@ -95,7 +95,7 @@ def verdict(paper: float, low: float, high: float, unit: float = 0.0) -> str:
     low, high
         Ends of our interval.
     unit
-        Of the last digit that the paper prints.
+        Unit of the last digit that the paper prints.
     """
     middle, half = (low + high) / 2, (high - low) / 2
     distance = abs(paper - middle) - unit / 2
@@ -113,18 +113,18 @@ def all_of(holds: Iterable[bool | str]) -> str:
 
 
 def _f(
-    tables: Tables, time: float, case: str = CASE, metric: str = "f_score", **who: Any
+    tables: Tables, time: float, case: str = CASE, metric: str = "f_score", **network: Any
 ) -> Ensemble:
-    found = tables.ensemble("classification", metric, case=case, prediction_time_lt=time, **who)
+    found = tables.ensemble("classification", metric, case=case, prediction_time_lt=time, **network)
     if found is None:
-        raise LookupError(f"no {metric} of {who} in {case} at {time} LT")
+        raise LookupError(f"no {metric} of {network} in {case} at {time} LT")
     return found
 
 
-def _horizon(tables: Tables, case: str = CASE, **who: Any) -> Ensemble:
-    found = tables.ensemble("horizon", "mean_horizon_lt", case=case, **who)
+def _horizon(tables: Tables, case: str = CASE, **network: Any) -> Ensemble:
+    found = tables.ensemble("horizon", "mean_horizon_lt", case=case, **network)
     if found is None:
-        raise LookupError(f"no horizon of {who} in {case}")
+        raise LookupError(f"no horizon of {network} in {case}")
     return found
 
 
@@ -182,7 +182,7 @@ def exponents(tables: Tables) -> Finding:
 
 
 def recycle_beats_single_shot(tables: Tables) -> Finding:
-    """Medians of precision, recall and F-score of RV above those of SSV, everywhere."""
+    """Medians of precision, recall and F-score: RV above SSV, everywhere."""
     texts, better = [], []
     for metric in ("precision", "recall", "f_score"):
         found = tables.rows(
@@ -199,7 +199,7 @@ def recycle_beats_single_shot(tables: Tables) -> Finding:
 
 
 def recycle_beats_single_shot_in_horizon(tables: Tables) -> Finding:
-    """Median horizons of RV above those of SSV, at all sizes."""
+    """Median horizons: RV above SSV, at all sizes."""
     pairs = [
         (_horizon(tables, neurons=n, **RV), _horizon(tables, neurons=n, **SSV))
         for n in tables.sizes(CASE)
@@ -291,8 +291,8 @@ def horizon_of_large_networks(tables: Tables) -> Finding:
 
 def events_after_the_points(tables: Tables) -> Finding:
     """Share of starting points that an event follows 5 LT later, with its interval (Poisson)."""
-    who = {"forecaster": "equations", "case": CASE, "prediction_time_lt": 5}
-    (row,) = tables.rows("classification", **who).to_dict("records")
+    where = {"forecaster": "equations", "case": CASE, "prediction_time_lt": 5}
+    (row,) = tables.rows("classification", **where).to_dict("records")
     events = row["true_positive"] + row["false_negative"]
     points = events + row["false_positive"] + row["true_negative"]
     half = 1.96 * math.sqrt(events)
@@ -412,12 +412,12 @@ PROFILES = ("nrmse_u", "nrmse_uu", "nrmse_uv")
 
 
 def density_improves(tables: Tables) -> Finding:
-    """Kantorovich metric and logarithmic error of each size below those of the training set."""
+    """Kantorovich metric and logarithmic error of each size below the training set's."""
     return _improves(tables, DENSITY)
 
 
 def profiles_improve(tables: Tables) -> Finding:
-    """Errors of the three profiles of each size below those of the training set."""
+    """Errors of the three profiles of each size below the training set's."""
     return _improves(tables, PROFILES, 2)
 
 
@@ -438,16 +438,16 @@ def density_and_size(tables: Tables) -> Finding:
 
 
 def flow_improves_less(tables: Tables) -> Finding:
-    """Errors of the training set over those of the networks: profiles against the density of k."""
+    """Errors of the training set over errors of the networks: profiles against the density of k."""
 
-    def ours(metric: str, **who: Any) -> float:
-        found = tables.ensemble("statistics", metric, case=CASE, **who)
+    def ours(metric: str, **network: Any) -> float:
+        found = tables.ensemble("statistics", metric, case=CASE, **network)
         if found is None:
-            raise LookupError(f"no {metric} of {who} in the table of statistics")
+            raise LookupError(f"no {metric} of {network} in the table of statistics")
         return found.p50
 
-    def theirs(metric: str, **who: Any) -> float:
-        return published_value("statistics", metric, reynolds=400, **who)
+    def theirs(metric: str, **network: Any) -> float:
+        return published_value("statistics", metric, reynolds=400, **network)
 
     factors = {size: _mean_factors(ours, size) for size in tables.sizes(CASE)}
     texts = [f"{n}: {field:.2f} and {density:.2f}" for n, (field, density) in factors.items()]
@@ -484,15 +484,15 @@ def exceedances(tables: Tables) -> Finding:
     paper, ours, verdicts, beyond = [], [], [], []
     for case, reynolds in (("Re400", 400), ("Re600", 600)):
         for time in (1.0, 2.0):
-            who = {"neurons": 2000, "prediction_time_lt": time, **RV}
-            found = tables.ensemble("control", "exceedance_controlled", case=case, **who)
+            where = {"neurons": 2000, "prediction_time_lt": time, **RV}
+            found = tables.ensemble("control", "exceedance_controlled", case=case, **where)
             if found is None:
                 raise LookupError(f"no control in {case} at {time} LT")
-            theirs = published_value("control", "exceedance_controlled", reynolds=reynolds, **who)
+            theirs = published_value("control", "exceedance_controlled", reynolds=reynolds, **where)
             paper.append(fixed(theirs, 4))
             ours.append(_with_interval(found, 4))
             verdicts.append(verdict(theirs, found.low, found.high))
-            equations = {**who, "forecaster": "equations", "neurons": None, "validation": None}
+            equations = {**where, "forecaster": "equations", "neurons": None, "validation": None}
             perfect = tables.ensemble("control", "exceedance_controlled", case=case, **equations)
             if verdicts[-1] == "no" and perfect is not None and perfect.p50 > theirs:
                 beyond.append(f"Re = {reynolds}, {time:g} LT ({fixed(perfect.p50, 4)})")
@@ -520,11 +520,11 @@ def rarer(tables: Tables) -> Finding:
     """Exceedance without over with control (2000 neurons, RV), largest of the cases."""
     texts, verdicts = [], []
     for time in (1.0, 2.0):
-        who = {"neurons": 2000, "prediction_time_lt": time, **RV}
+        where = {"neurons": 2000, "prediction_time_lt": time, **RV}
         factors = []
         for case in tables.cases():
             free, found = (
-                tables.ensemble("control", f"exceedance_{state}", case=case, **who)
+                tables.ensemble("control", f"exceedance_{state}", case=case, **where)
                 for state in ("uncontrolled", "controlled")
             )
             if free is None or found is None:

@@ -91,13 +91,13 @@ class Shown:
     Attributes
     ----------
     name
-        Of the figure or table.
+        Name of the figure or table.
     caption
         What it shows, in HTML.
     views
-        Of a figure.
+        Views of a figure.
     data
-        Of a table: its CSV and its columns, as the page's script reads them (JSON).
+        Data of a table: its CSV and its columns, as the page's script reads them (JSON).
     """
 
     name: str
@@ -130,7 +130,7 @@ def page(
     flagged
         Files of the report.
     campaign
-        Whose results they are.
+        Campaign of the results.
     results
         The results directory.
     introduction
@@ -231,12 +231,12 @@ def _kinds(campaign: Campaign) -> dict[str, str]:
         kind: (inspect.getdoc(module) or "").split("\n")[0] for kind, module in modules.items()
     }
     if any(run.controller.role == "random" for run in campaign.control_runs):
-        found["random"] = "Control by alarms at random, as often as those of the network."
+        found["random"] = "Control by alarms at random, as often as the network's."
     return found
 
 
 def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """Settings that are not those of config.yaml, the paper's: name, value here, value there.
+    """Settings that differ from config.yaml, the paper's: name, value here, value there.
 
     Forecasters and the drawing of figures are left out.
 
@@ -281,7 +281,7 @@ def times_of_rules(costs: pd.DataFrame) -> list[dict[str, str]]:
     Parameters
     ----------
     costs
-        Of `burstcast_workflow.costs.records.rule_costs`.
+        Costs of `burstcast_workflow.costs.records.rule_costs`.
 
     Returns
     -------

@@ -28,10 +28,10 @@ def average_precision(tables: Tables, event: str) -> str:
     rows = _rows(tables, event)
     times = sorted(rows["prediction_time_lt"].unique())
     shown = []
-    for (case, alarm, *who), part in rows.groupby(_KEYS, dropna=False, sort=False):
+    for (case, alarm, *forecaster), part in rows.groupby(_KEYS, dropna=False, sort=False):
         cells = {row["prediction_time_lt"]: with_ends(row) for row in part.to_dict("records")}
         of = "" if alarm in SAME_EVERYWHERE else f"`{case}`"
-        shown.append([of, _name(alarm, *who), *(cells.get(time, "") for time in times)])
+        shown.append([of, _name(alarm, *forecaster), *(cells.get(time, "") for time in times)])
     return markdown(["case", "", *(f"{time:g} LT" for time in times)], shown)
 
 

@@ -81,7 +81,7 @@ def collect(results: Path) -> None:
     Raises
     ------
     RefusedError
-        If the directory is not that of a finished campaign, if its name cannot be a campaign's, or
+        If the directory does not hold a finished campaign, if its name cannot be a campaign's, or
         if other files lie where its tables are kept.
     """
     results = Path(os.path.abspath(results))

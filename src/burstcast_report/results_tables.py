@@ -98,7 +98,7 @@ class Tables:
         Parameters
         ----------
         name
-            Of the table.
+            Name of the table.
         where
             Values by column; None stands for an empty cell.
         """
@@ -240,7 +240,7 @@ def name_of(forecaster: str, neurons: float | None = None, validation: str | Non
 # -- tables of the page ----------------------------------------------------------------------------
 
 TIMES_LT = (1.0, 2.0, 3.0, 4.0, 5.0)
-"""Prediction times that tables show, of those of the campaign."""
+"""Prediction times that tables show, as far as the campaign has them."""
 
 VALIDATIONS = ("SSV", "RV")
 
@@ -418,8 +418,8 @@ def control_of_the_paper(tables: Tables) -> str:
                     quartiles(networks, _k),
                     f"{_k(networks.low)} to {_k(networks.high)}",
                     *(
-                        quartiles(tables.ensemble("control", "exceedance_controlled", **who), _k)
-                        for who in (
+                        quartiles(tables.ensemble("control", "exceedance_controlled", **keys), _k)
+                        for keys in (
                             {**where, "forecaster": "equations"},
                             {**where, "forecaster": "random"},
                         )
@@ -552,7 +552,7 @@ def forecasters_apart(tables: Tables, case: str) -> str:
         & ~found["other"].str.contains("random-")
     ]
     rows, pairs = [], 0
-    for (strategy, who, other), part in found.groupby(
+    for (strategy, forecaster, other), part in found.groupby(
         ["strategy", "compared", "other"], sort=False
     ):
         pairs += 1
@@ -564,7 +564,7 @@ def forecasters_apart(tables: Tables, case: str) -> str:
         rows.append(
             [
                 f"`{strategy}`",
-                str(who),
+                str(forecaster),
                 str(other),
                 percent_with_ends(left),
                 percent_with_ends(spent),
@@ -694,8 +694,8 @@ def scatter(tables: Tables, case: str) -> str:
         title, unit, digits, intervals = _SCATTERED[row["metric"]]
         ahead = "" if pd.isna(time) else f", {time:g} LT ahead"
         values = [unit * row[name] for name in _SCATTER]
-        who = {key: row[key] for key in ("forecaster", "neurons", "validation")}
-        where = {"metric": row["metric"]} | {k: v for k, v in who.items() if pd.notna(v)}
+        forecaster = {key: row[key] for key in ("forecaster", "neurons", "validation")}
+        where = {k: v for k, v in forecaster.items() if pd.notna(v)} | {"metric": row["metric"]}
         if intervals:
             ends = tables.rows(intervals, **where, **({} if pd.isna(time) else {_TIME: time}))
             ends = ends[[realisation_of(name)[0] == case for name in ends["case"]]]
@@ -703,7 +703,7 @@ def scatter(tables: Tables, case: str) -> str:
         else:
             values.append(np.nan)
         texts = (fixed(value, digits) for value in values)
-        rows.append([name_of(**who), f"{title}{ahead}", *texts])
+        rows.append([name_of(**forecaster), f"{title}{ahead}", *texts])
     return markdown(["", "", "mean", "over training sets", "over seeds", "over test data"], rows)
 
 

@@ -13,7 +13,7 @@ _HEAD = """\
 Every table of `<results>/tables`, and every column. Each case has tables of the same names in
 `<results>/<case>/tables`, with its own rows alone. Tables are CSV: one line of names, numbers in
 full, an empty cell where something is undefined or does not apply. Columns without a unit are
-counts, shares or names; "observable" is that of the case (the kinetic energy of the shear flow).
+counts, shares or names; "observable" is the case's (the kinetic energy of the shear flow).
 A column with an asterisk is left out where no row has a value: only some systems, or strategies of
 control, have it. Tables for papers (`*.tex`, LaTeX with `booktabs`) show part of them: medians and
 quartiles, or intervals.

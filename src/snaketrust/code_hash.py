@@ -1,6 +1,6 @@
 """Hash of the code of a source file, and its imports; remembered by its content.
 
-The hash is that of the syntax tree without positions and comments. The tree is walked here rather
+The hash covers the syntax tree without positions and comments. The tree is walked here rather
 than by `ast.dump`, whose output differs between Python versions.
 
 Of the project's own code, words count nothing either: docstrings, texts of built-in errors, and

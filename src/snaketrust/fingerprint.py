@@ -8,7 +8,7 @@ A fingerprint is a hash of what a file's code does (`snaketrust.code_hash`). Wha
 show must not happen, and a test of the project should keep it out. Two things are known otherwise:
 
 * Modules that are found by name, in a package with a module ``registry``. A script that reaches a
-  registry depends on those of its modules that its job is about, and on no others. A module of a
+  registry depends on the modules that its job is about, and on no others. A module of a
   user's own lies elsewhere: all that it imports counts, too, as far as it is not installed, and so
   do the files that are declared for it.
 * Code that all jobs run, such as what logs and writes files: an edit of it would run everything
@@ -81,13 +81,13 @@ class Sources:
             Below the directory of scripts.
         found_by_name
             By package with a ``registry``: the modules of it that the job is about; with a colon,
-            module and class outside of it.
+            module and class outside of the package.
 
         Returns
         -------
         list of str
-            Sorted entries ``module@hash``; the script's is ``name.py@hash``; that of a file which a
-            user's module reads is ``file:module:path@hash``.
+            Sorted entries ``module@hash``; ``name.py@hash`` for the script, and
+            ``file:module:path@hash`` for a file which a user's module reads.
 
         Raises
         ------

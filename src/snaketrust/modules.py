@@ -46,7 +46,7 @@ def _spec_in(directory: str, module: str) -> ModuleSpec | None:
 
 
 def search_directories(configs: Iterable[str | Path], project: Path) -> list[str]:
-    """Directories of a user's own modules: the working directory, then those of the configs.
+    """Directories of a user's own modules: the working directory, then the configs' directories.
 
     The project's own directory is none of them.
     """

@@ -95,7 +95,7 @@ class Records:
         return path.removeprefix(prefix) if inside else os.path.relpath(path, self.results)
 
     def path(self, name: str) -> str:
-        """Path of a file from its name: that which the rules give it."""
+        """Path of a file from its name, as the rules give it."""
         plain = f"{self.results}/{name}"
         return os.path.normpath(plain) if name.startswith("../") else plain
 
@@ -125,7 +125,7 @@ class Records:
         except Exception as error:  # whatever the file holds
             return None, f"the record of {path} cannot be read ({type(error).__name__})"
         if record.path != self.name(path):
-            return None, f"the record of {path} is that of another file, {record.path}"
+            return None, f"the record of {path} belongs to another file, {record.path}"
         return record, ""
 
     def found(self, path: str, *, read: bool = False) -> tuple[Record | None, str]:

@@ -88,7 +88,7 @@ class Run:
         directories
             Where jobs find modules of the user's own.
         revision
-            Of the sources.
+            Revision of the sources.
 
         Raises
         ------

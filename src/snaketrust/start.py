@@ -28,7 +28,7 @@ class Started:
     Attributes
     ----------
     config
-        The whole config: that of the run, whatever its files say by now.
+        The whole config of the run, whatever its files say by now.
     run
         The run, with the results directory.
     sources

@@ -88,7 +88,7 @@ def test_exchanged_files_are_no_results(place):
     os.rename(records[1], records[0])
     os.rename("temporary", records[1])
     assert problem(first) == (
-        f"the record of {first} is that of another file, Re400/seed1/network.nc"
+        f"the record of {first} belongs to another file, Re400/seed1/network.nc"
     )
 
 

@@ -361,7 +361,7 @@ def test_what_nobody_says_is_asked_for_in_one_message(config, monkeypatch):
         "case mine: ensemble.initial_state, ensemble.perturbed_component, ensemble.perturbation, "
         "ensemble.transient, ensemble.duration, density.range, fixed_point, "
         "controlled_density.range are missing: the class Lorenz63 says nothing of them in its "
-        "case_defaults, and those of config.yaml are in units of another system; say them in "
+        "case_defaults, and config.yaml's are in units of another system; say them in "
         "cases.mine"
     )
 
@@ -991,7 +991,7 @@ def test_realisations_need_series_of_their_own(config):
 
 def test_names_of_realisations_are_taken(config):
     config["cases"]["Re400-training1"] = {"parameters": {"reynolds": 400}}
-    assert "names that end so are those of other training series of Re400" in only_problem(config)
+    assert "names that end so belong to other training series of Re400" in only_problem(config)
 
 
 def test_drawn_training_sets_fit_the_campaign(config):
@@ -1022,7 +1022,7 @@ def test_drawn_training_sets_need_the_case_that_they_are_drawn_from(config):
     config["campaign"][0]["event_shares"] = [0.17]
     config["cases"]["Re400"]["event_threshold"] = {"quantile": 0.9}
     found = problems(config)
-    assert any("drawn from those of Re400, which no block" in one for one in found)
+    assert any("drawn from the series of Re400, which no block" in one for one in found)
     assert any("Re400 is a quantile of the training series" in one for one in found)
 
 

@@ -201,7 +201,7 @@ def changed(name, value):
             {"kind": "pod", "modes": 1},
             "sensors and encoder are for cases of another",
         ),
-        ("part.data.time_step", 1, "data.time_step means nothing where the series are those of"),
+        ("part.data.time_step", 1, "data.time_step means nothing where the series come from"),
     ],
 )
 def test_mistakes(config, name, value, part):

@@ -178,7 +178,7 @@ def stage(
         {"scan": f"{CASE}/scan.csv"}             a path
         {"forecasts": files_in_case("forecast.nc")}              of all forecasters of the case
         {"flows": files_in_case("flows.nc", campaign.strategy_runs)}    of some, or of control
-        {"forecasts": files_in_case("forecast.nc", shown_voters)}       of those of a function
+        {"forecasts": files_in_case("forecast.nc", shown_voters)}       of a function's
         {"scores": of_cases("scores.csv")}                       of all cases
         stages.tables_of_case("dataset horizon")     tables of the case, as far as it has them
         stages.file_of_case("lyapunov.json", campaign.simulated_cases)  of some cases alone
@@ -190,7 +190,7 @@ def stage(
     Parameters
     ----------
     name
-        Of the script below ``workflow/scripts``: "evaluation/horizon" makes the rule horizon.
+        Name of the script below ``workflow/scripts``: "evaluation/horizon" makes the rule horizon.
     does
         Message while it runs, after the name of the job.
     outputs, inputs
@@ -200,9 +200,9 @@ def stage(
     cost, cached
         The class of its cost, and whether the cache keeps its results (see `Stages.needs`).
     constraints
-        Of wildcards, beside those of all rules.
+        Constraints of wildcards, beside the constraints of all rules.
     rule_name, found_by_name
-        Of a script that several rules run: the rule's name, and modules that it finds by name.
+        For a script that several rules run: the rule's name, and modules that it finds by name.
     """
     folder, _, script_name = name.partition("/")
     rule_name = rule_name or script_name
@@ -259,10 +259,10 @@ def in_report(table):
 
 
 def table_stage(name, does, **arguments):
-    """A stage that makes tables of a case, and one, ``all_<name>``, that joins those of all cases.
+    """A stage that makes tables of a case, and a stage ``all_<name>`` that joins all cases.
 
-    Its arguments are those of `stage`; its name is that of a module of `burstcast.tables.makers`.
-    Which tables they are is declared (workflow/tables.yaml).
+    It has the arguments of `stage`, and the name of a module of `burstcast.tables.makers`.
+    Its tables are declared in workflow/tables.yaml.
     """
     names = made_by(name)
     files = with_percentiles(names)

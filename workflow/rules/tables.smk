@@ -1,4 +1,4 @@
-"""Tables: each case's, gathered from the files of many jobs; then those of all cases, and LaTeX."""
+"""Tables: each case's, gathered from the files of many jobs; then of all cases, and LaTeX."""
 
 from burstcast_workflow.tables.registry import (
     cases_of_tables,

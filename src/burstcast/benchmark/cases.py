@@ -47,7 +47,7 @@ class BenchmarkCase:
     noise
         Standard deviation of the observation noise, in standard deviations of each component.
     event_threshold, laminarisation_threshold
-        In units of the observable.
+        Event threshold and laminarisation threshold in units of the observable.
     initial_state, perturbed_component, perturbation
         Initial conditions (`burstcast.data.dataset.initial_states`). Without an initial state, the
         system draws them.
@@ -55,7 +55,8 @@ class BenchmarkCase:
         Generated series; how many of the series that do not laminarise are for training and
         for the test.
     time_step, sampling_stride, transient, duration
-        Of the integration, in time units; the stride counts integration steps in a sample.
+        Time step, sampling stride, transient and duration of the integration, in time units; the
+        stride counts integration steps in a sample.
     lyapunov_exponent
         Sets the Lyapunov time, in inverse time units. For a record, which has no exponent that is
         known, any unit of time.
@@ -112,7 +113,7 @@ class BenchmarkCase:
 
     @cached_property
     def space(self) -> StateSpace:
-        """Space of the observed states: that of the system, where the whole state is observed."""
+        """Space of the observed states: the system itself, where the whole state is observed."""
         if self.sensors is None and self.observed == component_names(self.system):
             return self.system
         return MeasuredSeries(

@@ -152,7 +152,7 @@ def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
     MissingRecordError
         If the package of a record is not installed.
     ValueError
-        If too many series laminarise under this seed, or if data under `SEED` are not those of the
+        If too many series laminarise under this seed, or if data under `SEED` differ from the
         frozen case.
     """
     try:
@@ -235,7 +235,7 @@ def _observed(
     """Noisy observations of true states, ``(series, time, component)``."""
     measured = observable[..., np.newaxis]
     if case.sensors is not None:
-        # a series at a time: those of a turbulent flow are large
+        # a series at a time, since series of a turbulent flow are large
         readings = [np.moveaxis(case.sensors(np.moveaxis(one, -1, 0)), 0, -1) for one in states]
         parts = [(np.stack(readings), case.ensemble_name)]
         parts.append((measured, f"{case.ensemble_name} observable"))

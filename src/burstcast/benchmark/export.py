@@ -147,7 +147,7 @@ def page(found: Sequence[TaskData], scoring: str, file: str = "") -> str:
     scoring
         How a file of forecasts is scored.
     file
-        Name of the file of a single case, where it is not that of the case.
+        Name of the file of a single case; by default the name of the case.
     """
     first = found[0]
     return Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(

@@ -49,8 +49,8 @@ class Forecasts:
     members
         Window summaries of the forecasts of each member; none where probabilities were given.
     probability
-        Of an event in each window, ``(points, prediction times)``; None where trajectories were
-        given.
+        Probability of an event in each window, ``(points, prediction times)``; None where
+        trajectories were given.
     horizon
         Forecast observable from each point of the prediction horizon, ``(points, steps)``; None:
         it is not scored.
@@ -68,13 +68,13 @@ class _Form:
     Attributes
     ----------
     name
-        Of the variable in NetCDF.
+        Name of the variable in NetCDF.
     axes
-        Dimensions after that of the members, with the values that count their entries.
+        Dimensions after the dimension of members, with the values that count their entries.
     columns
         Names of the values in CSV.
     components
-        Whether the last dimension in NetCDF is that of the components.
+        Whether the last dimension in NetCDF counts the components.
     members
         Whether there may be several members.
     """
@@ -446,7 +446,7 @@ def _number_of_members(path: Path, column: FloatArray) -> int:
 def _entries(
     path: Path, name: str, counted: FloatArray, column: FloatArray
 ) -> npt.NDArray[np.int64]:
-    """Position of each row's value among those of an axis."""
+    """Position of each row's value among the values of an axis."""
     with np.errstate(invalid="ignore"):
         place = np.searchsorted(counted, column).clip(0, len(counted) - 1)
     wrong = counted[place] != column

@@ -39,7 +39,7 @@ COLUMNS = (
 """Columns of the file."""
 
 Row = Mapping[str, str]
-"""A row of the leaderboard: the texts of its columns; that of an undefined score is empty."""
+"""A row of the leaderboard: the texts of its columns, empty for an undefined score."""
 
 
 def row_of(
@@ -59,13 +59,13 @@ def row_of(
     data
         Data of the case.
     scores
-        Of `burstcast.benchmark.scores.score_forecasts`.
+        Scores of `burstcast.benchmark.scores.score_forecasts`.
     forecaster, about
         Name of the forecaster, and what it is in one line.
     alarm_threshold
         Probability at or above which an alarm was raised.
     version, commit
-        Of the burstcast that scored it.
+        Version and commit of the burstcast that scored it.
     """
     by_name = {(score.metric, score.prediction_time_lt): score for score in scores}
     row = {

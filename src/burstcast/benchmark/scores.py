@@ -1,4 +1,4 @@
-"""Scores of forecasts of a case, with intervals, by the same functions as those of the workflow."""
+"""Scores of forecasts of a case, with intervals, by the functions that the workflow uses."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,9 +35,9 @@ class Score:
     Attributes
     ----------
     metric
-        Its name, that of the tables of a campaign.
+        Its name, as in the tables of a campaign.
     prediction_time_lt
-        In Lyapunov times; None for a score of all prediction times together.
+        Prediction time in Lyapunov times; None for a score of all prediction times together.
     value, low, high
         The score, and both ends of the interval.
     """

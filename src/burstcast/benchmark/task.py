@@ -17,8 +17,8 @@ from burstcast.forecast.horizon import HorizonSearch
 from burstcast.systems.state_space import StateSpace
 
 _DIGEST_DECIMALS = 6
-"""Data are rounded to so many decimals before they are digested: rounding errors of a machine, such
-as those of another logarithm, then do not count, and chaos amplifies all that do."""
+"""Decimals to which data are rounded before they are digested: rounding errors of a machine, such
+as a logarithm in another library, then do not count, and chaos amplifies all larger differences."""
 
 
 @dataclass(frozen=True)
@@ -83,11 +83,11 @@ class TaskData:
         Starting points in the test series, and what is observed up to each of them, ``(points,
         steps, component)``.
     horizon_washouts
-        The same of the starting points of the prediction horizon.
+        Likewise for the starting points of the prediction horizon.
     noise
         Standard deviation of the observation noise, in standard deviations of each component.
     event_threshold
-        In units of the observable.
+        Event threshold in units of the observable.
     sampling_interval
         Time between two samples, in time units.
     steps_per_lyapunov_time
@@ -144,10 +144,10 @@ def campaign_task(
     Parameters
     ----------
     case, seed, space, boundaries, prediction_times_lt, window_lt, resolution_lt
-        Of the `ForecastTask`; the random numbers of the order of horizon points follow from the
-        seed.
+        Attributes of the `ForecastTask`; the random numbers of the order of horizon points follow
+        from the seed.
     training, points, washouts, search, facts
-        Of the `TaskData`.
+        Attributes of the `TaskData`.
     events, before_events
         Events whose prediction horizon is measured, and what is observed up to each of them,
         ``(events, steps, component)``.

@@ -27,7 +27,7 @@ class Lanes:
     width
         Numbers in a vector, a power of two.
     name
-        Of the function.
+        Name of the function.
     pointers, integers
         Names of the arguments, the former first.
     """
@@ -107,7 +107,7 @@ class Lanes:
         return self._add(f"load {self.vector}, ptr {place}, align {ALIGNMENT}")
 
     def store(self, array: str, index: str, vector: str) -> None:
-        """Make a vector that of this index in an aligned array of vectors."""
+        """Store a vector at this index of an aligned array of vectors."""
         place = self.vector_at(array, index)
         self._lines.append(f"  store {self.vector} {vector}, ptr {place}, align {ALIGNMENT}")
 

@@ -73,9 +73,9 @@ def actuated_system(
     force
         Constant force, one number per component, that is added to the right-hand side.
     strength
-        Of the actuator, positive: parameters change by this share of the difference, and the force
-        is this share of ``force``. Between Reynolds numbers of 400 and 2000, a strength of 0.25 is
-        800.
+        Strength of the actuator, positive: parameters change by this share of the difference, and
+        the force is this share of ``force``. Between Reynolds numbers of 400 and 2000, a strength
+        of 0.25 is 800.
 
     Raises
     ------
@@ -248,7 +248,7 @@ class ForcedSystem(DynamicalSystem):
             )
         self._system = system
         self._force = vector
-        # class variables of a system, but those of this one are those of the system inside it
+        # class variables of a system; here taken over from the system inside
         object.__setattr__(self, "dimension", system.dimension)
         object.__setattr__(self, "observable_name", system.observable_name)
         object.__setattr__(self, "observable_symbol", system.observable_symbol)

@@ -25,7 +25,7 @@ class FlowSample:
     span
         How long each flow counts.
     costs
-        Of the actuation in each flow, ``(flows,)``, by name; empty if they were not recorded.
+        Costs of the actuation in each flow, ``(flows,)``, by name; empty if they were not recorded.
     """
 
     records: FlowRecords

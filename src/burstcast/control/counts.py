@@ -47,7 +47,7 @@ class FlowCounts:
         Steps at or above the threshold: without control, with control, and with control but outside
         actuation.
     integration_steps, actuated_integration_steps
-        Integration steps that count, and those of the controlled flows under actuation.
+        Integration steps that count, and steps of the controlled flows under actuation.
     edges
         Edges of the histograms' bins, ``(bins + 1,)``.
     histogram_uncontrolled, histogram_controlled, histogram_free

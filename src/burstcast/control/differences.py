@@ -1,7 +1,7 @@
 """Comparisons of runs of control that differ by forecaster or strategy.
 
-Runs are compared on the same flows, resampled alike: what the choice of the flows does to both of
-them cancels, and the interval of a difference is narrower than those of the runs suggest.
+Runs are compared on the same flows, resampled alike: effects of the choice of flows on both runs
+cancel, and the interval of a difference is narrower than the intervals of the runs suggest.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,7 +31,7 @@ class ComparedRun:
     rows, span
         Which flows it had, and for how long.
     scores
-        Of `burstcast.control.records.score_flows`; `COMPARED` at least.
+        Scores of `burstcast.control.records.score_flows`; `COMPARED` at least.
     """
 
     forecaster: str | None

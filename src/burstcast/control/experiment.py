@@ -32,7 +32,7 @@ class Schedule:
     span_lt
         How long each flow counts, in Lyapunov times.
     delay_lt
-        From a decision to its effect, in Lyapunov times.
+        Time from a decision to its effect, in Lyapunov times.
     actuation_start_lt, actuation_duration_lt
         What an alarm sets off where it has a window: start, from the window's first step, and
         length, in Lyapunov times.
@@ -86,7 +86,7 @@ class ControlExperiment:
         The equations under the reversed actuation, that is with the opposite force; None: there is
         none.
     sensor
-        What monitors observe of the states, and of an encoded flow its channels; None: all of it.
+        Components of the states, or channels of an encoded flow, that monitors observe; None: all.
     """
 
     system: DynamicalSystem
@@ -104,7 +104,7 @@ class ControlExperiment:
 
     @property
     def observed_space(self) -> StateSpace:
-        """Space that monitors and forecasters observe: that of the system, or of the sensor."""
+        """Space that monitors and forecasters observe: the system's, or the sensor's."""
         return self.system if self.sensor is None else self.sensor.space
 
 
@@ -132,8 +132,8 @@ def noise_of_flows(
 ) -> FloatArray:
     """Observation noise of each flow at each step, with and without control.
 
-    It is as large as that of the training series, but another: what is observed under control is
-    not what was observed of the same series without it.
+    It is as large as the noise of the training series, but drawn separately: observations under
+    control differ from observations of the same series without control.
 
     Parameters
     ----------

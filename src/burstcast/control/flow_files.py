@@ -20,11 +20,11 @@ def flow_variables(
     Parameters
     ----------
     records
-        Of the flows.
+        Records of the flows.
     first
         Row of the first of the given flows' series in the ensemble.
     cost
-        Of the actuation; None: it is not recorded.
+        Cost of the actuation; None: it is not recorded.
     """
     which = "row of the series in the ensemble"
     return {

@@ -194,7 +194,7 @@ def score_flows(
     Parameters
     ----------
     records
-        Of flows that ran for the same time.
+        Records of flows that ran for the same time.
     span
         That time.
     resamples
@@ -203,7 +203,7 @@ def score_flows(
         Source of the resamples: runs on the same flows are compared on the same resamples if
         theirs begin alike.
     costs
-        Of each flow, ``(flows,)``, by the names in `COSTS`; None: they are not known.
+        Costs of each flow, ``(flows,)``, by the names in `COSTS`; None: they are not known.
 
     Returns
     -------
@@ -228,14 +228,14 @@ def weighted_scores(
     Parameters
     ----------
     records, span, costs
-        As of `score_flows`.
+        As in `score_flows`.
     weights
         ``(resamples, flows)``.
 
     Returns
     -------
-    By the names in `FLOW_SCORES`, and those of the costs, ``(resamples,)`` each; NaN where a score
-    is not defined.
+    By the names in `FLOW_SCORES` and the names of the costs, ``(resamples,)`` each; NaN where a
+    score is not defined.
     """
     values = _scores(records, span, weights)
     weighted = weights * _neither(records)
@@ -252,11 +252,11 @@ def flow_intervals(
     Parameters
     ----------
     scores
-        Of `score_flows`.
+        Scores of `score_flows`.
     records, span
         What they are of.
     confidence
-        Of the intervals, in (0, 1).
+        Confidence level of the intervals, in (0, 1).
     """
     intervals = {
         name: Interval(float(score.value), *percentile_interval(score.samples, confidence))

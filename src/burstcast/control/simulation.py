@@ -329,8 +329,8 @@ def simulate(
         Whether to leave out flows with an event (observable at or above the threshold) before their
         steps count, while nothing could be done about it.
     keep_states
-        Whether to return states. Since no flow depends on the others, the states of a few flows are
-        those of a second call with these flows only.
+        Whether to return states. Since no flow depends on the others, a second call with a few
+        flows only returns their states.
 
     Raises
     ------
@@ -460,7 +460,7 @@ def energy_means(
 ) -> EnergyMeans | None:
     """Energy input and dissipation of flows, averaged over their steps.
 
-    A step's budget is that of the equations under which the flow came to it.
+    A step's budget is computed by the equations under which the flow came to it.
 
     Parameters
     ----------

@@ -115,7 +115,7 @@ class Timing(Clock):
     Attributes
     ----------
     prediction_time_lt
-        From a forecast to the start of its window, in Lyapunov times; positive.
+        Time from a forecast to the start of its window, in Lyapunov times; positive.
     window_lt
         Length of the window in Lyapunov times; positive.
     """
@@ -171,9 +171,9 @@ class DecisionTiming(Clock):
     Attributes
     ----------
     interval_lt
-        From one decision to the next, in Lyapunov times; one step at least.
+        Time from one decision to the next, in Lyapunov times; one step at least.
     delay_lt
-        From a decision to its effect, in Lyapunov times; not negative.
+        Time from a decision to its effect, in Lyapunov times; not negative.
     """
 
     interval_lt: float

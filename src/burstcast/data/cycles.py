@@ -20,7 +20,7 @@ class Cycle:
     Attributes
     ----------
     period
-        In time units.
+        Period in time units.
     harmonics
         Number of waves: of the period, half the period, a third of it, ...
     """

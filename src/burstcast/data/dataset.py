@@ -177,8 +177,8 @@ def network_input_range(
     training_states
         True states of the training series, ``(series, time, dimension)``.
     series
-        Whose range it is: that of all training series, or of the first one alone, as in the
-        programs of the paper's authors. The bias of the inputs is the same for both, so that it is
+        Series that the range is taken over: all training series, or the first one alone, as in the
+        programs of the paper's authors. The bias of the inputs is equal for both, so that it is
         smaller beside the inputs where their range is smaller.
 
     Raises

@@ -25,11 +25,12 @@ def ensemble_variables(
     Parameters
     ----------
     states, observable
-        Of the kept series, ``(series, time, component)`` and ``(series, time)``.
+        States and observable of the kept series, ``(series, time, component)`` and ``(series,
+        time)``.
     observable_name
         What the observable is.
     index
-        Number of each kept series among all of them.
+        Number of each kept series among all series.
     lifetimes
         Steps until each of all series laminarised; all steps of a kept one.
     sampling_interval

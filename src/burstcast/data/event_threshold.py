@@ -13,7 +13,7 @@ def threshold_at(quantile: float, observable: FloatArray) -> float:
     quantile
         Between 0 and 1.
     observable
-        Of the training series, of any shape: nothing of the test series may enter.
+        Observable of the training series, of any shape: nothing of the test series may enter.
 
     Raises
     ------

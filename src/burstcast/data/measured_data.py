@@ -25,7 +25,7 @@ class Run:
     Attributes
     ----------
     name
-        Where it comes from, for messages: "run_3.csv".
+        Origin of the run, for messages: "run_3.csv".
     columns
         Numbers by the names of their columns, each ``(time,)``; NaN where there is none.
     """
@@ -98,7 +98,7 @@ class Blocks:
     Attributes
     ----------
     samples
-        Of each block.
+        Number of samples of each block.
     gap
         Samples from the last one of a block to the first one of the next, 1 at least.
     """
@@ -118,7 +118,7 @@ def series_of_runs(
     Parameters
     ----------
     runs
-        All of them.
+        All runs.
     space
         What a state is.
     quantities
@@ -231,7 +231,7 @@ def block_starts(length: int, blocks: Blocks) -> range:
 def blocks_of(duration: float, gap: float, time_step: float) -> Blocks:
     """Blocks of a duration, with gaps between them, both in time units.
 
-    Both ends of a block are samples, as those of a simulated series are.
+    Both ends of a block are samples, as in a simulated series.
     """
     return Blocks(round(duration / time_step) + 1, max(1, math.ceil(gap / time_step - 1e-9)))
 

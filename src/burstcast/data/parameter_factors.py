@@ -1,7 +1,7 @@
 """Factors of models that depend on parameters: monomials of the scaled parameters.
 
-A parameter p enters as q = (t(p) - centre) / half range, where t is a transform and centre and half
-range are those of t(p) over the training values: q lies in [-1, 1] there. What is learnt is linear
+A parameter p enters as q = (t(p) - centre) / half range, where t is a transform, and t(p) has this
+centre and half range over the training values: q lies in [-1, 1] there. The learnt model is linear
 in the factors q, q^2, ... up to a degree, and in products of different parameters. Viscous terms of
 a flow, for instance, are linear in the inverse of the Reynolds number.
 """
@@ -32,7 +32,7 @@ class ParameterFactors:
     Attributes
     ----------
     names
-        Of the parameters.
+        Names of the parameters.
     low, high
         Smallest and largest value of each parameter in training, ``(parameters,)``.
     transform

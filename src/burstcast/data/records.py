@@ -102,7 +102,7 @@ def check_rising(record: Record, timing: Timing) -> None:
     Raises
     ------
     ValueError
-        If a row has no time, or one that is not after that of the row before it.
+        If a row has no time, or its time is not after the time of the row before it.
     """
     if timing.column is None:
         return

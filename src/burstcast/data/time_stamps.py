@@ -6,7 +6,7 @@ from typing import Literal
 from zoneinfo import ZoneInfo
 
 SECONDS = {"second": 1, "minute": 60, "hour": 3600, "day": 86400}
-"""Units of time that a record with dates may have, in seconds: those of equal length."""
+"""Units of time that a record with dates may have, all of constant length, in seconds."""
 
 YEAR = 365.2425
 """Days of a year in the Gregorian calendar, on average."""
@@ -62,8 +62,8 @@ class TimeStamps:
     unit
         Unit of the times that it returns, one of `SECONDS`. Numbers have it already.
     zone
-        Time zone of dates without an offset: "Europe/Berlin". Without one, such dates are those of
-        a clock that is never put forward or back, and count as UTC.
+        Time zone of dates without an offset: "Europe/Berlin". Without one, such dates come from a
+        clock that is never put forward or back, and count as UTC.
 
     Examples
     --------

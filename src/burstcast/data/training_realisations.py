@@ -1,4 +1,4 @@
-"""Other choices of the training series from one ensemble, and their scatter beside that of seeds.
+"""Other choices of the training series from one ensemble; the scatter over them and over seeds.
 
 All networks of an ensemble are trained on the same few series: their scatter over seeds leaves out
 what other series would have taught. With several choices of the training series, and several seeds

@@ -23,7 +23,7 @@ IDENTITY, ESTIMATE = "identity", "state_estimate"
 
 @dataclass(frozen=True)
 class StateChannels:
-    """Channels of a case whose states are those of another, seen by sensors and encoded.
+    """Channels of a case that has the states of another case, seen by sensors and encoded.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class StateChannels:
         Estimate of the state from the readings of sensors, which the encoder is given; None where
         states are observed themselves, or readings are not encoded.
     encoder
-        From observed or estimated states, or from readings, to channels.
+        Function from observed or estimated states, or from readings, to channels.
     """
 
     case: EncodingCase
@@ -47,7 +47,7 @@ class StateChannels:
         Parameters
         ----------
         kind
-            Of the encoder (`burstcast.encoders.registry`). All but ``identity`` are given an
+            Kind of the encoder (`burstcast.encoders.registry`). All but ``identity`` are given an
             estimate of the state where sensors see it.
         states
             True training states, ``(series, time, dimension)``.
@@ -84,7 +84,7 @@ class StateChannels:
         Parameters
         ----------
         kind, states, case
-            As of `fit`.
+            As in `fit`.
         level
             Standard deviation of the noise in standard deviations of each observed component.
         random_seed, source
@@ -185,7 +185,7 @@ def encoding_case(
     sensors
         Fields of the `VelocitySensors` beside the flow; None: the states are observed themselves.
     options
-        Of the encoder.
+        Options of the encoder.
 
     Raises
     ------

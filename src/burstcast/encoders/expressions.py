@@ -19,7 +19,7 @@ class ExpressionsEncoder(Encoder):
     components
         Names of the observed components.
     expressions
-        Of them.
+        Their expressions.
     """
 
     components: tuple[str, ...]

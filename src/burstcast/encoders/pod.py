@@ -63,7 +63,7 @@ class PodEncoder(Encoder):
         Raises
         ------
         ValueError
-            If the number of modes is not given, or larger than that of the components.
+            If the number of modes is not given, or exceeds the number of components.
         """
         count, most = case.options.get("modes"), len(case.components)
         if count is None or not 1 <= count <= most:

@@ -1,7 +1,7 @@
 """The best linear estimate of the state of a flow from the readings of sensors.
 
 Source: linear stochastic estimation (Adrian, "Stochastic estimation of conditional structure",
-1994), the Gauss-Markov estimate. Mean and covariance of the states are those of the training
+1994), the Gauss-Markov estimate. Mean and covariance of the states are taken over the training
 series with their images under the symmetries of the system.
 """
 

@@ -24,7 +24,8 @@ class StateMaps:
     matrix, offset
         ``(channel, dimension)`` and ``(channel,)``.
     covariance
-        Of the states, averaged over the symmetries of their system, ``(dimension, dimension)``.
+        Covariance of the states, averaged over the symmetries of their system, ``(dimension,
+        dimension)``.
     """
 
     gain: Annotated[

@@ -113,11 +113,11 @@ def _read_out(code: Lanes, states: str, first: str, last: str) -> None:
 def _drive() -> Lanes:
     """Drive a tile of trajectories by data.
 
-    ``inputs`` is that of the first trajectory, ``(steps, dimension, batch)``; ``old`` holds the
+    ``inputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``old`` holds the
     states; ``fed``, ``(dimension + 1, 16)``, holds the bias in its last row. If ``recording`` is
     one, ``record``, ``(neurons, steps, batch)``, receives the state after each input. The final
-    states are in ``new`` after an odd number of steps, in ``old`` after an even one. ``bytes`` are
-    those of the tile's trajectories in a row of the batch.
+    states are in ``new`` after an odd number of steps, in ``old`` after an even one. ``bytes`` is
+    the number of bytes of the tile's trajectories in a row of the batch.
     """
     code = Lanes(
         _WIDTH,
@@ -147,7 +147,7 @@ def _drive() -> Lanes:
 def _forecast() -> Lanes:
     """Forecast a tile of trajectories.
 
-    ``outputs``, that of the first trajectory, is ``(steps, dimension, batch)``; ``read`` is room
+    ``outputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``read`` is room
     for the outputs of the tile, with as many rows as ``output_bias`` and ``weights`` have (an even
     number). The rest is as in `_drive`.
     """

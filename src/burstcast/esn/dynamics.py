@@ -70,7 +70,7 @@ class Dynamics:
     spectral_radius
         rho, multiplies the recurrent weights.
     input_scaling
-        sigma_in, multiplies the input weights, those of the bias included.
+        sigma_in, multiplies the input weights, including the weights of the bias.
     backend
         Implementation: "compiled" or "scipy". They agree to rounding error.
 
@@ -143,8 +143,8 @@ class Dynamics:
         breakpoints
             Steps at which a panel must end, in any order. The last states of the panel that ends
             at step b are those after the inputs before b, whose prediction is the data at step b;
-            sums over the panels so far are those of the steps before b. Zero and the number of
-            steps are always among them.
+            sums over the panels so far cover the steps before b. Zero and the number of steps are
+            always among them.
         columns_per_panel
             Largest number of columns of a panel (steps times batch; one step at least).
 
@@ -193,8 +193,8 @@ class Dynamics:
         Returns
         -------
         outputs
-            Predictions, shape ``(steps, dimension, batch)``; the first is that of the initial
-            states. A network may diverge: that is a result, not an error.
+            Predictions, shape ``(steps, dimension, batch)``; the first is computed from the
+            initial states. A network may diverge: that is a result, not an error.
         states
             States after the last prediction was fed back, shape ``(neurons, batch)``: a call with
             them continues the forecast.

@@ -68,7 +68,7 @@ class FactoredStates:
         Parameters
         ----------
         weights
-            Of the features, the bias last, ``(size + 1, dimension)``.
+            Weights of the features, the bias last, ``(size + 1, dimension)``.
         factors
             ``(factors,)``.
 
@@ -117,9 +117,9 @@ def factored_closed_loop(
     Parameters
     ----------
     dynamics, input_range, states
-        As of `burstcast.esn.dynamics.Dynamics.closed_loop`.
+        As in `burstcast.esn.dynamics.Dynamics.closed_loop`.
     weights
-        Of the features (`FactoredStates`), ``(size + 1, dimension)``.
+        Weights of the features (`FactoredStates`), ``(size + 1, dimension)``.
     factors
         In force during each step, ``(steps, factors, batch)``.
 

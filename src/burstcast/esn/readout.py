@@ -194,7 +194,7 @@ def solve_ridge(moments: Moments, tikhonov: float) -> Readout:
     Parameters
     ----------
     moments
-        Of the training data.
+        Moments of the training data.
     tikhonov
         Regularisation beta, added to the plain sum over the training steps; not negative.
 
@@ -238,7 +238,7 @@ def solve_ridge(moments: Moments, tikhonov: float) -> Readout:
     if not np.isfinite(weights).all():
         raise np.linalg.LinAlgError(f"the readout weights are not finite at beta = {tikhonov}")
     # an estimate, whose last bits depend on where LAPACK's working memory happens to lie, unlike
-    # those of the weights: as it is, the same network would be another file each time
+    # the weights: without rounding, the same network would be another file each time
     return Readout(weights, float(tikhonov), solver, float(f"{reciprocal_condition:.3g}"))
 
 

@@ -55,7 +55,7 @@ class ClosedLoopTangent:
         Parameters
         ----------
         states
-            Of the reservoir, ``(neurons, batch)``.
+            States of the reservoir, ``(neurons, batch)``.
         tangent
             Perturbations of them, ``(neurons, perturbations, batch)``.
         steps
@@ -63,7 +63,7 @@ class ClosedLoopTangent:
 
         Returns
         -------
-        Both, so many steps later; the states bit for bit those of the closed loop.
+        Both, so many steps later; the states equal the closed loop's bit for bit.
         """
         shape = tangent.shape
         for _ in range(steps):

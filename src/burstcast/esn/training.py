@@ -81,9 +81,9 @@ class Collected:
     Attributes
     ----------
     moments
-        Of all states after the washout.
+        Moments of all states after the washout.
     snapshots
-        Of those before a step, by step, where they were asked for.
+        Moments of the states before a step, by step, where they were requested.
     states
         Reservoir states ``(neurons, series)`` by step, where they were asked for.
     """

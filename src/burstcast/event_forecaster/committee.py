@@ -47,7 +47,7 @@ class Committee:
     ) -> list[WindowSummaries]:
         """Window summaries of the forecasts after washouts ``(points, steps, component)``.
 
-        Schedules are those of `burstcast.forecast.window_forecasts.window_forecasts`.
+        Schedules are as in `burstcast.forecast.window_forecasts.window_forecasts`.
         """
         asked = case.system.observable, washouts, boundaries, schedules
         found = [window_forecasts(one, *asked) for one in self.forecasters]

@@ -29,7 +29,7 @@ class SavedForecaster:
     Attributes
     ----------
     parameters
-        Of its constructor.
+        Parameters of its constructor.
     fitted
         What fitting has found, as JSON has it.
     members
@@ -79,7 +79,7 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
     path
         The file.
     observable
-        Where it is a function or a system of one's own, which the file has not.
+        Observable, where it is a function or a system of one's own, which the file does not have.
 
     Raises
     ------

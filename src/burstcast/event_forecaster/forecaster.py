@@ -530,7 +530,7 @@ class EventForecaster(Estimator):
         ------
         ValueError
             If the file holds no such forecaster or is damaged; if its observable is needed and not
-            given, or the given one has other values than that of the fit.
+            given, or the given one has other values than the observable of the fit.
         """
         saved = files.read_saved(path, observable)
         self, fitted = cls(**saved.parameters), saved.fitted
@@ -545,7 +545,7 @@ class EventForecaster(Estimator):
         given = case.system.observable(self.reference_states_.T)
         if not np.allclose(given, self.reference_observable_, rtol=1e-9, atol=0, equal_nan=True):
             raise ValueError(
-                f"the observable that load was given is not that of {path}: for states of the "
+                f"the observable that load was given differs from {path}: for states of the "
                 f"training series it is {given}, and was {self.reference_observable_}"
             )
         self.event_threshold_ = fitted["event_threshold"]
@@ -662,7 +662,7 @@ class EventForecaster(Estimator):
         self._check_fitted()
         if states.shape[2] != self.components_:
             raise ValueError(
-                f"the series have {states.shape[2]} components, those of the training had "
+                f"the series have {states.shape[2]} components, the training series had "
                 f"{self.components_}"
             )
         return states

@@ -52,13 +52,13 @@ def networks(
     case
         What is known beside the series.
     parameters
-        Of `burstcast.EventForecaster`, by name.
+        Parameters of `burstcast.EventForecaster`, by name.
     washout, interval
         Steps of the washout, and of a validation interval.
 
     Returns
     -------
-    The networks, and what the search has found for each of them.
+    The networks, and the outcome of the search for each network.
 
     Raises
     ------

@@ -20,7 +20,7 @@ class ObservedStates:
     observable
         The index of a component, or a function from states ``(..., component)`` to ``(...)``.
     components
-        How many a state has.
+        Number of components of a state.
 
     Raises
     ------

@@ -20,7 +20,7 @@ def as_schedules(given: Any, series: int, steps: int, names: Sequence[str]) -> F
     series, steps
         How many series there are, and how many steps each schedule has.
     names
-        Of the parameters.
+        Names of the parameters.
 
     Returns
     -------

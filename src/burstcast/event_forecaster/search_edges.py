@@ -17,9 +17,9 @@ def search_edges(
     found
         Hyperparameters of each network, by name; none of other kinds of forecasters.
     parameters
-        Of `burstcast.EventForecaster`, by name.
+        Parameters of `burstcast.EventForecaster`, by name.
     shape
-        Of the training series, ``(series, time, component)``.
+        Shape of the training series, ``(series, time, component)``.
     """
     least = negligible_ridge(parameters["neurons"], shape[0] * shape[1])
     for name in ("spectral_radius", "input_scaling", "tikhonov"):

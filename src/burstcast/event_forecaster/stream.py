@@ -23,7 +23,7 @@ class ObservationStream:
     washout
         Observations that a forecast takes.
     sampling_interval
-        Time between two of them.
+        Time between two observations.
     """
 
     def __init__(self, components: int, washout: int, sampling_interval: float) -> None:
@@ -85,7 +85,7 @@ class ObservationStream:
         return self
 
     def _advance(self, time: float | None) -> None:
-        """Compare the time of an observation with that of the last one."""
+        """Compare the time of an observation with the time of the last one."""
         if time is None:
             self._time = None if self._time is None else self._time + self._interval
             return

@@ -43,9 +43,11 @@ def draw(lead_times: pd.DataFrame, neurons: float, validation: str) -> Figure:
     Parameters
     ----------
     lead_times
-        Of one case: forecaster, neurons, validation, seed, lead_time_lt, metric, value, low, high.
+        Lead times of one case: forecaster, neurons, validation, seed, lead_time_lt, metric, value,
+        low, high.
     neurons, validation
-        Of the networks that are shown; see `burstcast.figures.parts.alarm_scores.alarms_shown`.
+        Size and validation strategy of the networks that are shown; see
+        `burstcast.figures.parts.alarm_scores.alarms_shown`.
 
     Raises
     ------

@@ -73,7 +73,7 @@ def draw(
     Parameters
     ----------
     states, observable
-        Of all series, ``(series, time, dimension)`` and ``(series, time)``.
+        States and observable of all series, ``(series, time, dimension)`` and ``(series, time)``.
     exponents
         Computed Lyapunov exponents, if they are the unit of time; else the published one is.
     system, parameters
@@ -81,11 +81,11 @@ def draw(
     training_series
         Series that are passed over.
     time_step, sampling_stride, published_exponent
-        Of the case.
+        Time step, sampling stride and published exponent of the case.
     threshold
         Event threshold.
     symbol, observable_name
-        Of the observable.
+        Symbol and name of the observable.
     """
     unit = samples_per_lyapunov_time(exponents, published_exponent, time_step, sampling_stride)
     margin = min(round(_SHOWN_LT * unit), (observable.shape[1] - 1) // 2)
@@ -127,7 +127,7 @@ def burst_vorticity(
     time_lt, observable
         Around the peak, ``(time,)``; Lyapunov times.
     times_lt
-        Of the fields.
+        Times of the fields in Lyapunov times.
     fields
         Vorticity, ``(fields, x, y)``.
     domain
@@ -135,7 +135,7 @@ def burst_vorticity(
     threshold
         Event threshold.
     label
-        Of the observable's axis.
+        Label of the observable's axis.
     """
     figure = new_figure(DOUBLE_COLUMN, 3.6)
     grid = figure.add_gridspec(2, 1, height_ratios=[1.0, 1.15])

@@ -96,7 +96,7 @@ def by_reynolds(
     neurons
         Reservoir size shown.
     prediction_times_lt
-        Of the F-scores shown in the upper row; each has a panel of its own.
+        Prediction times of the F-scores in the upper row; each has a panel of its own.
     published_horizon, published_classification
         Published percentiles in the same form, drawn as open markers where we have networks of
         the same strategy and Reynolds number.

@@ -88,9 +88,9 @@ def classification_scores(
     Parameters
     ----------
     percentiles
-        Of one case: forecaster, neurons, validation, prediction_time_lt, metric, p25, p50, p75.
-        Forecasters other than ``esn`` (the equations) are drawn as grey references in the first
-        column.
+        Percentiles of one case: forecaster, neurons, validation, prediction_time_lt, metric, p25,
+        p50, p75. Forecasters other than ``esn`` (the equations) are drawn as grey references in the
+        first column.
     fixed_neurons, fixed_prediction_time_lt
         What the first and the second column hold fixed. Where the table has no such value, the
         nearest one is shown; the heads of the columns name it.

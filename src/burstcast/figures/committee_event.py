@@ -160,7 +160,7 @@ def committee_event(
     window_lt
         Length of a window.
     symbol, observable_name
-        Of the observable.
+        Symbol and name of the observable.
 
     Raises
     ------

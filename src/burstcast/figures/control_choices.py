@@ -65,7 +65,7 @@ def control_choices(choices: pd.DataFrame, tolerance: float, *, usual_noise: flo
     Parameters
     ----------
     choices
-        Of one case: ``forecaster`` ("none" where no forecaster takes part), ``strategy``,
+        Choices of one case: ``forecaster`` ("none" where no forecaster takes part), ``strategy``,
         ``options`` and ``observed`` if any, ``delay_lt``, ``strength``, ``noise``, ``metric``
         (``relative_exceedance``; ``effort``, or else ``control_fraction``), ``value``, ``low``,
         ``high``. Networks that differ by their seeds are shown by their medians.

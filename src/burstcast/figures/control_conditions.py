@@ -103,7 +103,7 @@ def control_conditions(
     usual
         ``span_lt`` and ``noise`` where nothing else is tried.
     symbol
-        Of the observable.
+        Symbol of the observable.
 
     Returns
     -------

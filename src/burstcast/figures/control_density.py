@@ -53,7 +53,7 @@ class ControlledDensity:
     Attributes
     ----------
     title
-        Of the panel: "Re = 400".
+        Title of the panel: "Re = 400".
     bin_edges
         ``(bins + 1,)``.
     threshold
@@ -159,7 +159,7 @@ def control_density(
     cases
         At least one.
     symbol, name
-        Of the observable.
+        Symbol and name of the observable.
 
     Raises
     ------

@@ -109,7 +109,7 @@ def control_frontier(
     usual
         ``span_lt`` and ``noise`` where nothing else is tried.
     symbol
-        Of the observable.
+        Symbol of the observable.
 
     Returns
     -------

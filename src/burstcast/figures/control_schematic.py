@@ -110,7 +110,7 @@ def control_schematic(
     actuation_lt
         Start and end of the actuation.
     symbol
-        Of the observable.
+        Symbol of the observable.
     actuation_label
         What the actuation does.
     """

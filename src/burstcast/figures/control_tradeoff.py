@@ -108,7 +108,8 @@ def over_flows(percentiles: pd.DataFrame, strategies: pd.DataFrame) -> pd.DataFr
     Parameters
     ----------
     percentiles
-        Of one case: forecaster, neurons, validation, prediction_time_lt, metric, p25, p50, p75.
+        Percentiles of one case: forecaster, neurons, validation, prediction_time_lt, metric, p25,
+        p50, p75.
     strategies
         Costs and gains of control of the same case: the same keys, seed, strategy, metric, low,
         high.
@@ -142,10 +143,10 @@ def control_tradeoff(
     Parameters
     ----------
     percentiles
-        Of one case, one size and one strategy: forecaster, prediction_time_lt, metric
+        Percentiles of one case, one size and one strategy: forecaster, prediction_time_lt, metric
         (``reduction``, ``control_fraction``), p50, and the ends p25 and p75 (`over_flows`).
     symbol
-        Of the observable.
+        Symbol of the observable.
     published
         Published reductions by networks of this size and strategy in the same form, drawn as open
         markers in (a).

@@ -48,7 +48,7 @@ def from_zero(curve: pd.DataFrame, x: str) -> pd.DataFrame:
     Parameters
     ----------
     curve
-        Of one forecaster, the columns ``x``, value, low, high.
+        Curve of one forecaster, the columns ``x``, value, low, high.
     x
         Name of the column on the horizontal axis, positive.
 
@@ -80,12 +80,13 @@ def draw(
     Parameters
     ----------
     values
-        Of one case: forecaster, neurons, validation, probability,
-        prediction_time_lt, cost_loss_ratio, value, low, high. Shown are calibrated probabilities.
+        Values of one case: forecaster, neurons, validation, probability, prediction_time_lt,
+        cost_loss_ratio, value, low, high. Shown are calibrated probabilities.
     prediction_times_lt
-        Which are shown, of those in the table; the longest in the table where it has none of them.
+        Prediction times to show; the longest in the table where the table has none of them.
     neurons, validation
-        Of the networks that are shown; see `burstcast.figures.parts.alarm_scores.alarms_shown`.
+        Size and validation strategy of the networks that are shown; see
+        `burstcast.figures.parts.alarm_scores.alarms_shown`.
 
     Raises
     ------

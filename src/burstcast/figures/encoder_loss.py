@@ -60,13 +60,13 @@ def draw(
     Parameters
     ----------
     states
-        Of all series, ``(series, time, dimension)``.
+        States of all series, ``(series, time, dimension)``.
     system, parameters
         A flow with a vorticity in a plane.
     training_series
         Series that modes are made from.
     symbol
-        Of the observable.
+        Symbol of the observable.
     """
     flow: Any = make_system(system, parameters)
     training = states[:training_series].reshape(-1, states.shape[2])
@@ -136,13 +136,13 @@ def encoder_loss(
     Parameters
     ----------
     numbers, kept
-        As of `kept`.
+        As in `kept`.
     modes
         Vorticity ``(x, y)`` of modes, by their numbers from 1.
     domain
         Periods along x and y.
     symbol
-        Of the observable.
+        Symbol of the observable.
     """
     figure = new_figure(DOUBLE_COLUMN, 3.9)
     grid = figure.add_gridspec(2, 1, height_ratios=[1.25, 1.0])

@@ -45,10 +45,11 @@ def draw(scores: pd.DataFrame, neurons: float, validation: str) -> Figure:
     Parameters
     ----------
     scores
-        Of one case: forecaster, neurons, validation, seed, probability,
-        prediction_time_lt, metric, value, low, high. Shown are calibrated probabilities.
+        Scores of one case: forecaster, neurons, validation, seed, probability, prediction_time_lt,
+        metric, value, low, high. Shown are calibrated probabilities.
     neurons, validation
-        Of the networks that are shown; see `burstcast.figures.parts.alarm_scores.alarms_shown`.
+        Size and validation strategy of the networks that are shown; see
+        `burstcast.figures.parts.alarm_scores.alarms_shown`.
 
     Raises
     ------

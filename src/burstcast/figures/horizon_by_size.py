@@ -66,10 +66,11 @@ def horizon_by_size(
     Parameters
     ----------
     percentiles
-        Of one case: forecaster, neurons, validation, metric (``mean_horizon_lt``), p25, p50, p75.
+        Percentiles of one case: forecaster, neurons, validation, metric (``mean_horizon_lt``), p25,
+        p50, p75.
     intervals
-        Of the same case and each forecaster by itself: forecaster, neurons, validation, metric,
-        low, high.
+        Intervals of the same case and each forecaster by itself: forecaster, neurons, validation,
+        metric, low, high.
     published
         Published percentiles in the same form, drawn as open markers at the sizes of the table.
 

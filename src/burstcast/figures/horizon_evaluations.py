@@ -111,7 +111,7 @@ def horizon_evaluations(
         Half-width of the band that the forecast must stay in, in units of the observable: the
         tolerance times (threshold - mean).
     symbol
-        Of the observable.
+        Symbol of the observable.
 
     Raises
     ------

@@ -30,9 +30,9 @@ def draw(
     longest_lead_time_lt, lead_time_step_lt
         First tau_e, and by how much it decreases.
     tolerance
-        Of the normalised error.
+        Tolerance of the normalised error.
     symbol
-        Of the observable.
+        Symbol of the observable.
     """
     figure = new_figure(DOUBLE_COLUMN, 2.6, layout=None)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))

@@ -1,10 +1,10 @@
 """(a) Density of the observable over all data, the training set and the long closed loops of one
-network: of those of the size and strategy shown, the one with the smallest Kantorovich metric.
+network: the one of the shown size and strategy with the smallest Kantorovich metric.
 (b) Kantorovich metric and (c) mean logarithmic error against reservoir size, medians and
 quartiles over the networks of an ensemble. Thin bars: the bootstrap interval of one
 network over its closed loops, in the median. In grey: the same measures between two random halves
-of the data, in the median. Open markers, if any: published values, those of the training set as
-diamonds on the right edge.
+of the data, in the median. Open markers, if any: published values; diamonds on the right edge: the
+published training set.
 """
 
 from collections.abc import Mapping, Sequence
@@ -112,19 +112,20 @@ def long_term_density(
     true, training, network
         Densities, ``(bins,)``; the network is the best one of its size, None if no network has one.
     percentiles
-        Of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
-        (``kantorovich``, ``mean_log_error``), p25, p50, p75.
+        Percentiles of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation,
+        metric (``kantorovich``, ``mean_log_error``), p25, p50, p75.
     intervals
-        Of the same case and each network by itself: neurons, validation, metric, low, high.
+        Intervals of the same case and each network by itself: neurons, validation, metric, low,
+        high.
     threshold
         Event threshold.
     network_label
-        Of the network in the legend.
+        Label of the network in the legend.
     symbol, name
-        Of the observable.
+        Symbol and name of the observable.
     published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table;
-        those of the training set as an open marker on the right edge.
+        Published percentiles in the same form, drawn as open markers at the sizes of the table,
+        or on the right edge for the training set.
 
     Raises
     ------

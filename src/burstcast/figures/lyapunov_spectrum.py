@@ -52,13 +52,13 @@ def draw(
     Parameters
     ----------
     exponents
-        Of one case, those of the forecaster ``data``: number, lyapunov_exponent,
+        Rows of the forecaster ``data`` of one case: number, lyapunov_exponent,
         lyapunov_exponent_low, lyapunov_exponent_high.
     exponent_percentiles
         Percentiles over networks, of the same case: forecaster, neurons, validation, number, metric
         (``lyapunov_exponent``), p25, p50, p75.
     dimensions
-        Of the same case, the row of ``data``: kaplan_yorke_dimension, kaplan_yorke_dimension_low,
+        Row of ``data`` of the same case: kaplan_yorke_dimension, kaplan_yorke_dimension_low,
         kaplan_yorke_dimension_high.
     dimension_percentiles
         Percentiles over networks, of the same case, of the metric ``kaplan_yorke_dimension``.
@@ -103,7 +103,7 @@ def _draw_exponents(axes: Axes, data: pd.DataFrame, exponents: pd.DataFrame, neu
         style = validation_style(validation).copy()
         style["linestyle"] = "none"
         draw_percentiles(axes, rows, "number", style, band=False, shift=index * _APART)
-    # an exponent that belongs to the reservoir alone is far below those of the flow
+    # an exponent that belongs to the reservoir alone is far below the exponents of the flow
     room = 0.15 * (highest - lowest)
     below = networks[networks["p50"] < lowest - room]
     axes.set_ylim(lowest - 2 * room, highest + 1.5 * room)

@@ -1,8 +1,8 @@
 """(a) Time average of the square of the velocity along x in the midplane. Its absolute error (b)
-in the long closed loops of one network, that of its ensemble with the smallest Kantorovich
-metric, and (c) in the training set.
-Velocities are in units of U_0, that of the laminar flow halfway between centre and wall, lengths
-in half the distance of the walls.
+in the long closed loops of the network that has the smallest Kantorovich metric of its ensemble,
+and (c) in the training set.
+Velocities are in units of U_0, the velocity of the laminar flow halfway between centre and wall,
+lengths in half the distance of the walls.
 """
 
 from collections.abc import Mapping, Sequence

@@ -3,8 +3,8 @@ the example network, and their difference. t_1: last time that the observable is
 mean; t_2: half-way up; t_3: peak; t_4: first time after it below the threshold. Of the isolated
 events whose state the network predicts within a tolerance from before t_1 to t_4, the one is
 shown whose peak is nearest to the configured one.
-Velocities are in units of U_0, that of the laminar flow halfway between centre and wall, lengths
-in half the distance of the walls.
+Velocities are in units of U_0, the velocity of the laminar flow halfway between centre and wall,
+lengths in half the distance of the walls.
 """
 
 from collections.abc import Mapping, Sequence
@@ -102,7 +102,7 @@ def midplane_planes(
     threshold
         Event threshold.
     symbol
-        Of the observable.
+        Symbol of the observable.
     """
     figure = new_figure(DOUBLE_COLUMN, 4.6)
     top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.0, 2.1])[:, 0]

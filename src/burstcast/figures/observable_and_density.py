@@ -71,7 +71,7 @@ def draw(
     threshold
         Event threshold.
     density
-        Number of ``bins`` of the histogram, and their ``range``: None for that of the data.
+        Number of ``bins`` of the histogram, and their ``range``; None: the range of the data.
     symbol, observable_name
         Symbol and name of the observable.
     """
@@ -110,13 +110,13 @@ def observable_and_density(
     Parameters
     ----------
     time_lt, observable
-        Of one series, ``(time,)``; time in Lyapunov times.
+        Time and observable of one series, ``(time,)``; time in Lyapunov times.
     bin_edges, density
-        Of the density over all data, ``(bins + 1,)`` and ``(bins,)``.
+        Edges of the bins and density over all data, ``(bins + 1,)`` and ``(bins,)``.
     threshold
         The observable at which an event begins.
     symbol, name
-        Of the observable; the symbol in TeX without dollars.
+        Symbol and name of the observable; the symbol in TeX without dollars.
     """
     figure = new_figure(DOUBLE_COLUMN, 2.1)
     evolution, histogram = figure.subplots(1, 2, width_ratios=[2.1, 1.0])

@@ -107,7 +107,7 @@ def prediction_examples(
     prediction_time_lt, window_lt
         The window begins at the prediction time.
     symbol
-        Of the observable.
+        Symbol of the observable.
 
     Raises
     ------

@@ -91,7 +91,7 @@ def prediction_schematic(
     prediction_time_lt, washout_lt, window_lt
         Durations.
     symbol
-        Of the observable.
+        Symbol of the observable.
     """
     figure = new_figure(DOUBLE_COLUMN, 2.5)
     axes = figure.subplots()

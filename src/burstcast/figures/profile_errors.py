@@ -1,10 +1,10 @@
 """(a-c) Profiles of the velocity along x, its square and the Reynolds stress, averaged over x, z
-and time, of all data, the training set and one network: of those of the size and strategy shown,
-the one with the smallest Kantorovich metric. (d-f) Errors of the profiles, normalised by the
+and time, of all data, the training set and one network: the one of the shown size and strategy
+with the smallest Kantorovich metric. (d-f) Errors of the profiles, normalised by the
 range of the true profile, against reservoir size: medians and quartiles over the networks of an
 ensemble. Thin bars: the bootstrap interval of one network over its closed loops, in the median. In
 grey: the same errors between two random halves of the data, in the median. Open markers, if any:
-published values, those of the training set as diamonds on the right edge. U_0: velocity of the
+published values; diamonds on the right edge: the published training set. U_0: velocity of the
 laminar flow halfway between centre and wall; h: half the distance of the walls.
 """
 
@@ -127,15 +127,16 @@ def profile_errors(
         Averages over x, z and time, ``(3, points_y)``: of u, u^2 and uv. The network is the best
         one of its size, None if no network has any.
     percentiles
-        Of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
-        (``nrmse_u``, ``nrmse_uu``, ``nrmse_uv``), p25, p50, p75.
+        Percentiles of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation,
+        metric (``nrmse_u``, ``nrmse_uu``, ``nrmse_uv``), p25, p50, p75.
     intervals
-        Of the same case and each network by itself: neurons, validation, metric, low, high.
+        Intervals of the same case and each network by itself: neurons, validation, metric, low,
+        high.
     network_label
-        Of the network in the legend.
+        Label of the network in the legend.
     published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table;
-        those of the training set as an open marker on the right edge.
+        Published percentiles in the same form, drawn as open markers at the sizes of the table,
+        or on the right edge for the training set.
 
     Raises
     ------

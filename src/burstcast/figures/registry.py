@@ -34,7 +34,7 @@ class Declaration:
         Place in that section: figures with smaller numbers come first.
     inputs
         File of each input: the place that it lies in, and its name there. ``case`` is the
-        directory of the figure's case, ``example`` that of the example network. The input is the
+        directory of the figure's case, ``example`` of the example network. The input is the
         content of the file: a table as a DataFrame, a NetCDF file as a mapping of its variables
         and attributes, a JSON file as a mapping. A place with several directories gives a list.
         ``<file>.nc:<variable>`` is one variable.

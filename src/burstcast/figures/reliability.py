@@ -64,13 +64,14 @@ def draw(
     Parameters
     ----------
     bins
-        Of one case: forecaster, neurons, validation, probability ("calibrated", "votes"),
+        Bins of one case: forecaster, neurons, validation, probability ("calibrated", "votes"),
         prediction_time_lt, bin, forecasts, mean_probability, observed_frequency, consistency_low,
         consistency_high.
     prediction_times_lt
-        Columns, of those in the table; the longest in the table where it has none of them.
+        Prediction times of the columns; the longest in the table where the table has none of them.
     neurons, validation
-        Of the networks that are shown; see `burstcast.figures.parts.alarm_scores.alarms_shown`.
+        Size and validation strategy of the networks that are shown; see
+        `burstcast.figures.parts.alarm_scores.alarms_shown`.
 
     Raises
     ------

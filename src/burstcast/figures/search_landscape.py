@@ -49,9 +49,9 @@ def search_landscape(trace: pd.DataFrame) -> Figure:
     Parameters
     ----------
     trace
-        Of one network under each strategy, in the order of evaluation: ``validation``, ``source``
-        (``grid`` or ``bayesian``), ``spectral_radius``, ``input_scaling``, ``objective`` (log10 of
-        the mean square error).
+        Trace of one network under each strategy, in the order of evaluation: ``validation``,
+        ``source`` (``grid`` or ``bayesian``), ``spectral_radius``, ``input_scaling``, ``objective``
+        (log10 of the mean square error).
 
     Raises
     ------

@@ -76,7 +76,7 @@ def draw(
 
 
 def _of_size(tables: Sequence[pd.DataFrame], neurons: int) -> pd.DataFrame:
-    """Rows of all cases, of networks those of one size."""
+    """Rows of all cases, without networks of other sizes."""
     rows = pd.concat(list(tables))
     return rows[rows["neurons"].isna() | (rows["neurons"] == neurons)]
 
@@ -97,7 +97,7 @@ def skill_by_parameter(
         ``case``, ``forecaster``, ``prediction_time_lt``, ``f_score``: one row for each forecaster
         and time; networks that differ by their seeds are shown by their medians.
     intervals
-        Of the scores: the same keys, ``metric``, ``low``, ``high``.
+        Intervals of the scores: the same keys, ``metric``, ``low``, ``high``.
     survival
         ``case``, ``forecaster`` ("data" for the true flow), ``escape_rate``, ``escape_rate_low``,
         ``escape_rate_high``.
@@ -105,7 +105,7 @@ def skill_by_parameter(
         ``name`` of the parameter, its ``values`` by case, the ``trained`` values, and the
         ``kinds`` of forecasters that know it.
     prediction_times_lt
-        Of the panels; times that the scores do not have are left out.
+        Prediction times of the panels; times that the scores do not have are left out.
     """
     times = [time for time in prediction_times_lt if time in set(scores["prediction_time_lt"])]
     bars = intervals[intervals["metric"] == "f_score"].drop(columns="metric")

@@ -2,8 +2,8 @@
 without control. t_1: start of the actuation (shaded), up to which both flows are the same; t_2:
 the event begins without control; t_3: its peak; t_4: its end. Of all events that the network
 predicts and control suppresses, the largest one is shown.
-Velocities are in units of U_0, that of the laminar flow halfway between centre and wall, lengths
-in half the distance of the walls.
+Velocities are in units of U_0, the velocity of the laminar flow halfway between centre and wall,
+lengths in half the distance of the walls.
 """
 
 from collections.abc import Mapping, Sequence
@@ -108,7 +108,7 @@ def suppressed_event(
     threshold
         Event threshold.
     symbol
-        Of the observable.
+        Symbol of the observable.
     """
     figure = new_figure(DOUBLE_COLUMN, 3.8)
     top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.0, 1.45])[:, 0]

@@ -45,12 +45,12 @@ def draw(
     Parameters
     ----------
     curves
-        Of one case, those of the forecaster ``data``: time, survival, survival_low, survival_high.
+        Rows of the forecaster ``data`` of one case: time, survival, survival_low, survival_high.
     curve_percentiles
         Percentiles over networks, of the same case: forecaster, neurons, validation, time, metric
         (``survival``), p25, p50, p75.
     rates
-        Of the same case, the row of ``data``: escape_rate, escape_rate_low, escape_rate_high.
+        Row of ``data`` of the same case: escape_rate, escape_rate_low, escape_rate_high.
     rate_percentiles
         Percentiles over networks, of the same case, of the metric ``escape_rate``.
     neurons

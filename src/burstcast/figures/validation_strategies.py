@@ -151,13 +151,13 @@ def validation_strategies(
     Parameters
     ----------
     time_lt, observable
-        Of the first training series, ``(time,)``.
+        Time and observable of the first training series, ``(time,)``.
     layouts
         The strategies.
     threshold
         Event threshold.
     symbol
-        Of the observable.
+        Symbol of the observable.
     """
     figure = new_figure(DOUBLE_COLUMN, 1.55 * len(layouts) + 0.15)
     panels = figure.subplots(len(layouts), 1, sharex=True, squeeze=False)[:, 0]

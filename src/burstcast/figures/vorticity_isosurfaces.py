@@ -1,7 +1,7 @@
 """Isosurfaces of plus and minus one value of the streamwise vorticity, and velocity vectors, at
 the peak of the event of the midplane figure and after its breakdown. The mean flow is along x,
 sheared in y between the walls. Lengths are in units of h, half the distance of the walls,
-velocities in units of U_0, that of the laminar flow halfway between centre and wall.
+velocities in units of U_0, the velocity of the laminar flow halfway between centre and wall.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -55,7 +55,7 @@ class FlowSnapshot:
     Attributes
     ----------
     title
-        Of the panel.
+        Title of the panel.
     velocity
         u, v, w: ``(3, points_x, points_y, points_z)``.
     scalar
@@ -120,7 +120,7 @@ def vorticity_isosurfaces(
     snapshots
         The flow at several times, on one scale.
     level
-        Of the isosurfaces; drawn where the scalar attains ``level`` and ``-level``.
+        Level of the isosurfaces; drawn where the scalar attains ``level`` and ``-level``.
     scalar_label
         The scalar in TeX without dollars.
     arrows

@@ -69,7 +69,7 @@ def write_netcdf(
     variables
         By name; they appear in the file in this order.
     attributes
-        Of the whole file: its provenance. They appear sorted by name.
+        Attributes of the whole file: its provenance. They appear sorted by name.
     check
         Called when the file is complete, before it replaces an older one; it may raise.
 

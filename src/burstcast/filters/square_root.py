@@ -16,12 +16,12 @@ from burstcast.arrays import FloatArray
 
 
 def symmetric_members(centre: FloatArray, deviation: FloatArray, members: int) -> FloatArray:
-    """Ensemble around a state whose covariance is exactly that of independent errors.
+    """Ensemble around a state with exactly the covariance of independent errors.
 
-    Members come in pairs on opposite sides of the centre, so that odd moments vanish as those of a
-    normal distribution do, in directions from a table of cosines (the orthogonal matrix of the
-    discrete cosine transform): sigma points, as those of the unscented Kalman filter (Julier &
-    Uhlmann, Proceedings of the IEEE 92, 2004), but more of them. Nothing is random.
+    Members come in pairs on opposite sides of the centre, so that odd moments vanish as for a
+    normal distribution, in directions from a table of cosines (the orthogonal matrix of the
+    discrete cosine transform): sigma points as in the unscented Kalman filter (Julier & Uhlmann,
+    Proceedings of the IEEE 92, 2004), but more of them. Nothing is random.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def _gains(deviation: FloatArray, component: int, variance: float) -> tuple[Floa
     """Gains of the mean and of the deviations from an observed component, ``(rows, batch)``."""
     rows, members, batch = deviation.shape
     observed = deviation[component]
-    # sums go member by member, as that of the mean does
+    # sums go member by member, as the sum for the mean does
     spread, covariance = np.zeros(batch), np.zeros((rows, batch))
     for member in range(members):
         spread += observed[member] * observed[member]

@@ -19,13 +19,13 @@ def static_gain(
     Parameters
     ----------
     covariance
-        Of the states over a long time, ``(dimension, dimension)``.
+        Covariance of the states over a long time, ``(dimension, dimension)``.
     matrix
-        Of the observation, ``(observed, dimension)``.
+        Matrix of the observation, ``(observed, dimension)``.
     noise
         Standard deviation of the errors of the observation, ``(observed,)``.
     share
-        Of that covariance which is the error's.
+        Share of that covariance that is the error's.
 
     Returns
     -------
@@ -42,7 +42,7 @@ def leading_directions(covariance: FloatArray, count: int) -> FloatArray:
     Parameters
     ----------
     covariance
-        Of the errors, ``(dimension, dimension)``.
+        Covariance of the errors, ``(dimension, dimension)``.
     count
         Number of directions.
 

@@ -112,7 +112,7 @@ def forecast_outcomes(
     forecaster
         Forecaster.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     washouts
         Observed states up to each starting point, ``(points, steps, dimension)``.
     truth
@@ -221,7 +221,7 @@ def evaluate_lead_times(
     forecaster
         Forecaster.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     observed
         Observed states up to the event, ``(search.steps_before_event + 1, dimension)``.
     truth
@@ -272,7 +272,7 @@ def forecast_observable(
     forecaster
         Forecaster.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     washouts
         Observed states up to each starting point, ``(points, steps, dimension)``.
     steps

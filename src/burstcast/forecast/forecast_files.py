@@ -25,7 +25,7 @@ def point_variables(
     found
         The points, what is observed up to them, and what truly follows.
     true_states
-        Of the series that they lie in, ``(series, time, component)``.
+        True states of the series that the points lie in, ``(series, time, component)``.
     name
         What the observable is.
     """
@@ -71,8 +71,8 @@ def schedule_variables(
     found
         The points.
     schedules
-        Of the series that they lie in, from each sample to the next, ``(series, time - 1,
-        parameters)``.
+        Schedules of the series that the points lie in, from each sample to the next, ``(series,
+        time - 1, parameters)``.
     horizon
         Steps of the forecasts.
     """

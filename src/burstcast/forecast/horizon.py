@@ -111,7 +111,7 @@ def accurate_steps(
     forecaster
         Forecaster.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     washouts
         ``(steps, dimension, batch)``.
     truth
@@ -163,7 +163,7 @@ def prediction_horizons(
     forecaster
         Forecaster.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     observed
         Observed states up to the event, ``(events, search.steps_before_event + 1, dimension)``.
     truth

@@ -11,7 +11,7 @@ def resampled_averages(horizons_lt: FloatArray, weights: IntArray) -> tuple[Floa
     Parameters
     ----------
     horizons_lt
-        Of each event, ``(events,)``.
+        Prediction horizon of each event in Lyapunov times, ``(events,)``.
     weights
         How often each event is in each sample, ``(resamples, events)``
         (`burstcast.statistics.resampling.bootstrap_weights`).

@@ -46,13 +46,13 @@ def observed_points(
     observed
         What forecasters see, ``(series, time, component)``.
     true_observable
-        Of the same series, ``(series, time)``: what is scored.
+        True observable of the same series, ``(series, time)``, which forecasts are scored against.
     observable
-        From states ``(component, ...)`` to the observable ``(...)``.
+        Function from states ``(component, ...)`` to the observable ``(...)``.
     spacing, washout
         Steps between two points, and steps of a washout (`starting_points`).
     boundaries
-        Of the windows (`burstcast.forecast.windows.window_boundaries`).
+        Boundaries of the windows (`burstcast.forecast.windows.window_boundaries`).
 
     Raises
     ------

@@ -31,7 +31,7 @@ def window_forecasts(
     forecaster
         The forecaster.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     washouts
         Observed states up to each starting point, ``(points, steps, dimension)``.
     boundaries

@@ -57,7 +57,7 @@ class WindowForecasts(WindowSummaries):
 
     @property
     def members(self) -> list[WindowSummaries]:
-        """Window summaries of each member; without an ensemble, those of the single forecast."""
+        """Window summaries of each member; without an ensemble, of the single forecast."""
         by_member = (self.member_first.swapaxes(0, 1), self.member_largest.swapaxes(0, 1))
         return [WindowSummaries(*pair) for pair in zip(*by_member, strict=True)] or [self]
 
@@ -99,7 +99,7 @@ def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSumm
     observable
         ``(steps, points)``; entry 0 is one step after the starting point.
     boundaries
-        Of the windows (`window_boundaries`).
+        Boundaries of the windows (`window_boundaries`).
     """
     pairs = list(pairwise(boundaries))
     return WindowSummaries(
@@ -119,7 +119,7 @@ def crosses(
     Parameters
     ----------
     summaries
-        Of the forecast or of the truth.
+        Summaries of the forecast or of the truth.
     first_window, windows
         Which windows make up the prediction window.
     threshold

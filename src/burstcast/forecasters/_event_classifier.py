@@ -47,7 +47,7 @@ class LabelledPoints:
         Raises
         ------
         ValueError
-            If a window has no event after any of the points, or after all of them.
+            If a window has an event after all points, or after none.
         """
         count = len(self.happened)
         for time, events in zip(prediction_times_lt, self.happened.sum(axis=0), strict=True):
@@ -73,7 +73,8 @@ class EventClassifier(ForecasterKind):
         Parameters
         ----------
         points
-            Of the training series; each window has points with an event and points without one.
+            Points of the training series; each window has points with an event and points without
+            one.
         case
             What may be known beside them. Kinds with random numbers find the root of all streams
             as the option ``random_seed``.

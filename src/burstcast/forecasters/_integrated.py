@@ -21,7 +21,8 @@ class IntegratedForecaster(Forecaster):
     system
         The equations.
     time_step, sampling_stride
-        Of the integration: time units, and integration steps in a step of the forecast.
+        Time step and sampling stride of the integration: time units, and integration steps in a
+        step of the forecast.
     """
 
     may_diverge: ClassVar[bool] = False

@@ -31,9 +31,10 @@ class ForecasterName:
     kind
         Module of `burstcast.forecasters`.
     neurons, validation, seed
-        Of a network.
+        Size, validation strategy and seed of a network.
     role
-        Of a controller that is no single forecaster: a module of `burstcast.control.controllers`.
+        Role of a controller that is no single forecaster: a module of
+        `burstcast.control.controllers`.
     label
         Name that a user gives to forecasts from files.
     """

@@ -21,8 +21,8 @@ class RecordedForecasts(Forecaster):
     washouts
         Observed components up to each starting point, ``(points, steps, dimension)``.
     outputs
-        Forecasts from these points, ``(points, steps, components)``. The components may be others
-        than those of the washouts, such as the observable alone.
+        Forecasts from these points, ``(points, steps, components)``. The components may differ
+        from the components of the washouts: the observable alone, for example.
     """
 
     washouts: FloatArray

@@ -20,8 +20,8 @@ class Analogues(Forecaster):
     """Forecasts the mean continuation of the nearest states of the training series.
 
     States are compared in units of each component's standard deviation. Where the series of an
-    analogue ends, the mean is that of the others; where all have ended, there is no forecast (it
-    is not a number).
+    analogue ends, the mean is over the others; where all have ended, there is no forecast (it is
+    not a number).
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ class ForecastingCase:
     system
         What states are, and the observable: a dynamical system, unless they were measured.
     time_step
-        Of its integration, in time units.
+        Time step of its integration, in time units.
     sampling_stride
         Integration steps in one step of a forecast.
     steps_per_lyapunov_time
@@ -45,8 +45,8 @@ class ForecastingCase:
     parameters
         Parameters that schedules are about, and their values in this case; None: there are none.
     source
-        Equations of the flow whose encoded states are those of the case; None where the case's
-        states are not encoded.
+        Equations of the flow whose states are encoded; None where the case's states are not
+        encoded.
     maps
         Between states of the source and channels, which are all components of the case but the
         last one, the observable of the source; None where a forecaster is restored.
@@ -221,7 +221,8 @@ class Forecaster(ForecasterKind):
         Parameters
         ----------
         memory
-            Of `start`, of an `ensemble` side by side, or of an earlier call.
+            Memory that `start` or an earlier call returned, or members of an `ensemble` side by
+            side.
         steps
             Steps of the forecast.
         parameters
@@ -252,8 +253,8 @@ class Forecaster(ForecasterKind):
 
         Returns
         -------
-        Both, so many steps later: the memory bit for bit that of `advance`, the perturbations
-        multiplied by the derivative of the map from the one to the other.
+        Both, so many steps later: the memory as `advance` returns it, bit for bit, and the
+        perturbations multiplied by the derivative of the map from the old memory to the new one.
 
         Raises
         ------

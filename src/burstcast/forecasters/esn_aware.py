@@ -30,7 +30,7 @@ class AwareNetworkForecaster(NetworkForecaster):
     Attributes
     ----------
     factors
-        From values of the parameters to the factors that the readout is linear in.
+        Function from values of the parameters to the factors that the readout is linear in.
     parameters
         The parameters, and their values in the case.
     """

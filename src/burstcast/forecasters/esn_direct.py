@@ -1,7 +1,7 @@
 """A reservoir that is read out for the event itself, by logistic regression.
 
-The reservoir is that of an echo state network, driven by the observed washout. Its state at the
-starting point gives the probability of an event in each window; there is no closed loop.
+The reservoir of an echo state network is driven by the observed washout. Its state at the starting
+point gives the probability of an event in each window; there is no closed loop.
 """
 
 from dataclasses import dataclass, replace
@@ -38,7 +38,8 @@ class DirectReadout(EventClassifier):
     input_range
         Range of each observed component in training, by which inputs are divided.
     weights
-        Of the state's neurons, and last the bias, for each window, ``(neurons + 1, windows)``.
+        Weights of the state's neurons, and last the bias, for each window, ``(neurons + 1,
+        windows)``.
     penalty
         Strength of the penalty on squared weights of neurons of unit variance.
     """

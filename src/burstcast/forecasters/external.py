@@ -37,12 +37,12 @@ class ExternalForecasts(ForecasterKind):
 
     @classmethod
     def of(cls, given: Forecasts, task: ForecastTask, event_threshold: float) -> Self:
-        """Forecasts that a campaign scores, from those of files.
+        """Forecasts that a campaign scores, from the forecasts in files.
 
         Parameters
         ----------
         given
-            Of `burstcast.benchmark.forecast_files.read_forecasts`.
+            Result of `burstcast.benchmark.forecast_files.read_forecasts`.
         task
             What was asked.
         event_threshold

@@ -1,6 +1,6 @@
 """A learnt precursor: a classifier of the present state and some of the past.
 
-The classifiers are those of `burstcast.probability.precursor`.
+The classifiers come from `burstcast.probability.precursor`.
 """
 
 from collections.abc import Sequence

@@ -38,7 +38,7 @@ class QuadraticModel(IntegratedForecaster):
     Attributes
     ----------
     coefficients
-        Of the equations, ``(monomials, dimension)``, in inverse time units.
+        Coefficients of the equations, ``(monomials, dimension)``, in inverse time units.
     """
 
     may_diverge: ClassVar[bool] = True

@@ -40,7 +40,7 @@ class AwareQuadraticModel(IntegratedForecaster):
     coefficients
         ``(1 + factors, monomials, dimension)``, in inverse time units.
     factors
-        From values of the parameters to the factors.
+        Function from values of the parameters to the factors.
     parameters
         The parameters, and their values in the case.
     """
@@ -137,7 +137,7 @@ class AwareQuadraticModel(IntegratedForecaster):
 
 
 class _ExtendedSpace:
-    """States with factors appended, whose observable is that of the states."""
+    """States with factors appended, with the observable of the states."""
 
     def __init__(self, case: ForecastingCase) -> None:
         self._space = case.system

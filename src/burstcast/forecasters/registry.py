@@ -24,7 +24,7 @@ def all_kinds() -> list[str]:
 
 
 def trajectory_kinds() -> list[str]:
-    """Names of those of `available_kinds` that forecast trajectories, sorted."""
+    """Names of the kinds that forecast trajectories, sorted."""
     return [kind for kind in available_kinds() if kind_class(kind).has_trajectories]
 
 

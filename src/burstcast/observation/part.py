@@ -51,9 +51,9 @@ class ObservedPart:
         source
             What the states are.
         declarations
-            Names of components, or ``name = expression`` of them.
+            Names of components, or ``name = expression`` of components.
         observable
-            Of what is observed: one of its components, an expression of them, or ``observable``.
+            Observable of the part: one of its components, an expression of them, or ``observable``.
 
         Raises
         ------

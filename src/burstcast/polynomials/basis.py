@@ -32,7 +32,7 @@ def denoised(states: FloatArray, noise_variance: FloatArray, basis: list[Monomia
     states
         Observed states, ``(..., dimension)``.
     noise_variance
-        Of the components, ``(dimension,)``; zeros: the monomials themselves.
+        Noise variance of the components, ``(dimension,)``; zeros: the monomials themselves.
     basis
         Which monomials.
 

@@ -3,8 +3,8 @@
 Over a window, the increment of a component is the integral of its equation: x(t + w) - x(t) =
 integral of sum_m c_m monomial_m(x). No derivative of noisy data is taken, and the integrals average
 the noise (the weak form of Messenger & Bortz, "Weak SINDy", Multiscale Modeling & Simulation 19,
-2021, with test functions that are constant over the window). The coefficients are those of least
-squares, whose moments are freed of what the noise adds to them (adjusted least squares: Cheng &
+2021, with test functions that are constant over the window). Least squares gives the coefficients;
+the contribution of noise to its moments is subtracted (adjusted least squares: Cheng &
 Schneeweiss, Journal of the Royal Statistical Society B 60, 1998). Terms whose coefficient is not
 significant are left out one after the other (sparse regression as in Brunton, Proctor & Kutz,
 "Discovering governing equations from data", PNAS 113, 2016, with a threshold in standard errors, so
@@ -174,7 +174,7 @@ def factored_coefficients(
 def _unchanged(factors: FloatArray, window: int) -> BoolArray:
     """Whether no factor changes within the window from each sample, ``(windows,)``.
 
-    ``factors`` are those of one series, ``(time - 1, factors)``.
+    ``factors`` belong to one series, ``(time - 1, factors)``.
     """
     windows = max(0, len(factors) + 1 - window)
     changes = np.zeros(len(factors) + 1, dtype=np.int64)

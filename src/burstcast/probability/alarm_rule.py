@@ -22,7 +22,7 @@ class AlarmRule:
     Attributes
     ----------
     calibration
-        From what is forecast to the probability.
+        Function from what is forecast to the probability.
     threshold
         Probability.
     """
@@ -75,7 +75,7 @@ def rules_of(
     alarm
         Identifier of the source of the alarms.
     prediction_time_lt, factor
-        Prediction time, and the event threshold in those of the case.
+        Prediction time, and the event threshold in units of the case's.
     """
     found = chosen["alarms"][alarm][f"{factor:g}"][f"{prediction_time_lt:g}"]
     return {name: AlarmRule.restore(record) for name, record in found.items()}

@@ -23,7 +23,7 @@ class AlarmSource:
     Attributes
     ----------
     name
-        Its name: that of its forecaster, ``esn-N1000-RV-committee``,
+        Its name: its forecaster's, ``esn-N1000-RV-committee``,
         ``quadratic_filtered-committee``, or one of `BASELINES`.
     forecasters
         Identifiers of the forecasters that vote; none for baselines.

@@ -1,6 +1,6 @@
 """Alarms from probabilities: raised where the probability reaches a threshold.
 
-Precision, recall and F-score are those of `burstcast.forecast.classification`. Receiver operating
+`burstcast.forecast.classification` has precision, recall and F-score. Receiver operating
 characteristic and precision-recall curves show all thresholds at once.
 """
 

@@ -31,8 +31,8 @@ def brier_score(outcomes: Outcomes) -> FloatArray:
 def brier_skill(outcomes: Outcomes) -> FloatArray:
     """Brier skill score: 1 - Brier score / uncertainty of the sample.
 
-    1 is perfect, 0 as good as climatology; NaN where all outcomes are alike. The climatology is
-    that of the sample itself, which knows more than any forecaster could: the strictest reference.
+    1 is perfect, 0 as good as climatology; NaN where all outcomes are alike. The climatology is the
+    sample's own, which knows more than any forecaster could: the strictest reference.
 
     Examples
     --------
@@ -56,7 +56,7 @@ class Binned:
     points, events
         Forecasts in each bin, and how many of them an event followed.
     mean_probability
-        Of the forecasts in the bin; NaN where there are none.
+        Mean probability of the forecasts in the bin; NaN where there are none.
     """
 
     points: IntArray
@@ -85,7 +85,7 @@ def bin_of(levels: FloatArray, bins: int) -> IntArray:
 
 def binned(outcomes: Outcomes, bins: int) -> Binned:
     """Gather outcomes in equally wide bins of the probability."""
-    # bins rise with the levels: those of a bin lie side by side
+    # bins rise with the levels: levels of a bin lie side by side
     present, first = np.unique(bin_of(outcomes.levels, bins), return_index=True)
 
     def gather(values: FloatArray | IntArray) -> npt.NDArray[Any]:

@@ -113,8 +113,8 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
 def logistic(outcomes: Outcomes) -> Calibration:
     """Calibrate probabilities by logistic regression of the outcomes on their log-odds.
 
-    A smooth map with two parameters, which keeps different probabilities apart: for those of a
-    classifier, whose values are all different. Source: Platt, in Advances in Large Margin
+    A smooth map with two parameters, which keeps different probabilities apart: for a classifier,
+    whose probabilities are all different. Source: Platt, in Advances in Large Margin
     Classifiers, MIT Press 1999, with his targets, which keep the regression finite where events
     and quiet points are separated completely. Where events have no larger probabilities than quiet
     points, all probabilities become the base rate.

@@ -61,7 +61,7 @@ def see_event(
         True observable from the start of the washout to the end of the forecasts, ``(time,)``;
         empty without an event.
     observed
-        Observable of the washout, the last entry that of the starting point.
+        Observable of the washout; the last entry belongs to the starting point.
     forecasts
         By committee: forecast observables of its members after that, ``(members, steps)``.
     prediction_times_lt, happened
@@ -103,7 +103,7 @@ def member_observables(
     forecaster
         Forecaster.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     washout
         Observed states up to the starting point, ``(steps, dimension)``.
     steps

@@ -17,7 +17,8 @@ def ratio_with_interval(
     numerator, denominator
         By series, ``(series,)``.
     weights
-        Of the series in each resample (`burstcast.statistics.resampling.bootstrap_weights`).
+        Weights of the series in each resample
+        (`burstcast.statistics.resampling.bootstrap_weights`).
     confidence
         Share inside the interval, in (0, 1).
 

@@ -28,9 +28,9 @@ class LeadTimes:
         Time from the first starting point after which all were right to the event; 0 if the last
         one before it was not.
     first
-        From the first starting point that was right at all; 0 if there was none.
+        Time from the first starting point that was right at all; 0 if there was none.
     possible
-        From the first starting point that could have been right.
+        Time from the first starting point that could have been right.
     """
 
     series: IntArray
@@ -59,9 +59,9 @@ def lead_times(
         First and last step of each window after the starting point. An event is in it if it crosses
         the threshold after the first step and not after the last one.
     points
-        Starting points; those of a series in the order of time.
+        Starting points; within a series in the order of time.
     scored
-        Those at which no event is under way, ``(points,)``.
+        Whether no event is under way at a point, ``(points,)``.
     events
         Starts of the events (`burstcast.data.starting_points.crossing_points`).
     """
@@ -121,7 +121,7 @@ def lead_time_scores(
     Parameters
     ----------
     found
-        Of the events of all series.
+        Lead times of the events of all series.
     series
         Number of series.
     lead_times_lt

@@ -35,7 +35,7 @@ def out_of_sample_forecasts(
         Training series, ``(series, time, dimension)``, and what else the forecaster was trained
         with (`Forecaster.leave_one_out`).
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     washouts
         Observed states up to each starting point, ``(points, steps, dimension)``.
     series

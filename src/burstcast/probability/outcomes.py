@@ -42,7 +42,7 @@ class Outcomes:
         weights
             How often each series is in each resample, ``(resamples, series)``.
         """
-        # counts are whole numbers below 2^53: exact, and the product is that of BLAS
+        # counts are whole numbers below 2^53: exact, and BLAS computes the product
         factors = weights.astype(np.float64)
         return Outcomes(
             self.levels,

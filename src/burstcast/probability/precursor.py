@@ -32,12 +32,12 @@ class PrecursorOptions:
     classifier
         One of `CLASSIFIERS`.
     lags
-        Steps before the present whose components are features, beside those of the present.
+        Steps before the present whose components are features, beside the present components.
     trees, leaves, learning_rate
-        Of the boosting: number of trees, leaves of each, and the weight of each.
+        Number of trees, leaves of each, and weight of each in the boosting.
     degree, penalty
-        Of the logistic regression: degree of the products of features, 1 or 2, and the strength of
-        the penalty on squared coefficients of features of unit variance.
+        Degree of the products of features, 1 or 2, in the logistic regression, and strength of its
+        penalty on squared coefficients of features of unit variance.
 
     Raises
     ------
@@ -131,7 +131,7 @@ class Precursor:
         Parameters
         ----------
         features
-            Of starting points in the training series, ``(points, features)``
+            Features of starting points in the training series, ``(points, features)``
             (`precursor_features`).
         happened
             Whether an event followed in each window, ``(points, windows)``.
@@ -141,7 +141,7 @@ class Precursor:
         Raises
         ------
         ValueError
-            If a window has no event after any of the points, or after all of them.
+            If a window has an event after all points, or after none.
         """
         for window, share in enumerate(happened.mean(axis=0)):
             if share in (0.0, 1.0):
@@ -161,7 +161,7 @@ class Precursor:
         Parameters
         ----------
         features
-            Of starting points, ``(points, features)``.
+            Features of starting points, ``(points, features)``.
         """
         each = [one.predict_proba(features)[:, 1] for one in self.classifiers]
         return np.stack(each, axis=1)

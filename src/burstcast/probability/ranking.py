@@ -74,7 +74,7 @@ def ranking_scores(
     Parameters
     ----------
     strength
-        Of each point, ``(points,)``. Points of equal strength count as not distinguished.
+        Strength of each point, ``(points,)``. Points of equal strength count as not distinguished.
     happened
         Whether the event followed, ``(points,)``.
     weights
@@ -96,7 +96,7 @@ def ranking_scores(
     with np.errstate(invalid="ignore", divide="ignore"):
         precision = np.where(alarms > 0.0, hits / alarms, 0.0)
         average = (new_hits * precision).sum(axis=1) / events
-        # a hit ranks above all later false alarms, and half above those of its own strength
+        # a hit ranks above all later false alarms, and half above false alarms of its own strength
         above = others[:, np.newaxis] - (false - np.diff(false, axis=1, prepend=0.0) / 2.0)
         area = (new_hits * above).sum(axis=1) / (events * others)
     undefined = (events == 0.0) | (others == 0.0)

@@ -48,7 +48,8 @@ def reliability_diagram(
     bins
         Number of equally wide bins of the probability.
     weights
-        Of the series in each resample (`burstcast.statistics.resampling.bootstrap_weights`).
+        Weights of the series in each resample
+        (`burstcast.statistics.resampling.bootstrap_weights`).
     confidence
         Probability that a bar covers.
     generator

@@ -25,9 +25,9 @@ class FactorVariance:
         Sum of the squares of the factor's effects in all cells, divided by ``degrees``; NaN without
         a degree of freedom.
     standard_deviation
-        Of the factor's effect: the root of its component of variance, which is its mean square less
-        the residual one, over the number of cells of a level. 0 where levels differ by no more than
-        the residual explains; NaN without a degree of freedom.
+        Standard deviation of the factor's effect: the root of its component of variance, which is
+        its mean square less the residual one, over the number of cells of a level. 0 where levels
+        differ by no more than the residual explains; NaN without a degree of freedom.
     """
 
     degrees: int
@@ -44,9 +44,9 @@ class AnalysisOfVariance:
     mean
         Over all cells.
     factors
-        Of the factors, in the order of the axes.
+        Effects of the factors, in the order of the axes.
     residual
-        Of all interactions together; its standard deviation is the root of its mean square.
+        Effect of all interactions together; its standard deviation is the root of its mean square.
     """
 
     mean: float
@@ -111,7 +111,7 @@ def student_quantile(degrees: int, confidence: float) -> float:
 def mean_and_margin(values: Sequence[float], confidence: float) -> tuple[float, float]:
     """Mean of independent values, and half the width of its confidence interval.
 
-    The margin is that of Student's distribution; NaN for a single value.
+    The margin follows from Student's distribution; NaN for a single value.
     """
     count = len(values)
     error = np.std(values, ddof=1) / np.sqrt(count) if count > 1 else np.nan
@@ -123,7 +123,7 @@ def slope_and_margin(
 ) -> tuple[float, float]:
     """Slope of the line of least squares, and half the width of its confidence interval.
 
-    The margin is that of Student's distribution; both are NaN for fewer than three points.
+    The margin follows from Student's distribution; both are NaN for fewer than three points.
     """
     count = len(x)
     if count < 3:

@@ -99,7 +99,7 @@ def slots(values: FloatArray, edges: FloatArray) -> IntArray:
     Parameters
     ----------
     values
-        Of any shape.
+        Values of any shape.
     edges
         ``(bins + 1,)``.
 
@@ -178,7 +178,7 @@ def density_interval(
     edges
         Edges of the bins, ``(bins + 1,)``.
     counts
-        Of each density: values of each flow in each bin, ``(flows, bins)``.
+        Counts of each density: values of each flow in each bin, ``(flows, bins)``.
     rows
         Row of each of these flows, ``(flows,)``: densities that share a flow are resampled with it.
     resamples, confidence

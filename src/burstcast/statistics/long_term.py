@@ -1,7 +1,7 @@
 """Long-term runs: long closed loops of one forecaster, reduced to statistics while they run.
 
 All trajectories run side by side, a chunk of steps at a time. None is stored: each is reduced to a
-histogram and moments of its own, and those of the trajectories that turn out to count are merged.
+histogram and moments of its own, which are merged for the trajectories that turn out to count.
 
 Source: section "Statistical prediction of extreme events" of the paper.
 """
@@ -23,7 +23,7 @@ STEPS_PER_CHUNK = 100
 """Steps between two looks at which trajectories have ended: costs time, changes no result."""
 
 FIXED_POINT_RANGE = 1e-10
-"""Range of each component, in units of that of the washouts, at a fixed point."""
+"""Range of each component at a fixed point, in units of its range over the washouts."""
 
 
 class Fate(enum.IntEnum):
@@ -106,7 +106,7 @@ class LongTermRun:
         Steps until each trajectory leaves the chaotic phase: until it laminarises, diverges, or
         comes to rest at a fixed point; all steps of a kept one. ``(starting points,)``.
     statistics
-        Of the kept trajectories.
+        Statistics of the kept trajectories.
     runs
         What they are merged from: reductions of each trajectory, as far as it went.
     """
@@ -176,7 +176,7 @@ def run_long_term(
     forecaster
         Forecaster.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     washouts
         Observed states up to each starting point, ``(points, steps, dimension)``.
     settings
@@ -258,7 +258,7 @@ def _first_diverged(forecaster: Forecaster, states: FloatArray) -> int:
 class _FixedPointDetector:
     """Trajectories that are at a fixed point: at the end, or before where that is safe.
 
-    The observable is treated as one more component, behind those of the state.
+    The observable is treated as one more component, behind the components of the state.
     """
 
     def __init__(self, criterion: FixedPointCriterion, steps: int, washouts: FloatArray) -> None:
@@ -299,8 +299,8 @@ class _FixedPointDetector:
     def at_rest_since(self, rows: IntArray) -> IntArray:
         """Position of the first step since which the observable has hardly varied.
 
-        It is that of trajectories at a fixed point, and no later than the beginning of the interval
-        that the criterion looks at.
+        It holds for trajectories at a fixed point, and is no later than the beginning of the
+        interval that the criterion looks at.
         """
         return np.minimum(self._rest_since[rows], self._steps - self._criterion.interval)
 

@@ -2,7 +2,7 @@
 
 The QR method of `burstcast.systems.lyapunov`, along trajectories of anything that can linearise its
 forecasts (`Forecaster.advance_tangent`): the equations, the closed loop of a network. Like the
-flow's own exponents, they are those of the chaotic phase: the trajectories must not leave it.
+flow's own exponents, they belong to the chaotic phase: the trajectories must not leave it.
 """
 
 from dataclasses import dataclass
@@ -106,8 +106,8 @@ class SpectrumSummary:
     Attributes
     ----------
     mean, low, high
-        Of the exponents, ``(exponents,)``; NaN where one is not known, and intervals of a single
-        run.
+        Mean and interval of the exponents, ``(exponents,)``; NaN where one is not known, and for
+        intervals of a single run.
     dimension, dimension_low, dimension_high
         Kaplan-Yorke dimension of the mean exponents.
     """
@@ -125,8 +125,8 @@ def summarise(
 ) -> SpectrumSummary:
     """Average the exponents over runs.
 
-    Intervals of exponents are Student's; those of the dimension, which is no mean, percentile
-    bootstrap intervals over runs.
+    Intervals of exponents are Student's. The dimension is no mean and has percentile bootstrap
+    intervals over runs.
 
     Parameters
     ----------

@@ -45,12 +45,12 @@ def compare(
     Parameters
     ----------
     reference
-        Of all the true data.
+        Statistics of all the true data.
     candidate
         What is measured, on the same bins. Without any states no measure is defined.
     matrices
-        Of the flow's modes at equally spaced heights from wall to wall; None for a system without
-        velocity modes, whose profiles are not defined.
+        Matrices of the flow's modes at equally spaced heights from wall to wall; None for a system
+        without velocity modes, whose profiles are not defined.
 
     Raises
     ------
@@ -86,8 +86,8 @@ def sampling_floor(
     Whole series are drawn at random, without replacement, into a sample; it is compared with the
     series that are left as the reference. The two share no series, hence are independent. By
     default they are two halves; with ``sample`` as large as what a network's statistics rest on,
-    the floor is that of a perfect network against the data. Between halves it is about twice what
-    a perfect network that ran for ever would show, since both halves err, and each by sqrt(2).
+    the floor is what a perfect network would show against the data. Between halves it is about
+    twice what a perfect network that ran for ever would show: both halves err, each by sqrt(2).
 
     Each split is one draw of the sampling error; the splits share their data, so that their spread
     shows how far a single split may be off, not how well the mean is known.
@@ -103,7 +103,7 @@ def sampling_floor(
     generator
         Source of the random numbers.
     sample
-        Series in the sample; None: half of them.
+        Series in the sample; None: half of all series.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def nearest(reference: LongTermStatistics, candidates: Sequence[LongTermStatisti
     Parameters
     ----------
     reference
-        Of all the true data.
+        Statistics of all the true data.
     candidates
         What is compared, on the same bins. Those without values inside the range do not count.
 
@@ -180,7 +180,7 @@ def best_network(
     Parameters
     ----------
     reference
-        Of all the true data.
+        Statistics of all the true data.
     networks
         Statistics of networks of one size, by their neurons and seed.
     """

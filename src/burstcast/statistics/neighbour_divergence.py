@@ -120,8 +120,8 @@ def neighbour_divergence(
     generator
         Chooses the states that are followed, and the bootstrap samples.
     resamples, confidence
-        Of the interval: of a bootstrap over the series that the states lie in, for each fit, with
-        the error of the method.
+        Number of resamples and confidence level of the interval: of a bootstrap over the series
+        that the states lie in, for each fit, with the error of the method.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Velocity statistics of the flow, from the moments of its modes' amplitudes.
 
-Moments and errors are those of any system. Velocities belong to systems whose state is the
+Moments and errors are defined for any system. Velocities belong to systems whose state is the
 amplitudes of velocity modes (`systems/mfe_modes.flow_modes`). Averages over time of
 velocities and of products of two of them follow from the mean of a_i and of a_i a_j alone, so that
 no velocity field is ever averaged step by step.
@@ -25,7 +25,7 @@ class Profiles:
     Attributes
     ----------
     u, uu, uv
-        Of the streamwise velocity, its square, and the Reynolds stress.
+        Profiles of the streamwise velocity, its square, and the Reynolds stress.
     """
 
     u: FloatArray
@@ -53,9 +53,9 @@ def velocity_profiles(matrices: ProfileMatrices, moments: StateMoments) -> Profi
     Parameters
     ----------
     matrices
-        Of the modes at the wanted heights (``flow_modes(system).profile_matrices(y)``).
+        Matrices of the modes at the wanted heights (``flow_modes(system).profile_matrices(y)``).
     moments
-        Of the amplitudes.
+        Moments of the amplitudes.
     """
     u, uu, uv = matrices.profiles(moments.mean, moments.mean_product)
     return Profiles(u, uu, uv)
@@ -69,9 +69,9 @@ def midplane_mean_square(
     Parameters
     ----------
     modes
-        Of the system (`flow_modes`).
+        Modes of the system (`flow_modes`).
     moments
-        Of the amplitudes.
+        Moments of the amplitudes.
     x, z
         Coordinates of the grid's lines.
     """

@@ -28,9 +28,9 @@ class LongTermStatistics:
     Attributes
     ----------
     histogram
-        Of the observable.
+        Histogram of the observable.
     moments
-        Of the state.
+        Moments of the state.
     """
 
     histogram: Histogram
@@ -138,7 +138,7 @@ class SeriesAccumulator:
         states
             ``(steps, dimension, batch)``.
         observable
-            Of these states, ``(steps, batch)``.
+            Observable of these states, ``(steps, batch)``.
 
         Raises
         ------
@@ -192,7 +192,7 @@ def reduce_series(
         The series, ``(series, time, component)`` each: read a few at a time, all series need never
         be in the memory together. How they are grouped changes no result.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     edges
         Edges of the histogram's bins, ``(bins + 1,)``.
 

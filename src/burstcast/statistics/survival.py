@@ -113,9 +113,9 @@ def survival_curve(lifetimes: Lifetimes, times: IntArray, confidence: float) -> 
     Parameters
     ----------
     lifetimes
-        Of the series.
+        Lifetimes of the series.
     times
-        In steps, none beyond the length of the series.
+        Times in steps, none beyond the length of the series.
     confidence
         Probability that an interval covers, in (0, 1).
 
@@ -153,7 +153,7 @@ def escape_rate(
     Parameters
     ----------
     lifetimes
-        Of independent series.
+        Lifetimes of independent series.
     sampling_interval
         Time units of a step.
     confidence

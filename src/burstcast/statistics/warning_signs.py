@@ -25,7 +25,7 @@ FEW_POSITIVES = 30
 """A recall of one half has a standard error of 0.09 with so many positives, and F no better one."""
 
 LOST_RUNS = 0.5
-"""Of long runs that leave the chaotic phase: statistics of the rest are those of a selection."""
+"""Share of long runs that leave the chaotic phase, from which the rest is a biased selection."""
 
 DIVERGED_RUNS = 0.01
 """Of long runs: a flow of bounded energy has none that diverge."""
@@ -49,8 +49,8 @@ NOISE_OVER_INCREMENT = 1.0
 sample to the next: beyond it, a step shows more noise than dynamics."""
 
 TREND = 0.5
-"""Standard deviations of a component that its mean drifts by over a record: scores of its end are
-then of another climate than that of the training series."""
+"""Drift of a component's mean over a record, in standard deviations of the component: the end of
+the record then has another climate than the training series."""
 
 TREND_ERRORS = 3.0
 """Standard errors that a drift must be from zero."""
@@ -80,7 +80,7 @@ def optimum_on_edge(
     Parameters
     ----------
     name
-        Of the hyperparameter.
+        Name of the hyperparameter.
     values
         Its optima, one for each network.
     low, high
@@ -111,7 +111,7 @@ def few_events(events: int, asked: int, threshold: float, largest: float) -> lis
     events, asked
         Events that there are to forecast, and how many were asked for.
     threshold, largest
-        Of an event, and largest value of the observable.
+        Threshold of an event, and largest value of the observable.
     """
     if largest < threshold:
         text = (
@@ -356,7 +356,7 @@ def slow_trend(
     states
         ``(series, time, component)``.
     names
-        Of the components.
+        Names of the components.
     training
         Number of the first series, which train.
     """

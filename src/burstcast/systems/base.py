@@ -18,7 +18,7 @@ class EnergyBudget(NamedTuple):
     input
         Work of the forces per unit of time, ``(...)``.
     dissipation
-        What viscosity, or what stands for it, takes per unit of time, ``(...)``.
+        Energy that viscosity, or what stands for it, takes per unit of time, ``(...)``.
     """
 
     input: FloatArray
@@ -31,7 +31,7 @@ class Symmetry(NamedTuple):
     Attributes
     ----------
     transform
-        Of states ``(dimension, ...)``.
+        Function of states ``(dimension, ...)``.
     order
         How often it is applied until every state is what it was.
     """

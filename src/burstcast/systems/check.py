@@ -58,7 +58,7 @@ class SystemCheck:
     Attributes
     ----------
     name
-        Of its class.
+        Name of its class.
     integrator
         "compiled Runge-Kutta scheme", "Runge-Kutta scheme in numpy", "its own integrator".
     derivatives
@@ -67,7 +67,7 @@ class SystemCheck:
         Integration step, in time units, and steps in a step of a forecast: what the class says, or
         else proposed from the fastest time scale.
     fastest_period
-        Of the component that changes fastest, in time units.
+        Period of the component that changes fastest, in time units.
     by_qr, by_growth
         Leading Lyapunov exponent with its 95 % interval, by both methods, in inverse time units.
     duration
@@ -75,7 +75,7 @@ class SystemCheck:
     spectrum
         The leading exponents, at most ten.
     observable_quantiles
-        Of the observable on the attractor, by their share: 0, 0.5, 0.9, 0.95, 0.99, 1.
+        Quantiles of the observable on the attractor, by their share: 0, 0.5, 0.9, 0.95, 0.99, 1.
     events_per_lyapunov_time
         Upward crossings of the quantile 0.95 of the observable.
     case
@@ -100,7 +100,7 @@ class SystemCheck:
     def verdict(self) -> Verdict:
         """Whether the leading exponent is positive, by the intervals of both methods.
 
-        Regular: both intervals lie below zero, as do those of a limit cycle that is approached.
+        Regular: both intervals lie below zero, as for a limit cycle that is approached.
         Undecided: anything else.
         """
         return _verdict(self.by_qr, self.by_growth)
@@ -398,7 +398,7 @@ def _affordable(system: DynamicalSystem, states: FloatArray, time_step: float) -
 
 
 def _fastest_period(states: FloatArray, time_step: float, size: float) -> float:
-    """2 pi times the scatter of a component over that of its change, of the fastest component."""
+    """2 pi times the scatter of the fastest component over the scatter of its change."""
     scatter = states.std(axis=(0, 2))
     change = np.diff(states, axis=0).std(axis=(0, 2)) / time_step
     moving = scatter > 1e-8 * max(float(np.abs(states).max()), size)

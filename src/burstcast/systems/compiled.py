@@ -140,7 +140,7 @@ def _everywhere(entry: str) -> str:
 
 # --- The program ---------------------------------------------------------------------------------
 
-# The state lies in %state, a vector for each component. The arguments are those of
+# The state lies in %state, a vector for each component. The arguments are as in
 # `CompiledSteps.run`. Arrays have rows of `row` numbers, one for each trajectory; the first
 # `trajectories` of them are integrated, a multiple of the width.
 _PROGRAM = """
@@ -267,7 +267,7 @@ def _choice(systems: Sequence[DynamicalSystem], time_step: float) -> list[str]:
 
 
 def _watch(system: DynamicalSystem) -> list[str]:
-    """Raise the largest observable to that of the state; NaN stays, as with `numpy.maximum`."""
+    """Raise the largest observable to the state's; NaN stays, as with `numpy.maximum`."""
     lines, state = _loaded_state(system.dimension, "reached")
     notes = _Notes("seen")
     (observable,) = system.observable(_symbols(notes, state))

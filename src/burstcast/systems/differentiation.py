@@ -29,7 +29,7 @@ def derivative_method(function: Function, dimension: int) -> Method:
     Parameters
     ----------
     function
-        Of states ``(dimension, batch)``.
+        Function of states ``(dimension, batch)``.
     dimension
         Components of a state.
     """
@@ -67,7 +67,7 @@ def derivative(
     if method == "complex step":
         moved = function(states + (1j * _COMPLEX_STEP) * direction)
         return np.asarray(np.imag(moved) / _COMPLEX_STEP)
-    # differences along a vector of the size of the state itself, whatever that of the direction
+    # differences along a vector as long as the state itself, however long the direction is
     length, size = (np.sqrt(np.sum(np.square(vectors), axis=0)) for vectors in (direction, states))
     step = _DIFFERENCE * np.maximum(size, 1e-3) / np.where(length > 0.0, length, 1.0)
     change = function(states + step * direction) - function(states - step * direction)

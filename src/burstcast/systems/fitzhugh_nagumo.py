@@ -25,7 +25,7 @@ class FitzHughNagumoPair(DynamicalSystem):
     Parameters
     ----------
     a, b1, b2, c
-        Of the units, which differ in b alone.
+        Parameters of the units, which differ in b alone.
     k
         Strength of the coupling.
 

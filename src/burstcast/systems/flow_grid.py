@@ -17,7 +17,7 @@ class FlowGrid:
     Attributes
     ----------
     modes
-        Of the system.
+        Modes of the system.
     x, y, z
         Coordinates of the lines along each direction.
     """

@@ -66,8 +66,8 @@ def integrate(
     stride
         Distance of the kept states in steps. Steps after the last kept state are not taken.
     may_diverge
-        Whether trajectories may leave the range of floating-point numbers, as those of a learnt
-        system do: they go on, infinite or not a number, and disturb no other.
+        Whether trajectories may leave the range of floating-point numbers, as in a learnt system:
+        they go on, infinite or not a number, and disturb no other trajectory.
 
     Returns
     -------

@@ -2,7 +2,7 @@
 
 Source: M. Farazmand, T. P. Sapsis, "A variational approach to probing extreme events in turbulent
 dynamical systems", Science Advances 3 (2017) e1701533. The flow is periodic in a square of side
-2 pi, and a force sin(n y) drives it along x; the equations are those of Navier and Stokes.
+2 pi, and a force sin(n y) drives it along x; it obeys the Navier-Stokes equations.
 """
 
 import math
@@ -234,7 +234,7 @@ class KolmogorovFlow(SemilinearSystem):
     def shift_reflected(self, state: FloatArray) -> FloatArray:
         """Flow reflected in x and moved by pi / n along y: a solution if the flow is one."""
         modes, c = self._modes, _paired(state)
-        # the amplitude of (-x, y) is that of (x, -y), conjugate: those of (0, y) stay
+        # the amplitude of (-x, y) is the conjugate of the one of (x, -y); amplitudes of (0, y) stay
         mirrored = np.array(
             [modes.place[x, -y] if x else modes.place[x, y] for x, y in modes.vectors]
         )
@@ -267,8 +267,8 @@ class KolmogorovFlow(SemilinearSystem):
     def invariants(self, state: FloatArray) -> FloatArray:
         r"""Quantities that a shift along x does not change, ``(invariants, ...)``.
 
-        The moduli of the amplitudes up to |k|^2 = 34; both parts of the amplitude of the mean flow,
-        that of (0, n), and of its products with those of the triads (1, 0) and (1, n), (1, 0) and
+        The moduli of the amplitudes up to |k|^2 = 34; both parts of the amplitude of the mean flow
+        (0, n), and of its products with the amplitudes of the triads (1, 0) and (1, n), (1, 0) and
         (1, -n), which carry energy into a burst (Farazmand and Sapsis 2017). The rotation by pi
         changes the signs of imaginary parts; the shift with reflection exchanges (kx, ky) and (kx,
         -ky).

@@ -5,7 +5,7 @@ paper). They share no code beyond the time stepping: the first integrates the li
 the second two neighbouring solutions of the full ones, so that each checks the other.
 
 The states to start from are on the attractor. Where chaos is transient, as in the shear flow, the
-exponents are those of the chaotic phase: start from series that are known not to laminarise over
+exponents belong to the chaotic phase: start from series that are known not to laminarise over
 the time integrated here, and use the time step that they were made with. Both functions then follow
 the very same trajectories, bit for bit, and stay in the chaotic phase.
 """
@@ -79,7 +79,7 @@ class Estimate:
     Attributes
     ----------
     mean, standard_error, low, high
-        Arrays of one shape: that of what was averaged, without the axis of the trajectories.
+        Arrays of the shape of the averaged values, without the axis of the trajectories.
     """
 
     mean: FloatArray
@@ -370,7 +370,7 @@ def tangent_flow(system: DynamicalSystem) -> DynamicalSystem:
     Returns
     -------
     DynamicalSystem
-        Of twice the dimension: the components of x, then those of v. It has no Jacobian.
+        Of twice the dimension: the components of x, then of v. It has no Jacobian.
     """
     if not has_own(system, "flow_map"):
         if has_own(system, "jacobian"):
@@ -399,7 +399,7 @@ class _TangentFlow(DynamicalSystem):
     observable_symbol: ClassVar[str] = "x"
 
     def __post_init__(self) -> None:
-        # a class variable of a system, but that of this one is twice that of the system inside it
+        # a class variable of a system; here twice the dimension of the system inside
         object.__setattr__(self, "dimension", 2 * self.system.dimension)
 
     def right_hand_side(self, state: FloatArray) -> FloatArray:

@@ -1,6 +1,6 @@
 """The nine modes of the MFE flow: from amplitudes to velocity, vorticity and velocity statistics.
 
-The modes are those of Moehlis, Faisst and Eckhardt, New Journal of Physics 6 (2004) 56. Each
+Modes of Moehlis, Faisst and Eckhardt, New Journal of Physics 6 (2004) 56. Each
 component of each is a product of a function of x, one of y and one of z, and all derivatives and
 averages here are the exact ones of these functions. The walls are at y = -1 and y = 1.
 """
@@ -118,8 +118,8 @@ class MoehlisFaisstEckhardtModes:
     """The modes in a box of a given size.
 
     Fields are returned with the component first, then the further axes of the amplitudes (times,
-    say), then those of the grid: ``(3, ..., *grid)``. The coordinates are arrays that broadcast to
-    the grid, such as those of ``numpy.meshgrid(x, y, z, indexing="ij", sparse=True)``.
+    say), then the axes of the grid: ``(3, ..., *grid)``. The coordinates are arrays that broadcast
+    to the grid, such as the arrays of ``numpy.meshgrid(x, y, z, indexing="ij", sparse=True)``.
 
     Parameters
     ----------

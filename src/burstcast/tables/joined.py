@@ -9,7 +9,7 @@ from pathlib import Path
 def joined_tables(
     parts: Iterable[str | Path], columns: Mapping[str, Iterable[str]]
 ) -> dict[str, str]:
-    """Texts of tables by their names, which are those of the files of their parts.
+    """Texts of tables by their names; the files of their parts have the same names.
 
     Parameters
     ----------

@@ -73,13 +73,13 @@ def data_parameters(
     system
         Parameters of the equations: symbol (LaTeX in math mode), explanation, value.
     time_step, series_duration
-        In time units.
+        Time step and series duration in time units.
     laminarisation_threshold, event_threshold
-        In units of the observable; no laminarisation threshold, no row for it.
+        Both in units of the observable. Without a laminarisation threshold there is no row for it.
     series_kept, training_series
         Numbers of series in all and for training.
     symbol
-        Of the observable.
+        Symbol of the observable.
 
     Returns
     -------
@@ -193,9 +193,9 @@ def described_parameters(name: str, values: Mapping[str, float]) -> list[list[An
     Parameters
     ----------
     name
-        Of the system: the shear flow ``mfe`` has the paper's symbols, others their own names.
+        Name of the system: the shear flow ``mfe`` has the paper's symbols, others their own names.
     values
-        Of the parameters, by their names.
+        Values of the parameters, by their names.
     """
     if name == "mfe":
         return [

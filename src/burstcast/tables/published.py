@@ -32,8 +32,8 @@ _IN_OUR_DEFINITION = {
     "nrmse_u": 1 / _HALF_CHANNEL,
     "exceedance_controlled": 1 / _FROM_BIN_CENTRES,
 }
-# They divide inputs by the range of the first training series, we by that of all ten, which is
-# about 1.45 times as large: another one for each component and each choice of the series.
+# They divide inputs by the range of the first training series, we by the range of all ten, which is
+# about 1.45 times as large, by a factor that depends on the component and the choice of the series.
 _NOT_COMPARABLE = ("input_scaling",)
 
 _KEYS = ["reynolds", "forecaster", "neurons", "validation", "prediction_time_lt", "metric"]
@@ -59,7 +59,7 @@ def published_percentiles(published: pd.DataFrame, table: str) -> pd.DataFrame:
         Columns ``reynolds``, ``forecaster``, ``neurons``, ``validation``, ``prediction_time_lt``,
         ``metric``, ``p25``, ``p50``, ``p75``, with the names of our metrics and in our
         definitions: the error of the mean velocity is normalised by its range from wall to wall,
-        exceedances are those of steps. Input scalings are left out. Classification is as it was
+        exceedances count steps. Input scalings are left out. Classification is as it was
         published: with the paper's washout in place of the authors' the F-score would be lower by
         0.002 to 0.008.
 
@@ -212,7 +212,7 @@ def _with_keys(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def intervals_of_control(strategies: pd.DataFrame, control: pd.DataFrame) -> pd.DataFrame:
-    """Bootstrap intervals of the paper's own control, out of those of all strategies.
+    """Bootstrap intervals of the paper's own control, from the table of all strategies.
 
     The paper's strategy may have been run under other conditions, too: of its runs, those are
     meant that the table of the paper's control has, with the same value.

@@ -22,7 +22,7 @@ def scatter_of_families(
         Kinds of forecasters: what stands for none, as the sampling floor does, has other rows than
         seeds.
     keys
-        Key columns of an ensemble beside those of its case.
+        Key columns of an ensemble beside the key columns of its case.
     metrics
         Columns.
     """

@@ -122,11 +122,11 @@ def panels(
     cells
         Texts of the table, LaTeX.
     heads
-        Of its columns; those without one have their names.
+        Heads of its columns; columns without one have their names.
     keys
         How many columns, the first ones, every part begins with.
     width
-        Of the page, in points.
+        Width of the page, in points.
 
     Returns
     -------
@@ -174,7 +174,7 @@ def to_latex(
         How many columns, the first ones, tell rows apart. The others stand below one another where
         they do not fit side by side.
     width
-        Of the page, in points.
+        Width of the page, in points.
 
     Returns
     -------

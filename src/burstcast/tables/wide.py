@@ -58,7 +58,7 @@ def wide_tables(
     Parameters
     ----------
     rows
-        Of all cases.
+        Rows of all cases.
     layout
         What is shown of them, and how.
     keys

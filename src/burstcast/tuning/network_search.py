@@ -33,23 +33,23 @@ def search(
     Parameters
     ----------
     validator
-        Of the reservoir.
+        Validator of the reservoir.
     space
         Bounds of the search.
     strategy
-        Whose objective is minimised.
+        Validation strategy whose objective is minimised.
     scanned
         Evaluations of the grid (`burstcast.tuning.scan`); those by other strategies are left out.
     points
         How many points to add.
     seed
-        Of the optimiser (`optimiser_seed`).
+        Seed of the optimiser (`optimiser_seed`).
     surrogate
         Settings of the Gaussian process.
 
     Returns
     -------
-    All evaluations by the strategy, those of the grid first.
+    All evaluations by the strategy, beginning with the grid.
     """
     trace = [one for one in scanned if one.validation.strategy == strategy.name]
     on_grid: dict[HyperparameterPoint, float] = {}

@@ -72,7 +72,7 @@ def scan(
     Parameters
     ----------
     validator
-        Of the reservoir.
+        Validator of the reservoir.
     space
         Bounds of the search.
     strategies

@@ -16,8 +16,8 @@ def as_good_as_the_best(excess: FloatArray, paired_standard_error: FloatArray) -
     Parameters
     ----------
     excess, paired_standard_error
-        Of `burstcast.tuning.uncertainty.ObjectiveUncertainty`, ``(points,)``. Where the error is
-        not known (NaN), only the best is as good as itself.
+        Excess and paired standard error of `burstcast.tuning.uncertainty.ObjectiveUncertainty`,
+        ``(points,)``. Where the error is not known (NaN), only the best is as good as itself.
     """
     return np.asarray(excess <= paired_standard_error)
 
@@ -31,7 +31,8 @@ def nearest_escape_rate(rates: FloatArray, wanted: float) -> int:
         Escape rates of closed loops, the point with the best objective first, ``(points,)``. NaN
         where all loops left so soon that there is no rate.
     wanted
-        Of the data. Where it is not known (NaN), or no rate is, the first position is taken.
+        Wanted rate: the rate of the data. Where it is not known (NaN), or no rate is, the first
+        position is taken.
 
     Raises
     ------

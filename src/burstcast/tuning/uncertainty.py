@@ -2,7 +2,7 @@
 
 All points are validated on the same intervals of the same data, so that what an interval does to
 all of them cancels in the difference of two: the standard error of a difference is far smaller than
-that of the objectives themselves, and still larger than many differences in a flat valley.
+the errors of the objectives themselves, and still larger than many differences in a flat valley.
 """
 
 from dataclasses import dataclass
@@ -19,11 +19,11 @@ class ObjectiveUncertainty:
     Attributes
     ----------
     standard_error
-        Of each objective by itself.
+        Standard error of each objective by itself.
     excess
-        Of each objective over the best one; zero for the best.
+        Excess of each objective over the best one; zero for the best.
     paired_standard_error
-        Of that difference, over the same intervals for both; zero for the best.
+        Standard error of that difference, over the same intervals for both; zero for the best.
     """
 
     standard_error: FloatArray

@@ -2,7 +2,7 @@
 
 Source: section "Validation" and the appendix "Training and validation sets" of the paper. One open
 loop over the training series serves all the strategies that train on all series alike: the moments
-of the Single Shot Validation are a snapshot of those of the Recycle Validation, taken one
+of the Single Shot Validation are a snapshot of the moments of the Recycle Validation, taken one
 validation interval before the series end.
 """
 
@@ -73,7 +73,7 @@ def validate(
     training
         Observed training series.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     plan
         Parameters of the strategies.
     tikhonov

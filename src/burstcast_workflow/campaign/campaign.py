@@ -209,8 +209,8 @@ class Campaign:
     def searched(self, one: CaseForecaster) -> CaseForecaster:
         """Network whose search finds the hyperparameters of a network: itself, or a shared one.
 
-        Networks that know the parameters and are trained on the same series share that of the first
-        case, and networks with true washouts have those of the networks of noisy ones.
+        Networks that know the parameters and are trained on the same series share the search of the
+        first case, and networks with true washouts the searches of networks with noisy ones.
         """
         case = self.sources(one.case)[0] if learns_parameters(one.name.kind) else one.case
         kind = one.kind.searched_as or one.name.kind
@@ -294,7 +294,7 @@ class Campaign:
 
     @cached_property
     def strategy_runs(self) -> tuple[ControlRun, ...]:
-        """All control: the paper's, and that of the blocks of strategies, each run once."""
+        """All control: the paper's, and by the blocks of strategies, each run once."""
         runs = [run for block in self.config.control.strategies for run in self._runs_of(block)]
         return tuple(dict.fromkeys([*self.control_runs, *runs]))
 
@@ -405,7 +405,7 @@ class Campaign:
             given no noise, ``forecasters.aware`` is for forecasters that know the parameters, with
             the case's own values (``own``), and ``control.cost`` is left out where it is false.
         wildcards
-            Of the job.
+            Wildcards of the job.
         values
             Further settings by their names.
 
@@ -523,8 +523,8 @@ class Campaign:
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
         """Modules that a job reaches by a name, by the package whose registry finds them.
 
-        They are those of all cases and forecasters where the job belongs to none of them. Only
-        jobs of control have a strategy of control.
+        All cases and forecasters count where the job belongs to none of them. Only jobs of control
+        have a strategy of control.
         """
         names = dict(wildcards.items())
         cases = [names["case"]] if "case" in names else list(self.case_names)

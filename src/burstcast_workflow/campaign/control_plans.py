@@ -37,9 +37,9 @@ class ControlPlan:
     span_lt
         How long each flow counts; None: ``control.span_lt``.
     delay_lt, strength
-        Of the actuator.
+        Delay and strength of the actuator.
     noise
-        Of the observations; None: that of the training series.
+        Noise of the observations; None: the noise of the training series.
     observed
         Case that is the observed part of the controlled one; empty: all of it is observed.
     """
@@ -108,5 +108,5 @@ def _hashable(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-# conditions that a block has unless it says others are those of the paper
+# conditions that a block has unless it says others are the paper's
 (_PAPER,) = block_plans(StrategyBlock(strategy=WINDOWS))

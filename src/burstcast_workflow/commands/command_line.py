@@ -76,7 +76,7 @@ def _parser() -> argparse.ArgumentParser:
     export.add_argument("--seed", type=int, help="of other data; the leaderboard's if left out")
     score = tasks.add_parser("score", help="score the forecasts of one forecaster for one case")
     score.add_argument("files", type=Path, nargs="+", metavar="FILE", help="NetCDF or CSV")
-    score.add_argument("--name", help="of the forecaster; that of the first file if left out")
+    score.add_argument("--name", help="of the forecaster; by default as in the first file")
     score.add_argument("--about", default="", help="the forecaster in one line")
     score.add_argument(
         "--alarm-threshold",

@@ -32,7 +32,7 @@ def stale_files(results: str, workflow: Any) -> list[str]:
     Raises
     ------
     PartOfCampaignError
-        If the plan is not that of the whole campaign.
+        If the plan does not cover the whole campaign.
     """
     if not covers_campaign(workflow):
         raise PartOfCampaignError("this looks at the whole campaign: leave out targets")

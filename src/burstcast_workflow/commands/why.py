@@ -45,11 +45,11 @@ class Job:
     Attributes
     ----------
     rule, wildcards
-        Which job.
+        Rule and wildcards of the job.
     settings, code, inputs
         Its parameters and inputs now.
     recorded_settings, recorded_code, recorded_inputs
-        Those of its last run, and of the inputs whether they are still those; None where nothing is
+        Parameters of the last run, and whether its inputs are still the same; None where nothing is
         recorded.
     missing, incomplete, changed_files
         Outputs that are not there or half-written, and inputs that are newer than the outputs.
@@ -93,7 +93,7 @@ class Cause:
 
 
 def flat(settings: Mapping[str, Any]) -> dict[Leaf, Any]:
-    """Settings of a job by case (or "") and path in the config; ``cases`` has those of several."""
+    """Settings of a job by case (or "") and path in the config; ``cases`` has several cases'."""
     leaves: dict[Leaf, Any] = {}
     of_cases = {"": {path: settings[path] for path in settings if path != "cases"}}
     waiting: list[tuple[str, str, Any]] = [

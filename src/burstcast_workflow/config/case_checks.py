@@ -57,7 +57,7 @@ def _simulated(config: Configuration, name: str) -> Iterator[str]:
             are, it = ("is", "it") if len(missing) == 1 else ("are", "them")
             yield (
                 f"{', '.join(missing)} {are} missing: the class {owner} says nothing of {it} in "
-                f"its case_defaults, and those of config.yaml are in units of another system; say "
+                f"its case_defaults, and config.yaml's are in units of another system; say "
                 f"{it} in cases.{name}"
             )
         else:

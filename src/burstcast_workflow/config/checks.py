@@ -69,7 +69,7 @@ def contradictions(config: Configuration) -> list[str]:
 
 
 def _known_cases(config: Configuration) -> list[str]:
-    """Names with an entry in ``cases``, and those of Reynolds numbers, which need none."""
+    """Names with an entry in ``cases``, and names of Reynolds numbers, which need none."""
     numbers = [value for block in config.campaign for value in block.reynolds]
     return list(dict.fromkeys([*config.cases, *map(case_name, numbers)]))
 
@@ -130,7 +130,7 @@ def _campaign(config: Configuration) -> Iterator[str]:
         base, number = realisation_of(name)
         if number:
             yield (
-                f"cases.{name}: names that end so are those of other training series of {base} "
+                f"cases.{name}: names that end so belong to other training series of {base} "
                 "(campaign.realisations); take another name"
             )
     used = campaign_cases(config)
@@ -146,8 +146,8 @@ def _realisations(config: Configuration, place: str, block: Block, name: str) ->
         yield f"{place} has realisations and event_shares; take one of them"
     if shares and name not in campaign_cases(config):
         yield (
-            f"{place}.event_shares: the series are drawn from those of {name}, which no block of "
-            "the campaign has without event_shares; add one"
+            f"{place}.event_shares: the series are drawn from the series of {name}, which no block "
+            "of the campaign has without event_shares; add one"
         )
     longest = event_shares_of(config, name)
     if shares != longest[: len(shares)] or (block.realisations > 1 and longest):
@@ -168,7 +168,7 @@ def _realisations(config: Configuration, place: str, block: Block, name: str) ->
             said = f"event_shares has {len(shares)}" if shares else f"realisations is {count}"
             yield (
                 f"{place}.{said}; choices of training series that share none, the test series and "
-                f"those of the calibration are {needed} series of {name}, but ensemble.series is "
+                f"the calibration series are {needed} series of {name}, but ensemble.series is "
                 f"{case.ensemble.series}"
             )
 

@@ -128,7 +128,7 @@ EventShare = Annotated[
 ]
 Distinct = Annotated[list[T], AfterValidator(_distinct)]
 Some = Annotated[list[T], Field(min_length=1), AfterValidator(_distinct)]
-# lists in which the order means nothing: everything that is made of them is the same in any order
+# lists in which the order means nothing: results do not depend on it
 Rising = Annotated[Distinct[T], AfterValidator(sorted)]
 SomeRising = Annotated[Some[T], AfterValidator(sorted)]
 SomeFalling = Annotated[Some[T], AfterValidator(partial(sorted, reverse=True))]
@@ -278,7 +278,7 @@ RELATIONS = {
 
 
 def setting(meaning: str, unit: str = "", when: str = "", **bounds: Any) -> Any:
-    """Describe a setting: its meaning, its unit, and bounds beyond those of its type.
+    """Describe a setting: its meaning, its unit, and bounds beyond the bounds of its type.
 
     A bound of `RELATIONS` names another setting (or a product of them, ``a * b``): from the root of
     the configuration, and in a case from the root of the case. If ``when`` names one, too, these

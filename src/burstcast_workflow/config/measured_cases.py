@@ -198,7 +198,7 @@ def _space(system: str, parameters: Mapping[str, Any]) -> StateSpace | None:
 
 
 def data_files(data: Data) -> list[str]:
-    """Files of measured series, in their order: those of a pattern as people sort names.
+    """Files of measured series, in their order: files of a pattern as people sort names.
 
     Raises
     ------
@@ -253,7 +253,7 @@ def own_problems(own: Case) -> Iterator[str]:
             yield "data.components is missing: what forecasters see of the other case"
         for key, value in data:
             if key not in _OF_CASES and value not in (None, []):
-                yield f"data.{key} means nothing where the series are those of another case"
+                yield f"data.{key} means nothing where the series come from another case"
 
 
 def problems_of_encoding(case: Measured, source: Case) -> Iterator[str]:

@@ -666,7 +666,7 @@ class Precursor(Section):
 
 @with_defaults(DEFAULTS["esn_direct"])
 class DirectReadout(Section):
-    """Reservoirs that are read out for the event, `esn_direct`; the rest is that of `esn`."""
+    """Reservoirs that are read out for the event, `esn_direct`; `esn` has all other settings."""
 
     neurons: Size = setting("size of the reservoir")
     spectral_radius: Some[Positive] = setting("spectral radius; several: chosen in training")

@@ -72,7 +72,7 @@ class Place:
         return _entry(get_args(self.kinds[0])[0])
 
     def settings(self) -> Iterator["Place"]:
-        """All settings below this place, in their order; those of the items of lists, too."""
+        """All settings below this place, in their order, settings of items of lists included."""
         for key in self.fields:
             yield (place := self.below(key))
             yield from place.settings()

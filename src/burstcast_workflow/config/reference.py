@@ -23,8 +23,8 @@ model of the section. `campaign` is a list of blocks. An entry of `cases` may ha
 `case_defaults`, which it overrides. A case of another system than the shear flow starts from the
 defaults of its class, and takes only settings without units from `case_defaults`
 ([tutorial.md](tutorial.md)). Kinds of forecasters are modules of `burstcast.forecasters`; a kind
-that is left out or null is not used. An overlay merges its mappings with those of config.yaml and
-replaces all other values, lists included; null removes a kind that config.yaml has.
+that is left out or null is not used. Mappings of an overlay are merged with config.yaml, and all
+other values, lists included, replace its values; null removes a kind that config.yaml has.
 
 Editors complete settings and show their meaning by the JSON Schema
 `workflow/schemas/config.schema.json`, named in the first line of config.yaml. `make pages`

@@ -52,7 +52,7 @@ _MIB_PER_NUMBER = 8 / 2**20
 _CANDIDATES = 5.0  # points of a search that its objective cannot tell from the best
 _SCIPY_SLOWER = 4.0  # a network's step with the backend that is not compiled
 _FIELD_STEP = 8.0  # of a component of a field, in steps of nine compiled equations
-_FIELD_PERTURBATIONS = 7.0  # of a field, in those of nine equations
+_FIELD_PERTURBATIONS = 7.0  # of a field, in perturbations of nine equations
 _TYPICAL_LYAPUNOV_TIME = 60  # in steps, where it is not known before it is computed
 
 _SEARCHED = ("spectral_radius", "input_scaling", "penalty")
@@ -218,7 +218,7 @@ def _training(job: _Job, points: float = 1, loops: float = 0, solves: float = 1)
 
 
 def _forecasts(job: _Job, series: float, spacing: str) -> _Work:
-    """Single forecasts, and those of all members of an ensemble behind a filter."""
+    """Single forecasts, and forecasts of all members of an ensemble behind a filter."""
     reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
     forecasts = 1 + job.members if job.members > 1 else 1
     return _closed_loops(job, series * job.starts(spacing, reach), job.start_up + forecasts * reach)
@@ -268,14 +268,14 @@ def _leave_one_out(job: _Job) -> _Work:
     forecasts = _forecasts(job, own or series, "probability.start_spacing_lt")
     if own:
         return forecasts
-    # the moments of each series, and those of all but one
+    # the moments of each series, and of all but one
     merged = {"number": series * (series - 2) * job.neurons**2}
     moments = _Work(_PLAIN, merged, (series + 1) * job.neurons**2)
     return forecasts + _training(job, solves=series) + moments
 
 
 def _classifiers(job: _Job) -> _Work:
-    """Classifiers of each window, trained on all points, and on those of all folds but one."""
+    """Classifiers of each window, trained on all points, and on all folds but one."""
     reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
     options = {**job("forecasters.precursor"), **job.campaign.options(job.name.kind)}
     spacing = "forecasters.classifiers.start_spacing_lt"

@@ -388,7 +388,7 @@ def is_of_several_cases(figure: Declaration) -> bool:
 
 
 def figure_case(campaign: Campaign, name: str, suffix: str) -> str:
-    """Case that a figure shows: that of its name's end, or the first that it is made for."""
+    """Case that a figure shows: named by its name's end, or the first that it is made for."""
     if suffix:
         return suffix.removeprefix("_")
     return next(iter(cases_of(campaign, FIGURES[name])), campaign.example.case)

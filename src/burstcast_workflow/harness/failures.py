@@ -19,7 +19,7 @@ def failure_summary(rule_logs: Path, scheduler_logs: Path, since: float) -> str:
     rule_logs
         Directory of the rules' logs.
     scheduler_logs
-        Directory of the logs of the scheduler's jobs, where those of failed jobs are kept. It need
+        Directory of the logs of the scheduler's jobs, where logs of failed jobs are kept. It need
         not exist.
     since
         Logs that were last written before this are of other runs; seconds since the epoch.

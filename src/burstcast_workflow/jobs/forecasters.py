@@ -94,7 +94,7 @@ def learnt_rows(
 ) -> FloatArray:
     """Series that a forecaster learns from: with noise, except for the equations, which know all.
 
-    Networks that are given true washouts are those of noisy ones.
+    Networks that are given true washouts are the networks of noisy ones.
     """
     states = training_states(settings, ensemble)
     if forecaster.sees_truth and not forecaster.has_search:

@@ -82,8 +82,8 @@ def write_points(
     spacing
         Setting of the distance of two points, and its value in Lyapunov times.
     schedules
-        Parameters in force in each step, ``(series, time - 1, parameters)``; None: those of the
-        case.
+        Parameters in force in each step, ``(series, time - 1, parameters)``; None: the parameters
+        of the case.
 
     Raises
     ------

@@ -16,11 +16,11 @@ from burstcast_workflow.jobs.forecasters import seen_rows
 from burstcast_workflow.jobs.time_unit import long_run_steps, lyapunov_time
 
 
-def long_run_washouts(settings: Settings, ensemble: str, who: Forecaster) -> FloatArray:
+def long_run_washouts(settings: Settings, ensemble: str, forecaster: Forecaster) -> FloatArray:
     """Washouts of a forecaster before each of its long runs, ``(points, steps, dimension)``."""
     steps = lyapunov_time(settings)
     true = training_states(settings, ensemble)
-    states = seen_rows(who, settings, ensemble, 0, true)
+    states = seen_rows(forecaster, settings, ensemble, 0, true)
     washout = durations.steps(settings["washout_lt"], steps)
     points = long_term_starting_points(
         len(states),

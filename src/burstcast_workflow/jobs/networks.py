@@ -101,7 +101,7 @@ def surrogate_settings(settings: Settings) -> SurrogateSettings:
 def point_validator(
     settings: Settings, identifier: str, ensemble: str, scheduled: Sequence[str]
 ) -> PointValidator:
-    """Validation of the search points of one reservoir, its own or that of a network."""
+    """Validation of the search points of one reservoir, its own or a network's."""
     system = system_of(settings)
     return PointValidator(
         reservoir=reservoir_seed(settings, identifier).reservoir(system.dimension),

@@ -252,9 +252,9 @@ class Stages:
         script
             Below ``workflow/scripts``.
         paths
-            Of the config, and names of groups of them (`Campaign.settings`).
+            Paths of settings in the config, and names of groups of them (`Campaign.settings`).
         found_by_name
-            Modules that all its jobs find by name, by package, beside those of `Campaign.modules`.
+            Modules that all its jobs find by name, by package, beside `Campaign.modules`.
         values
             Given as they are, or by functions of the job's wildcards, without sizes and seeds.
         """

@@ -30,7 +30,7 @@ def plain(columns: Iterable[str]) -> list[str]:
 
 
 def with_percentiles(names: Iterable[str]) -> list[str]:
-    """Names of tables, those of percentiles before what they are taken of, as in the report."""
+    """Names of tables; percentiles of a table come before the table, as in the report."""
     return [
         file
         for name in names
@@ -39,7 +39,7 @@ def with_percentiles(names: Iterable[str]) -> list[str]:
 
 
 def table_of(name: str) -> Table:
-    """Declaration of a table by its name, those of percentiles included."""
+    """Declaration of a table, or of a table of percentiles, by its name."""
     if name in TABLES:
         return TABLES[name]
     table = TABLES[name.removesuffix("_percentiles")]

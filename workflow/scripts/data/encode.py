@@ -29,7 +29,7 @@ def encode(*, source: str, ensemble: str, summary: str, settings: Settings) -> N
     channels, scales = StateChannels.of_training(kind, training, case, level, seed, name)
     true, observed = [], []
     for row in range(len(observable)):
-        # one series after the other, for those of a flow are large
+        # one series after the other, since series of a flow are large
         readings = case.readings_of_series(read_rows(source, "state", row, row + 1))
         seen = observed_series(readings, row, level, scales, seed, name)
         true.append(channels.encode_series(readings))

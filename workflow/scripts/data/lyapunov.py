@@ -24,7 +24,7 @@ MOST_EXPONENTS = 24
 
 @job
 def lyapunov(*, ensemble: str, exponents: str, spectrum: str, settings: Settings) -> None:
-    """Write the exponents with their 95 % confidence intervals, and those of each series."""
+    """Write the exponents with their 95 % confidence intervals, also of each series."""
     system = equations_of(settings)
     time_step, series = settings["case.ensemble.time_step"], settings["case.lyapunov.series"]
     check_kept_series(kept_series(ensemble), {"lyapunov.series": series})

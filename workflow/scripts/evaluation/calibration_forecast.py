@@ -33,16 +33,16 @@ def forecast_calibration_set(
     """Forecast each training series without what it has taught, or other series as they are."""
     system, boundaries = system_of(settings), boundaries_of(settings)
     bound = settings["forecaster.divergence_bound"]
-    who = read_forecaster(forecaster, settings, bound)
+    model = read_forecaster(forecaster, settings, bound)
     points = read_netcdf(calibration_set, "series", "washout", "true_washout")
-    given = seen(who, points["washout"], points["true_washout"])
+    given = seen(model, points["washout"], points["true_washout"])
     learnt = read_scheduled(scheduled, settings["case"]) if scheduled else None
     if settings["probability.calibration_series"] or (learnt and not learnt.own_rows):
-        forecasts = window_forecasts(who, system.observable, given, boundaries)
+        forecasts = window_forecasts(model, system.observable, given, boundaries)
     else:
         forecasts = out_of_sample_forecasts(
-            who,
-            learnt.observed.states if learnt else learnt_rows(who, settings, ensemble),
+            model,
+            learnt.observed.states if learnt else learnt_rows(model, settings, ensemble),
             forecasting_case(settings, ensemble),
             durations.steps(settings["washout_lt"], lyapunov_time(settings)),
             system.observable,

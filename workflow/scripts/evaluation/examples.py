@@ -110,7 +110,7 @@ def examples_of_forecaster(
     settings: Settings,
 ) -> None:
     """Write true and forecast observables of the examples."""
-    who = read_forecaster(forecaster, settings)
-    outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, who)
-    evaluations = _evaluations(ensemble, summary, events, horizon, settings, who)
+    model = read_forecaster(forecaster, settings)
+    outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, model)
+    evaluations = _evaluations(ensemble, summary, events, horizon, settings, model)
     write_netcdf(examples, variables_of(outcomes) | variables_of(evaluations), settings.provenance)

@@ -28,8 +28,8 @@ def find_flow_event(
     truth = read_rows(ensemble, "observable", first, last)
     states = read_rows(ensemble, "state", first, last)
     trained = read_rows(ensemble, "state", 0, first)
-    who = read_forecaster(forecaster, settings)
-    observed = seen_rows(who, settings, ensemble, first, states)
+    model = read_forecaster(forecaster, settings)
+    observed = seen_rows(model, settings, ensemble, first, states)
     lead = durations.steps(wanted["lead_lt"], unit)
     washout = durations.steps(settings["washout_lt"], unit)
     quiet = durations.steps(wanted["quiet_lt"], unit)
@@ -46,7 +46,7 @@ def find_flow_event(
     )
     found = predicted_event(
         events,
-        who,
+        model,
         observed,
         states,
         lead=lead,
@@ -55,7 +55,7 @@ def find_flow_event(
     )
     event_of_flow = forecast_event(
         found,
-        who,
+        model,
         system,
         observed,
         states,

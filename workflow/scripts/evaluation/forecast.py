@@ -16,9 +16,9 @@ def forecast_evaluation_set(
     """Write the first and largest observable of every window of every forecast."""
     system, boundaries = system_of(settings), boundaries_of(settings)
     bound = settings["forecaster.divergence_bound"]
-    who = read_forecaster(forecaster, settings, bound)
+    model = read_forecaster(forecaster, settings, bound)
     points = read_netcdf(evaluation_set)
-    given = seen(who, points["washout"], points["true_washout"])
-    forecasts = window_forecasts(who, system.observable, given, boundaries, points.get("parameter"))
-    variables = forecast_variables(forecasts, system.observable_name)
+    given = seen(model, points["washout"], points["true_washout"])
+    found = window_forecasts(model, system.observable, given, boundaries, points.get("parameter"))
+    variables = forecast_variables(found, system.observable_name)
     write_netcdf(forecast, variables, settings.provenance)

@@ -14,11 +14,11 @@ def measure_horizons(
     *, forecaster: str, events: str, summary: str, horizon: str, settings: Settings
 ) -> None:
     """Write the prediction horizon of every event."""
-    data, who = read_netcdf(events), read_forecaster(forecaster, settings)
+    data, model = read_netcdf(events), read_forecaster(forecaster, settings)
     horizons = prediction_horizons(
-        who,
+        model,
         system_of(settings).observable,
-        seen(who, data["observed"], data["true_state"]),
+        seen(model, data["observed"], data["true_state"]),
         data["truth"],
         horizon_search(settings, summary),
     )

@@ -14,10 +14,10 @@ from burstcast_workflow.jobs.systems import system_of
 def run_freely(*, ensemble: str, forecaster: str, long_term: str, settings: Settings) -> None:
     """Write the forecaster's long-term statistics and what became of each closed loop."""
     bound = settings["forecaster.divergence_bound"]
-    who = read_forecaster(forecaster, settings, bound)
+    model = read_forecaster(forecaster, settings, bound)
     how = long_term_settings(settings, ensemble)
-    washouts = long_run_washouts(settings, ensemble, who)
-    run = run_long_term(who, system_of(settings).observable, washouts, how)
+    washouts = long_run_washouts(settings, ensemble, model)
+    run = run_long_term(model, system_of(settings).observable, washouts, how)
     fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
     write_netcdf(
         long_term,

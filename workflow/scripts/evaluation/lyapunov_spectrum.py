@@ -17,12 +17,12 @@ def lyapunov_spectrum(
     *, ensemble: str, forecaster: str, long_term: str, spectrum: str, settings: Settings
 ) -> None:
     """Write the leading exponents of each of the first runs that were kept."""
-    who = read_forecaster(forecaster, settings)
-    washouts = long_run_washouts(settings, ensemble, who)
+    model = read_forecaster(forecaster, settings)
+    washouts = long_run_washouts(settings, ensemble, model)
     kept = np.flatnonzero(read_netcdf(long_term, "fate")["fate"] == Fate.KEPT)
     interval = sampling_interval(settings)
     found = forecaster_spectrum(
-        who,
+        model,
         washouts[kept[: settings["statistics.lyapunov_runs"]]],
         long_run_steps(settings, ensemble),
         max(1, round(settings["case.lyapunov.orthonormalisation_interval"] / interval)),

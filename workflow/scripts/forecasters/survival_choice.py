@@ -53,7 +53,7 @@ def choose_by_survival(
     rates = []
     for point in points.to_dict("records"):
         values = {str(key): at for key, at in point.items()}
-        who = networks.trained(
+        model = networks.trained(
             dynamics_at(settings, seed, series.dimension, values),
             seed,
             series,
@@ -62,8 +62,8 @@ def choose_by_survival(
             divergence_bound=settings["forecaster.divergence_bound"],
             **told,
         )
-        washouts = long_run_washouts(settings, ensemble, who)
-        run = run_long_term(who, system_of(settings).observable, washouts, how)
+        washouts = long_run_washouts(settings, ensemble, model)
+        run = run_long_term(model, system_of(settings).observable, washouts, how)
         lifetimes = Lifetimes(run.lifetimes, run.fates != Fate.KEPT, how.steps)
         rates.append(escape_rate(lifetimes, interval, confidence))
     row = nearest_escape_rate(np.array([rate.rate for rate in rates]), data.rate)

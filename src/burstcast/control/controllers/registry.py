@@ -31,7 +31,7 @@ def controlling_monitor(
     name
         Module of `burstcast.control.controllers`: "forecaster", "committee", "random".
     strategy, experiment
-        How what is controlled.
+        Strategy of control, and the flows that it controls.
     forecasters
         One; several in a committee of networks; none for controllers without a forecaster.
     alarm_rate

@@ -48,7 +48,7 @@ class Monitor(abc.ABC):
         Parameters
         ----------
         rows, forecast_number, washout, acting
-            As of `alarms`.
+            As in `alarms`.
         """
         return Decision(self.alarms(rows, forecast_number, washout, acting))
 

@@ -18,7 +18,7 @@ class EncodedMonitor(Monitor):
     monitor
         Receives the channels.
     encode
-        From observations ``(observed, ...)`` to channels ``(channel, ...)``.
+        Function from observations ``(observed, ...)`` to channels ``(channel, ...)``.
     """
 
     monitor: Monitor

@@ -22,7 +22,7 @@ class ForecastMonitor(Monitor):
     forecaster
         A forecaster of any kind.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     timing
         Where the window lies.
     threshold

@@ -28,11 +28,11 @@ class HorizonMonitor(Monitor):
     forecaster
         Forecaster.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     horizon
         Steps that are looked ahead.
     level
-        Of the observable: the event threshold less a margin.
+        Level of the observable: the event threshold less a margin.
     values
         Values of the parameters with the actuator off and on, given to the forecaster; None: the
         forecaster does not know the actuation.
@@ -88,7 +88,7 @@ def told_memory(
     forecaster
         Forecaster that knows the parameters.
     washout, acting
-        As of `Monitor.alarms`.
+        As in `Monitor.alarms`.
     values
         Values of the parameters with the actuator off and on.
 

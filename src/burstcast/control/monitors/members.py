@@ -21,7 +21,7 @@ class MemberForecasts:
     Attributes
     ----------
     forecaster
-        Whose ensemble it is.
+        Forecaster that provides the ensemble.
     """
 
     forecaster: Forecaster
@@ -49,9 +49,9 @@ class MembersMonitor(Monitor):
     Attributes
     ----------
     monitor
-        Of `MemberForecasts`: raises alarms of all members of all flows.
+        Monitor of `MemberForecasts`: raises alarms of all members of all flows.
     share
-        Of the members, as of `burstcast.control.monitors.vote.VoteMonitor`.
+        Share of the members, as of `burstcast.control.monitors.vote.VoteMonitor`.
     """
 
     monitor: Monitor

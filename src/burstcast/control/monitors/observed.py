@@ -16,12 +16,12 @@ class ObservedMonitor(Monitor):
     Attributes
     ----------
     observable
-        From states ``(dimension, ...)`` to the quantity ``(...)``: the observable, or another.
+        Function from states ``(dimension, ...)`` to the watched quantity ``(...)``.
     level
-        Of the quantity.
+        Level of the quantity.
     push
-        From states ``(dimension, ...)`` to a quantity whose sign is that of the actuation: where it
-        is negative, an alarm sets off the reversed one. None: it is never reversed.
+        Function from states ``(dimension, ...)`` to a quantity: where it is negative, an alarm
+        sets off the reversed actuation. None: the actuation is never reversed.
     """
 
     observable: Callable[[FloatArray], FloatArray]

@@ -33,9 +33,9 @@ class PlannedMonitor(Monitor):
     forecaster
         Forecaster that knows the parameters.
     observable
-        From states ``(dimension, ...)`` to the observable ``(...)``.
+        Function from states ``(dimension, ...)`` to the observable ``(...)``.
     level
-        Of the observable: the event threshold less a margin.
+        Level of the observable: the event threshold less a margin.
     values
         Values of the parameters with the actuator off and on.
     sequences

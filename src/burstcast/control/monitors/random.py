@@ -13,8 +13,8 @@ class RandomMonitor(Monitor):
     Attributes
     ----------
     alarm_probability
-        Of each forecast. With the share of forecasts that were alarms under a network (its
-        outcome's ``alarm_rate``), the flow spends as much time under actuation.
+        Alarm probability of each forecast. With the share of forecasts that were alarms under a
+        network (its outcome's ``alarm_rate``), the flow spends as much time under actuation.
     draws
         Uniform random numbers in [0, 1), ``(flows, forecasts)``: row i is for flow i, so that what
         happens in one flow does not depend on the others. `Timing.most_forecasts` bounds their

@@ -30,7 +30,7 @@ class VoteMonitor(Monitor):
     members
         One at least.
     share
-        Of the members, in (0, 1]: 0.5 of ten are five or more.
+        Share of the members, in (0, 1]: 0.5 of ten are five or more.
     """
 
     members: Sequence[Monitor]

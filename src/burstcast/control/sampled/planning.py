@@ -37,7 +37,7 @@ class PlanningStrategy(SampledStrategy):
     margin
         By how much less than the event threshold a forecast must stay, in units of the observable.
     vote_share
-        Of several forecasters, each of which plans for itself, the share whose plan acts at once.
+        Share of several forecasters whose plan must act at once; each plans for itself.
     reversible
         Whether each plan is forecast with the reversed force, too.
     """
@@ -61,7 +61,7 @@ class PlanningStrategy(SampledStrategy):
         Parameters
         ----------
         timing
-            Of the decisions.
+            Timing of the decisions.
 
         Returns
         -------
@@ -116,7 +116,7 @@ def pulses(starts: Sequence[int], lengths: Sequence[int], steps: int) -> BoolArr
     Parameters
     ----------
     starts, lengths
-        In steps.
+        Starts and lengths in steps.
     steps
         Length of the plans; longer actuations are cut at their end.
 

@@ -7,7 +7,7 @@ The monitor is given the last observed states, whatever equations they came unde
 actuation belong to another flow than the one that forecasters were trained on; a forecaster
 forecasts the free flow from the present state, as if the actuation were off. The present state
 lies in the same state space, and a reservoir forgets its inputs within a few steps, but the washout
-is unlike those of the training. Each decision is therefore also compared with the truth, separately
+is unlike any in training. Each decision is therefore also compared with the truth, separately
 for decisions with and without actuation in their washout (`Decisions`).
 
 A forecaster that knows the parameters may be given the past actuation and the actuation already

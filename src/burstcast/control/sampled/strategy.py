@@ -21,7 +21,7 @@ class SampledStrategy(ControlStrategy):
     Attributes
     ----------
     decision_interval_lt
-        From one decision to the next, in Lyapunov times; one step at least.
+        Time from one decision to the next, in Lyapunov times; one step at least.
     """
 
     decision_interval_lt: float
@@ -71,7 +71,7 @@ def check_horizon(horizon: int, timing: DecisionTiming, horizon_lt: float, told:
     horizon
         Steps that a decision looks ahead.
     timing
-        Of the decisions.
+        Timing of the decisions.
     horizon_lt
         The horizon as it was set, for messages.
     told

@@ -77,7 +77,7 @@ class ControlStrategy(abc.ABC):
         experiment
             What is controlled.
         forecasters
-            One, or those of a committee; none where the strategy does not forecast.
+            One, or the members of a committee; none where the strategy does not forecast.
 
         Raises
         ------
@@ -112,9 +112,9 @@ class ControlStrategy(abc.ABC):
         experiment
             What is controlled.
         monitor
-            As of `stepper`.
+            As in `stepper`.
         noise, keep_states
-            As of `burstcast.control.simulation.simulate`.
+            As in `burstcast.control.simulation.simulate`.
         """
         return simulate(
             self.stepper(experiment, monitor),
@@ -133,7 +133,7 @@ class ControlStrategy(abc.ABC):
         Parameters
         ----------
         flows
-            Of `simulate`.
+            Flows of `simulate`.
         laminarisation_threshold, edges
-            As of `burstcast.control.counts.count_flows`.
+            As in `burstcast.control.counts.count_flows`.
         """

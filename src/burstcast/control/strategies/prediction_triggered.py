@@ -29,11 +29,11 @@ class PredictionTriggered(ControlStrategy):
     Attributes
     ----------
     prediction_time_lt
-        From a forecast to the start of its window, in Lyapunov times; positive.
+        Time from a forecast to the start of its window, in Lyapunov times; positive.
     window_lt
         Length of the window, in Lyapunov times; positive.
     vote_share
-        Of several forecasters, the share that must forecast an event.
+        Share of several forecasters that must forecast an event.
     """
 
     forecasts: ClassVar[bool] = True

@@ -21,7 +21,7 @@ class RandomDecisions(SampledStrategy):
     Attributes
     ----------
     probability
-        Of acting: the share of time under actuation that is to be expected.
+        Probability of acting: the expected share of the time under actuation.
     """
 
     forecasts: ClassVar[bool] = False

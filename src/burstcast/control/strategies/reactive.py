@@ -34,8 +34,8 @@ class Reactive(SampledStrategy):
         What is watched: an expression of the components by their names, and of ``observable``.
         Empty: the observable.
     push
-        Expression whose sign is that of the actuator's force: where it is negative, the force is
-        reversed. Empty: the force is never reversed.
+        Expression that decides the sign of the actuator's force: where it is negative, the force
+        is reversed. Empty: the force is never reversed.
     """
 
     forecasts: ClassVar[bool] = False
@@ -69,7 +69,7 @@ def quantity(expression: str, space: StateSpace) -> Callable[[FloatArray], Float
     Parameters
     ----------
     expression
-        Of the components by their names, and of ``observable``.
+        Expression of the components by their names, and of ``observable``.
     space
         What the states are.
 

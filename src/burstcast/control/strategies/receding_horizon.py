@@ -35,8 +35,8 @@ class RecedingHorizon(SampledStrategy):
         By how much less than the event threshold counts as an event in a forecast, in units of the
         observable; a negative one asks for more.
     vote_share
-        Of several forecasters, the share that must forecast an event: the alarm probability at
-        which a committee acts.
+        Share of several forecasters that must forecast an event: the alarm probability at which a
+        committee acts.
     aware
         Whether the forecaster, which must know the parameters, is given the past actuation and the
         actuation already triggered. It then acts on the forecast after the delay. Otherwise it

@@ -64,7 +64,7 @@ def simulate_event(
     forecaster
         Source of the alarms.
     noise
-        Of what it observes, ``(flows, steps, dimension)``; None for none.
+        Noise of its observations, ``(flows, steps, dimension)``; None for none.
     """
     timing, observable = strategy.timing(experiment.schedule), experiment.system.observable
     start, stop = strategy.actuation_interval(experiment.schedule)

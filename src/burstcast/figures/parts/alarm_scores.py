@@ -22,7 +22,7 @@ def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.Dat
     Parameters
     ----------
     table
-        Of one case: forecaster, neurons, validation, ...
+        Table of one case: forecaster, neurons, validation, ...
     neurons, validation
         Which networks. Where the table has no such size, the nearest one; where it has no such
         strategy, all strategies of that size. Where it has no network, as a table of committees
@@ -55,7 +55,7 @@ def times_shown(table: pd.DataFrame, wanted: Sequence[float]) -> list[float]:
 def median_network(table: pd.DataFrame, x: str) -> pd.DataFrame:
     """Replace single networks by medians over them, for each value of x: of scores and of ends.
 
-    The band is then of the same kind as those of all others: an interval over test series.
+    The band is then an interval over test series, like all other bands.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def draw_alarms(axes: Axes, table: pd.DataFrame, x: str) -> None:
     axes
         Where to draw.
     table
-        Rows of one metric: forecaster, value, low, high, and the column ``x``; those of single
+        Rows of one metric: forecaster, value, low, high, and the column ``x``; rows of single
         networks are drawn as `median_network`.
     x
         Name of the column on the horizontal axis.

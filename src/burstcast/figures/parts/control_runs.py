@@ -112,7 +112,7 @@ def usual_conditions(noise: float) -> dict[str, float]:
 
 
 def of_network(scores: pd.DataFrame, network: Mapping[str, Any] | None) -> pd.DataFrame:
-    """Rows of one network, of the committee of those of its size, and of all without networks.
+    """Rows of one network, of the committee of networks of its size, and of all other forecasters.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def of_network(scores: pd.DataFrame, network: Mapping[str, Any] | None) -> pd.Da
     shown = ~scores["forecaster"].isin(["esn", "esn_committee", "random"])
     if network is not None:
         shown |= (scores[list(network)] == pd.Series(network)).all(axis="columns")
-        # of committees, that of the networks of its size and strategy
+        # the committee of the networks of its size and strategy
         size = pd.Series(network)[["neurons", "validation"]]
         alike = (scores[list(size.index)] == size).all(axis="columns")
         shown |= alike & (scores["forecaster"] == "esn_committee")

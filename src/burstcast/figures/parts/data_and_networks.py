@@ -70,7 +70,7 @@ def draw_by_size(
     data
         The metric, and its interval, ``<metric>_low`` and ``<metric>_high``.
     percentiles
-        Of the networks of all sizes, with others to compare with.
+        Percentiles of the networks of all sizes, with others to compare with.
     metric
         Its name.
     """

@@ -95,11 +95,11 @@ def draw_percentiles(
     axes
         Where to draw.
     rows
-        Of a percentile table: one per value of ``x``.
+        Rows of a percentile table: one per value of ``x``.
     x
         Name of the column on the horizontal axis.
     style
-        Of the line.
+        Style of the line.
     label
         For the legend.
     band
@@ -150,12 +150,12 @@ def draw_single_intervals(
     axes
         Where to draw.
     intervals
-        Of each forecaster by itself: forecaster, neurons, validation, metric, low, high. The bar of
-        a size has the medians over its networks, of the kind ``esn``.
+        Intervals of each forecaster by itself: forecaster, neurons, validation, metric, low, high.
+        The bar of a size has the medians over its networks, of the kind ``esn``.
     metric, validation
         What is shown of them.
     style
-        Of the line that the bars belong to.
+        Style of the line that the bars belong to.
     """
     shown = (intervals["metric"] == metric) & (intervals["validation"] == validation)
     rows = intervals[shown & (intervals["forecaster"] == "esn")].dropna(subset=["low", "high"])

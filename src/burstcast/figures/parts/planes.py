@@ -130,7 +130,7 @@ def frame_evolution(
     plane_times_lt
         Times of the planes, ``(planes,)``.
     symbol
-        Of the observable.
+        Symbol of the observable.
     """
     draw_threshold(axes, threshold, f"${symbol}_e$", at_left=True)
     _mark_times(axes, plane_times_lt)

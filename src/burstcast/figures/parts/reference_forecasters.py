@@ -78,7 +78,7 @@ def draw_references(
     axes
         Where to draw.
     percentiles
-        Of one case; rows of the kind ``esn`` are left out.
+        Percentiles of one case; rows of the kind ``esn`` are left out.
     metric
         Which metric.
     x

@@ -39,12 +39,13 @@ def draw_statistics_by_size(
     panels
         Where to draw, by metric; all have axes of one kind, so that they can be compared.
     percentiles
-        Of one case; rows of forecaster ``training`` and ``floor`` are horizontal lines.
+        Percentiles of one case; rows of forecaster ``training`` and ``floor`` are horizontal lines.
     intervals
-        Of the same case and each network by itself: neurons, validation, metric, low, high.
+        Intervals of the same case and each network by itself: neurons, validation, metric, low,
+        high.
     published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table;
-        those of the training set as an open marker on the right edge.
+        Published percentiles in the same form, drawn as open markers at the sizes of the table,
+        or on the right edge for the training set.
     """
     for metric, axes in panels.items():
         _draw(axes, percentiles, metric, intervals, published)

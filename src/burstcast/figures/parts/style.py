@@ -73,7 +73,7 @@ _SPARE = MarkerStyle(color=PURPLE, linestyle=(0, (6.0, 1.5, 1.0, 1.5)), linewidt
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 
 # A user's own matplotlibrc must not change a figure: every setting starts from Matplotlib's
-# defaults, except those of interactive windows, which a figure does not have.
+# defaults, except settings of interactive windows, which a figure does not have.
 _INTERACTIVE = ("backend", "interactive", "toolbar", "timezone", "tk.", "webagg.", "macosx.")
 _STYLE: Any = {
     name: value

@@ -27,7 +27,7 @@ def conditions_of(run: Gathered) -> dict[str, Any]:
 def keys_of(run: Gathered, noise: float) -> dict[str, Any]:
     """Key columns of a run: its controller, settings and conditions.
 
-    ``noise`` is that of the case; the noise of a plan replaces it. Equations are given none.
+    ``noise`` is the case's; the noise of a plan replaces it. Equations are given none.
     """
     settings = as_columns(run.plan["settings"])
     return {**run.name.keys, "noise": noise, **settings, **conditions_of(run)}

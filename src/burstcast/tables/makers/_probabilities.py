@@ -43,7 +43,7 @@ class CaseProbabilities:
     Attributes
     ----------
     points
-        Of the evaluation set.
+        Points of the evaluation set.
     chosen
         Content of ``calibration.json``.
     case, root_seed, event_threshold, times, resamples, confidence

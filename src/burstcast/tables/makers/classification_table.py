@@ -51,8 +51,8 @@ def make(
     """Counts and scores, and the bootstrap intervals of the scores.
 
     A classifier predicts an event where its calibrated probability reaches the alarm threshold;
-    both are of ``calibration``, which cases without classifiers have not. A permanent alarm is a
-    row like those of forecasters: with a base rate of one half it has an F-score of two thirds.
+    both are of ``calibration``, which cases without classifiers do not have. A permanent alarm is
+    a row like a forecaster: with a base rate of one half it has an F-score of two thirds.
     """
     truth = WindowSummaries(evaluation_set["first"], evaluation_set["largest"])
     seen, series = evaluation_set["washout_maximum"], evaluation_set["series"]

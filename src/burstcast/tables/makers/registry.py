@@ -43,18 +43,18 @@ class Declaration:
 
 @dataclass(frozen=True)
 class Gathered:
-    """A file among those of all forecasters, or of all runs of control, of a case.
+    """A file of each forecaster, or of each run of control, of a case.
 
     Attributes
     ----------
     name
-        Whose it is.
+        Forecaster, or controller, of the file.
     content
         Content of the file (see `Declaration`).
     plan
         Settings of a run of control; empty for other files.
     strategy
-        How it is called in paths and tables; likewise.
+        Name of the strategy in paths and tables; empty for files of forecasters.
     """
 
     name: ForecasterName

@@ -40,7 +40,7 @@ def make(
     longest = len(ensemble["time"]) - 1
     of_data = Lifetimes.of_ensemble(ensemble["lifetime"], ensemble["series"], longest)
     found = [(ForecasterName("data"), of_data)]
-    # those of a series of the ensemble where no duration is known
+    # as long as a series of the ensemble where no duration is known
     steps = longest if duration is None else round(duration / interval)
     for one in long_term:
         lifetimes = Lifetimes(one.content["lifetime"], one.content["fate"] != Fate.KEPT, steps)

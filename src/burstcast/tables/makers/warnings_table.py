@@ -86,7 +86,7 @@ def make(
     parameters: Mapping[str, Any],
     **searched: list[float],
 ) -> dict[str, Rows]:
-    """A row for each sign; of networks, one for those of a size and strategy."""
+    """A row for each sign; networks of a size and strategy share a row."""
     states = read_rows(ensemble, "state", 0, training_series)
     samples, space = len(states) * states.shape[1], make_space(system, parameters)
     histogram = LongTermStatistics.from_arrays(data).histogram

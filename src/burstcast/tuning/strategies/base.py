@@ -127,7 +127,7 @@ class ValidationStrategy(abc.ABC):
 
         Returns
         -------
-        Folds, one at least. The objective is the mean over the intervals of all of them.
+        Folds, one at least. The objective is the mean over the intervals of all folds.
 
         Raises
         ------
@@ -142,7 +142,7 @@ def use_of_series(folds: Sequence[Fold], row: int) -> tuple[int, list[int]]:
     Parameters
     ----------
     folds
-        Of a strategy.
+        Folds of a strategy.
     row
         The series.
 

@@ -4,8 +4,8 @@ Source: Racca & Magri, "Robust optimization and validation of echo state network
 chaotic dynamics", Neural Networks 142 (2021), for one long series. The form for an ensemble of
 series is ours:
 
-* The intervals are those of the Recycle Validation: ``intervals`` of them laid end to end from the
-  end of the washout, in each of the first ``series`` training series.
+* The intervals are as in Recycle Validation: ``intervals`` of them laid end to end from the end of
+  the washout, in each of the first ``series`` training series.
 * Each interval is a fold. Its readout is trained on the steps of its own series from the end of
   the washout up to the interval's first step (excluded), and on the whole of all other series, from
   the end of their washouts. The interval, and what follows it in its series, are left out.
