@@ -70,7 +70,7 @@ stage(
     settings="SYSTEM TIME OBSERVED case.training.actuation case.actuation "
     "case.laminarisation_threshold",
     cost="data",
-    constraints={"case": SIMULATED},
+    constraints={"case": one_of([*campaign.simulated_cases, *campaign.known_cases])},
     parameters=campaign.config.forecasters.aware.parameters,
 )
 stage(

@@ -1,12 +1,19 @@
 """Cycles of a known period in measured records: of the day, of the year."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.data.measured_data import Run
+from burstcast.data.time_stamps import SECONDS, YEAR
+
+CALENDAR = {"day": 1.0, "week": 7.0, "year": YEAR}
+"""Cycles of the calendar, in days, whose waves are called day_cos, day_sin, and so on."""
+
+_WAVE_OF_CALENDAR = re.compile(rf"\b(?:{'|'.join(CALENDAR)})_(?:cos|sin)\b")
 
 PHASES = 4
 """Parts of the shortest wave of a cycle in which there must be training samples: with an empty one,
@@ -85,15 +92,66 @@ def with_waves(runs: Sequence[Run], cycle: Cycle, time: str) -> list[Run]:
     ValueError
         If a run has a column of that name already.
     """
+    return _with_columns(
+        runs,
+        lambda run: dict(zip(cycle.names, cycle.waves(run.columns[time]).T, strict=True)),
+        "as a wave of data.cycle is called: rename it, or leave the waves out "
+        "(data.cycle.components: false)",
+    )
+
+
+def calendar_names(texts: Sequence[str]) -> list[str]:
+    """Waves of the calendar that columns or expressions name, each once.
+
+    Examples
+    --------
+    >>> calendar_names(["rain", "twice_a_day = 2 * day_sin * day_cos", "day_cos"])
+    ['day_sin', 'day_cos']
+    """
+    return list(dict.fromkeys(name for text in texts for name in _WAVE_OF_CALENDAR.findall(text)))
+
+
+def with_calendar(runs: Sequence[Run], names: Sequence[str], time: str, unit: str) -> list[Run]:
+    """Runs with waves of the calendar as further columns, of phase 0 at 1970-01-01T00:00 UTC.
+
+    Parameters
+    ----------
+    runs
+        Each with a column of times.
+    names
+        The waves, as `calendar_names` finds them.
+    time
+        Name of the column of times.
+    unit
+        Their unit, one of `burstcast.data.time_stamps.SECONDS`.
+
+    Raises
+    ------
+    ValueError
+        If a run has a column of that name already.
+    """
+
+    def waves(run: Run) -> dict[str, FloatArray]:
+        found = {}
+        for name in names:
+            cycle, _, wave = name.partition("_")
+            whole = Cycle(CALENDAR[cycle] * SECONDS["day"] / SECONDS[unit], 1)
+            found[name] = whole.waves(run.columns[time])[:, ("cos", "sin").index(wave)]
+        return found
+
+    return _with_columns(runs, waves, "as a wave of the calendar is called: rename it")
+
+
+def _with_columns(
+    runs: Sequence[Run], made: Callable[[Run], Mapping[str, FloatArray]], reason: str
+) -> list[Run]:
+    """Runs with further columns, which must not be there already."""
     found = []
     for run in runs:
-        if taken := [name for name in cycle.names if name in run.columns]:
-            raise ValueError(
-                f"{run.name} has a column {taken[0]!r}, as a wave of data.cycle is called: rename "
-                f"it, or leave the waves out (data.cycle.components: false)"
-            )
-        waves = dict(zip(cycle.names, cycle.waves(run.columns[time]).T, strict=True))
-        found.append(replace(run, columns={**run.columns, **waves}))
+        columns = made(run)
+        if taken := [name for name in columns if name in run.columns]:
+            raise ValueError(f"{run.name} has a column {taken[0]!r}, {reason}")
+        found.append(replace(run, columns={**run.columns, **columns}))
     return found
 
 

@@ -11,6 +11,15 @@ from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE, TIME
 START = "start"
 """Variable of an ensemble of a record: the time of the first sample of each series."""
 
+SCHEDULE = "parameter"
+"""Variable of an ensemble of a record with columns that are known in advance: their values."""
+
+
+def schedule_variable(schedules: FloatArray) -> dict[str, Variable]:
+    """Variable of values that are known in advance, ``(series, time - 1, columns)``."""
+    meaning = "value of each column that is known in advance, in the sample after each step"
+    return {SCHEDULE: Variable(("series", "step", "parameter_name"), schedules, None, meaning)}
+
 
 def ensemble_variables(
     states: FloatArray,

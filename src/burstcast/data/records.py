@@ -13,7 +13,13 @@ from zoneinfo import available_timezones
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray, float_array, is_known
-from burstcast.data.cycles import Cycle, with_waves, without_cycle
+from burstcast.data.cycles import (
+    Cycle,
+    calendar_names,
+    with_calendar,
+    with_waves,
+    without_cycle,
+)
 from burstcast.data.measured_data import (
     Blocks,
     Quantity,
@@ -366,6 +372,8 @@ class RecordedSeries:
     ----------
     states
         ``(series, time, component)``.
+    known
+        Values that are known in advance, ``(series, time, column)``; None where there are none.
     start
         Time of the first sample of each series; None where rows are not treated by their times.
     left_out
@@ -373,6 +381,7 @@ class RecordedSeries:
     """
 
     states: FloatArray
+    known: FloatArray | None = None
     start: FloatArray | None = None
     left_out: str = ""
 
@@ -406,27 +415,37 @@ def recorded_series(
     """
     time, blocks, treatment = data["time"], data["blocks"], treatment_of(data, step)
     cut = blocks and blocks_of(blocks["duration"], blocks["gap"], step)
-    quantities = [Quantity(text) for text in data["components"]]
-    asked = [*quantities, *([Quantity(space.observable_of)] if space.appended else [])]
+    quantities, known = (list(map(Quantity, data[key])) for key in ("components", "known"))
+    asked = [*quantities, *([Quantity(space.observable_of)] if space.appended else []), *known]
     asked += map(Quantity, [*treatment.removed_from, *([time] if time else [])])
-    waves = treatment.wave_names
+    calendar = calendar_names(data["known"])
+    waves = [*treatment.wave_names, *calendar]
 
     def needed(known: Sequence[str]) -> list[str]:
         names = dict.fromkeys(name for one in asked for name in one.columns([*known, *waves]))
         return [name for name in names if name in known or name not in waves]
 
+    def of_runs(runs: Sequence[Run]) -> tuple[FloatArray, FloatArray | None]:
+        states = series_of_runs(runs, space, quantities, cut)
+        if not known:
+            return states, None
+        names = [one.name for one in known]
+        return states, series_of_runs(runs, MeasuredSeries(names, names[0]), known, cut)
+
     runs = [run for path in paths for run in read_runs(path, data, needed)]
     if treatment.is_plain:
         for run in runs if time is not None else []:
             check_equidistant(run.name, time, Quantity(time).values(run.columns), step)
-        return RecordedSeries(series_of_runs(runs, space, quantities, cut))
+        return RecordedSeries(*of_runs(runs))
     runs, left_out = treatment(runs, needed, cut, training)
     start = None
     if time is not None:
         times = [run.columns[time] for run in runs]
         firsts = [one[list(block_starts(len(one), cut)) if cut else [0]] for one in times]
         start = np.concatenate(firsts)
-    return RecordedSeries(series_of_runs(runs, space, quantities, cut), start, left_out)
+        runs = with_calendar(runs, calendar, time, data["time_unit"])
+    states, known_values = of_runs(runs)
+    return RecordedSeries(states, known_values, start, left_out)
 
 
 def treatment_of(data: Mapping[str, Any], step: float) -> Treatment:
@@ -443,6 +462,45 @@ def treatment_of(data: Mapping[str, Any], step: float) -> Treatment:
         waves=said is not None and said["components"],
         removed_from=tuple(said["removed_from"]) if said else (),
     )
+
+
+def problems_of_known(data: Mapping[str, Any], columns: Sequence[str]) -> Iterator[str]:
+    """Mistakes in the setting ``known`` of a case's records.
+
+    Parameters
+    ----------
+    data
+        The section ``data`` of the case.
+    columns
+        Columns of its first file; empty where that cannot be read.
+
+    Raises
+    ------
+    ValueError
+        If there is no such column.
+    """
+    channels = list(map(Quantity, [*data["components"], data["observable"]]))
+    taken = {text for one in channels for text in (one.name, one.source)}
+    calendar, names = calendar_names(data["known"]), []
+    if calendar and not data["time_unit"]:
+        yield (
+            f"data.known has {calendar[0]}, a wave of the calendar, which takes dates: data.time "
+            f"and data.time_unit"
+        )
+    for one in map(Quantity, data["known"]):
+        if {one.name, one.source} & taken:
+            yield (
+                f"data.known has {one.declaration}, which forecasters see and forecast as a "
+                f"component or the observable: leave it out there, or here"
+            )
+        elif one.name in names:
+            yield f"data.known has {one.name} twice"
+        elif columns:
+            try:
+                one.columns([*columns, *calendar, *filter(None, [data["time"]])])
+            except ValueError as error:
+                raise ValueError(f"data.known: {error}") from None
+        names.append(one.name)
 
 
 _TOGETHER = {

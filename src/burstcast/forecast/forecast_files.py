@@ -126,6 +126,7 @@ def event_variables(
     states: FloatArray,
     observable: FloatArray,
     before: int,
+    schedules: FloatArray | None = None,
 ) -> dict[str, Variable]:
     """Variables of events: which they are, with what was observed and what was true before them.
 
@@ -142,10 +143,22 @@ def event_variables(
         True observable of all kept series, ``(series, time)``.
     before
         Steps up to an event.
+    schedules
+        Parameters in force from each sample of these series to the next, ``(series, time - 1,
+        parameters)``; None: those of the case.
     """
     in_part = SeriesPoints(points.series - first, points.step)
     step_by_step = ("event", "step_before", "component")
+    in_force = {}
+    if schedules is not None:
+        in_force["parameter"] = Variable(
+            ("event", "step_in_force", "parameter_name"),
+            segments(schedules, SeriesPoints(in_part.series, points.step - 1), before - 1, 0),
+            None,
+            "value of each parameter in force from each sample before the event to the next",
+        )
     return {
+        **in_force,
         **_which(points.series, points.step),
         "observed": Variable(
             step_by_step,

@@ -11,7 +11,7 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.base import Forecaster, schedules_of
 
 STEPS_BETWEEN_CHECKS = 16
 """Forecast steps between two looks at which forecasts are decided: changes no result."""
@@ -101,6 +101,7 @@ def accurate_steps(
     washouts: FloatArray,
     truth: FloatArray,
     tolerance: float,
+    parameters: FloatArray | None = None,
 ) -> IntArray:
     """Steps during which each forecast stays within the tolerance of the truth (paper, eq. 11).
 
@@ -118,6 +119,9 @@ def accurate_steps(
         True observable from one step after the starting point, ``(steps, batch)``.
     tolerance
         Error that counts as lost, in the observable's units.
+    parameters
+        Schedule over washout and forecast, as of
+        `burstcast.forecast.window_forecasts.window_forecasts`; None: the case's own values.
 
     Returns
     -------
@@ -126,10 +130,12 @@ def accurate_steps(
     steps, batch = truth.shape
     accurate = np.full(batch, steps, dtype=np.int64)
     running = np.arange(batch)
-    memory = forecaster.start(washouts)
+    past, ahead = schedules_of(parameters, len(washouts))
+    memory = forecaster.start(washouts, past)
     for start in range(0, steps, STEPS_BETWEEN_CHECKS):
         chunk = min(STEPS_BETWEEN_CHECKS, steps - start)
-        outputs, memory = forecaster.advance(memory, chunk)
+        in_force = None if ahead is None else ahead[start : start + chunk][..., running]
+        outputs, memory = forecaster.advance(memory, chunk, in_force)
         error = np.abs(
             observable(outputs.transpose(1, 0, 2)) - truth[start : start + chunk, running]
         )
@@ -151,6 +157,7 @@ def prediction_horizons(
     observed: FloatArray,
     truth: FloatArray,
     search: HorizonSearch,
+    parameters: FloatArray | None = None,
 ) -> FloatArray:
     """PH_ee of each event.
 
@@ -170,6 +177,9 @@ def prediction_horizons(
         True observable of the same steps, ``(events, search.steps_before_event + 1)``.
     search
         How to look for the horizon.
+    parameters
+        Schedule of the same steps, from each to the next, ``(events, search.steps_before_event,
+        parameters)``; None: the case's own values.
 
     Returns
     -------
@@ -199,6 +209,7 @@ def prediction_horizons(
                     ),
                     np.ascontiguousarray(truth[rows, start + 1 :].T),
                     search.tolerance,
+                    None if parameters is None else parameters[rows, start - search.washout + 1 :],
                 )
                 for rows in _batches(undecided, EVENTS_PER_BATCH)
             ]

@@ -6,7 +6,7 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.forecast.windows import WindowForecasts, WindowSummaries, summarise
-from burstcast.forecasters.base import Forecaster, for_members
+from burstcast.forecasters.base import Forecaster, for_members, schedules_of
 
 POINTS_PER_BATCH = 1024
 """Washouts that a forecaster takes in side by side: bounds the memory, changes no result."""
@@ -43,7 +43,8 @@ def window_forecasts(
     batches = []
     for start in range(0, len(washouts), POINTS_PER_BATCH):
         batch = washouts[start : start + POINTS_PER_BATCH].transpose(1, 2, 0)
-        past, ahead = _schedules(parameters, start, washouts.shape[1] - 1)
+        in_force = None if parameters is None else parameters[start : start + POINTS_PER_BATCH]
+        past, ahead = schedules_of(in_force, washouts.shape[1])
         ensemble = forecaster.ensemble(np.ascontiguousarray(batch), past)
         single, diverged = _summaries(
             forecaster, observable, forecaster.combined(ensemble), boundaries, ahead
@@ -71,7 +72,9 @@ def joined(parts: list[WindowForecasts]) -> WindowForecasts:
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def member_forecasts(forecaster: Forecaster, washout: FloatArray, steps: int) -> FloatArray:
+def member_forecasts(
+    forecaster: Forecaster, washout: FloatArray, steps: int, parameters: FloatArray | None = None
+) -> FloatArray:
     """Forecast with every member of a forecaster's ensemble, overflows as in `window_forecasts`.
 
     Parameters
@@ -82,29 +85,23 @@ def member_forecasts(forecaster: Forecaster, washout: FloatArray, steps: int) ->
         Observed states up to the starting points, ``(steps, dimension, batch)``.
     steps
         Steps of the forecast.
+    parameters
+        Schedule over washout and forecast, as of `window_forecasts`; None: the case's own values.
 
     Returns
     -------
     States, ``(steps, dimension, members, batch)``.
     """
-    ensemble = forecaster.ensemble(washout)
-    outputs, _ = forecaster.advance(side_by_side(ensemble), steps)
+    past, ahead = schedules_of(parameters, len(washout))
+    ensemble = forecaster.ensemble(washout, past)
+    of_members = for_members(ahead, ensemble.shape[-2])
+    outputs, _ = forecaster.advance(side_by_side(ensemble), steps, of_members)
     return outputs.reshape(*outputs.shape[:2], *ensemble.shape[-2:])
 
 
 def side_by_side(ensemble: FloatArray) -> FloatArray:
     """Memories ``(..., members, batch)`` as one batch of members times batch, ``(..., both)``."""
     return np.ascontiguousarray(ensemble.reshape(*ensemble.shape[:-2], -1))
-
-
-def _schedules(
-    parameters: FloatArray | None, first: int, washout: int
-) -> tuple[FloatArray | None, FloatArray | None]:
-    """Schedules of a batch of points over its washouts, and over its forecasts."""
-    if parameters is None:
-        return None, None
-    batch = parameters[first : first + POINTS_PER_BATCH].transpose(1, 2, 0)
-    return batch[:washout], batch[washout:]
 
 
 def _summaries(

@@ -1,7 +1,5 @@
 """Parameter factors, shared by kinds that know the parameters: from series or a record."""
 
-import numpy as np
-
 from burstcast.arrays import FloatArray
 from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.forecasters._options import DEFAULTS
@@ -39,7 +37,7 @@ def fitted_factors(schedules: FloatArray | None, case: ForecastingCase) -> Param
     """
     parameters, options = parameters_of(case), {**DEFAULTS["aware"], **case.options}
     names = parameters.names
-    values = np.array([parameters.own]) if schedules is None else schedules
+    values = parameters.constant(1, 1)[..., 0] if schedules is None else schedules
     factors = ParameterFactors.of(names, values, options["transform"], options["parameter_degree"])
     if factors.count == 0:
         raise ValueError(

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+import numpy as np
+
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecasters.base import ForecasterKind, ForecastingCase
 
@@ -26,15 +28,21 @@ class LabelledPoints:
         Whether an event followed in each prediction window, ``(points, windows)``.
     series
         Row of each point's series, ``(points,)``.
+    known
+        Further features, of what is known in advance, ``(points, features)`` (`known_features`);
+        None: there are none.
     """
 
     washouts: FloatArray
     happened: BoolArray
     series: IntArray
+    known: FloatArray | None = None
 
     def of(self, rows: BoolArray, windows: BoolArray) -> Self:
         """Some of the points, and the labels of some of the windows."""
-        return type(self)(self.washouts[rows], self.happened[rows][:, windows], self.series[rows])
+        known = None if self.known is None else self.known[rows]
+        happened = self.happened[rows][:, windows]
+        return type(self)(self.washouts[rows], happened, self.series[rows], known)
 
     def check(self, prediction_times_lt: Sequence[float]) -> None:
         """Check that each window has points with an event after them, and points without one.
@@ -89,11 +97,45 @@ class EventClassifier(ForecasterKind):
         return case
 
     @abc.abstractmethod
-    def probabilities(self, washouts: FloatArray) -> FloatArray:
+    def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
         """Probability of an event in each window: ``(points, windows)``.
 
         Parameters
         ----------
         washouts
             Observed states up to each starting point, ``(points, steps, dimension)``.
+        known
+            Further features, as of the `LabelledPoints` of the training.
         """
+
+
+def known_features(
+    schedules: FloatArray, now: int, windows: Sequence[tuple[int, int]]
+) -> FloatArray:
+    """Features of what is known in advance: values now, and means over prediction windows.
+
+    Parameters
+    ----------
+    schedules
+        Values in force over washouts and what follows, ``(points, steps, parameters)``.
+    now
+        Entry that is in force up to the starting point; -1 if there is none.
+    windows
+        Steps after the starting point at which each window begins and ends.
+
+    Returns
+    -------
+    ``(points, (1 + windows) * parameters)``; without an entry for now, those of the windows.
+
+    Examples
+    --------
+    >>> known_features(np.arange(6.0).reshape(1, 6, 1), 1, [(1, 2), (2, 4)])
+    array([[1. , 2.5, 4. ]])
+    """
+    means = [schedules[:, now + first : now + last + 1].mean(axis=1) for first, last in windows]
+    return np.concatenate([*([schedules[:, now]] if now >= 0 else []), *means], axis=1)
+
+
+def with_known(features: FloatArray, known: FloatArray | None) -> FloatArray:
+    """Features of points ``(points, features)`` with those of what is known in advance."""
+    return features if known is None else np.concatenate([features, known], axis=1)

@@ -6,7 +6,8 @@ at any step. A new kind of forecaster is one new module of this package with one
 of `Forecaster` in it; its name is the module's.
 
 Parameters of the equations may differ between series, and change in time: parameters of the system,
-such as a Reynolds number, or the share of an actuator in force (`burstcast.systems.parameters`). A
+such as a Reynolds number, or the share of an actuator in force (`burstcast.systems.parameters`).
+Columns of a record that are known in advance are parameters, too. A
 *schedule* is an array of their values, each in force from one state to the next; like states, it
 has the parameters in the middle and the batch last. Kinds that are `aware` use schedules. All
 others ignore them.
@@ -283,3 +284,17 @@ def for_members(parameters: FloatArray | None, members: int) -> FloatArray | Non
     ``(steps, parameters, members * batch)``, in the order of `Forecaster.ensemble`.
     """
     return None if parameters is None else np.tile(parameters, (1, 1, members))
+
+
+def schedules_of(
+    parameters: FloatArray | None, washout: int
+) -> tuple[FloatArray | None, FloatArray | None]:
+    """Schedules of points over washouts of some states and over the forecasts after them.
+
+    Those of the points are ``(points, washout - 1 + steps, parameters)``, what is returned has the
+    points last; None: there is no schedule.
+    """
+    if parameters is None:
+        return None, None
+    batch = parameters.transpose(1, 2, 0)
+    return batch[: washout - 1], batch[washout - 1 :]

@@ -13,7 +13,11 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import ReservoirSeed
-from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
+from burstcast.forecasters._event_classifier import (
+    EventClassifier,
+    LabelledPoints,
+    with_known,
+)
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.probability.alarms import average_precision
 from burstcast.probability.logistic_readout import event_probability, fit_logistic
@@ -38,8 +42,8 @@ class DirectReadout(EventClassifier):
     input_range
         Range of each observed component in training, by which inputs are divided.
     weights
-        Weights of the state's neurons, and last the bias, for each window, ``(neurons + 1,
-        windows)``.
+        Weights of the state's neurons, of what is known in advance, and last the bias, for each
+        window, ``(neurons + known features + 1, windows)``.
     penalty
         Strength of the penalty on squared weights of neurons of unit variance.
     """
@@ -71,14 +75,14 @@ class DirectReadout(EventClassifier):
         best, highest = (radii[0], scalings[0], penalties[0]), -np.inf
         for radius, scaling in product(radii, scalings) if several else ():
             dynamics = Dynamics(reservoir, radius, scaling, options["backend"])
-            states = _states(dynamics, observed / input_range)
+            states = with_known(_states(dynamics, observed / input_range), points.known)
             for penalty in penalties:
                 score = _validation_score(states, points, penalty)
                 if score > highest:
                     best, highest = (radius, scaling, penalty), score
         radius, scaling, penalty = best
         dynamics = Dynamics(reservoir, radius, scaling, options["backend"])
-        states = _states(dynamics, observed / input_range)
+        states = with_known(_states(dynamics, observed / input_range), points.known)
         weights = fit_logistic(states, points.happened, penalty)
         return cls(dynamics, seed, input_range, weights, penalty)
 
@@ -88,9 +92,10 @@ class DirectReadout(EventClassifier):
         options = {name: [value] for name, value in zip(_SEARCHED, chosen, strict=True)}
         return replace(case, options={**case.options, **options})
 
-    def probabilities(self, washouts: FloatArray) -> FloatArray:
+    def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
         """Probability of an event in each window (see `EventClassifier.probabilities`)."""
-        return event_probability(self.weights, _states(self.dynamics, washouts / self.input_range))
+        states = _states(self.dynamics, washouts / self.input_range)
+        return event_probability(self.weights, with_known(states, known))
 
     def record(self) -> ForecasterRecord:
         """Readout, normalisation and seed of the reservoir, without large matrices."""

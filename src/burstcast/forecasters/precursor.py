@@ -9,7 +9,11 @@ from typing import Self
 
 from burstcast import durations
 from burstcast.arrays import FloatArray
-from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
+from burstcast.forecasters._event_classifier import (
+    EventClassifier,
+    LabelledPoints,
+    with_known,
+)
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.probability.precursor import Precursor, PrecursorOptions, precursor_features
 
@@ -47,13 +51,13 @@ class LearntPrecursor(EventClassifier):
     def fit(cls, points: LabelledPoints, case: ForecastingCase) -> Self:
         """Fit the classifiers to the present and the lags of each point."""
         options = precursor_options(case)
-        features = precursor_features(points.washouts, options.lags)
+        features = with_known(precursor_features(points.washouts, options.lags), points.known)
         return cls(Precursor.fit(features, points.happened, options))
 
-    def probabilities(self, washouts: FloatArray) -> FloatArray:
+    def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
         """Probability of an event in each window (see `EventClassifier.probabilities`)."""
-        precursor = self.precursor
-        return precursor.probabilities(precursor_features(washouts, precursor.options.lags))
+        features = precursor_features(washouts, self.precursor.options.lags)
+        return self.precursor.probabilities(with_known(features, known))
 
     def record(self) -> ForecasterRecord:
         """Training data of the classifiers, which are fitted again."""

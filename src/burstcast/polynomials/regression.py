@@ -149,9 +149,11 @@ def factored_coefficients(
     count = (1 + factors.shape[2]) * len(monomials(series.shape[2], degree))
     windows = int(sum(_unchanged(of_series, window).sum() for of_series in factors))
     if windows < count:
+        unchanged = " in which no parameter changes: shorten them (forecasters.quadratic.window_lt)"
         raise ValueError(
             f"{series.shape[0]} series of {series.shape[1]} samples are too few for {count} "
             f"coefficients of each equation from windows of {window} intervals"
+            f"{unchanged if factors.shape[2] else ''}"
         )
     # in units of the components' standard deviations, in which monomials are alike in size
     scale = series.std(axis=(0, 1))

@@ -95,6 +95,7 @@ def member_observables(
     observable: Callable[[FloatArray], FloatArray],
     washout: FloatArray,
     steps: int,
+    parameters: FloatArray | None = None,
 ) -> FloatArray:
     """Observable that each member forecasts after one washout, ``(members, steps)``.
 
@@ -108,7 +109,11 @@ def member_observables(
         Observed states up to the starting point, ``(steps, dimension)``.
     steps
         How far to forecast.
+    parameters
+        Schedule over washout and forecast, from each state to the next, ``(washout - 1 + steps,
+        parameters)``; None: the case's own values.
     """
     given = np.ascontiguousarray(washout[:, :, np.newaxis])
-    states = member_forecasts(forecaster, given, steps)[..., 0]
+    in_force = None if parameters is None else parameters[np.newaxis]
+    states = member_forecasts(forecaster, given, steps, in_force)[..., 0]
     return observable(states.transpose(1, 0, 2)).T

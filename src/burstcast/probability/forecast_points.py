@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from burstcast import durations
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecast.windows import WindowForecasts, WindowSummaries, crosses
-from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.forecasters._event_classifier import LabelledPoints, known_features
 from burstcast.probability.alarm_sources import AlarmSource, Forecasts, alarm_sources
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
@@ -86,14 +87,37 @@ class ForecastPoints:
         return crosses(truth, *self.windows(prediction_time_lt), event_threshold)
 
     def labelled(
-        self, prediction_times_lt: Sequence[float], event_threshold: float
+        self,
+        prediction_times_lt: Sequence[float],
+        event_threshold: float,
+        known: FloatArray | None = None,
     ) -> LabelledPoints:
-        """Points without an event under way, labelled for training a classifier."""
+        """Points without an event under way, labelled for training a classifier.
+
+        ``known`` has further features of all points, as `known` returns them.
+        """
         times, scored = prediction_times_lt, self.scored(event_threshold)
         happened = np.stack([self.happened(time, event_threshold) for time in times], axis=1)
         return LabelledPoints(
-            self.data["washout"][scored], happened[scored], self.data["series"][scored]
+            self.data["washout"][scored],
+            happened[scored],
+            self.data["series"][scored],
+            None if known is None else known[scored],
         )
+
+    def known(
+        self, prediction_times_lt: Sequence[float], steps_per_lyapunov_time: int
+    ) -> FloatArray | None:
+        """Features of what is known in advance (`known_features`); None where nothing is."""
+        if "parameter" not in self.data:
+            return None
+        unit, length = steps_per_lyapunov_time, self.window_lt
+        windows = [
+            (durations.steps(time, unit), durations.steps(time + length, unit))
+            for time in prediction_times_lt
+        ]
+        now = self.data["washout"].shape[1] - 2
+        return known_features(self.data["parameter"], now, windows)
 
     def outcomes(
         self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float

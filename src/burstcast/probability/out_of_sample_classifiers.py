@@ -14,6 +14,7 @@ def out_of_sample_probabilities(
     folds: int,
     washouts: FloatArray,
     series: IntArray,
+    known: FloatArray | None = None,
 ) -> FloatArray:
     """Probabilities at points of training series by classifiers that have not learnt from them.
 
@@ -31,6 +32,8 @@ def out_of_sample_probabilities(
         Observed states up to the points that are forecast, ``(points, steps, dimension)``.
     series
         Row of the training series of each of them, ``(points,)``.
+    known
+        Further features of each of them, as of ``points``.
 
     Returns
     -------
@@ -57,5 +60,6 @@ def out_of_sample_probabilities(
         both = (share > 0) & (share < 1)
         if here.any() and both.any():
             fitted = kind.fit(points.of(others, both), case)
-            found[np.ix_(here, both)] = fitted.probabilities(washouts[here])
+            further = None if known is None else known[here]
+            found[np.ix_(here, both)] = fitted.probabilities(washouts[here], further)
     return found

@@ -2,7 +2,8 @@
 
 A schedule holds the values in force from each state to the next, ``(steps, parameters, batch)``:
 entry j is in force from step j to step j + 1. A washout of n states therefore has a schedule of
-n - 1 entries, and a forecast of n steps one of n entries.
+n - 1 entries, and a forecast of n steps one of n entries. Columns of a record that are known in
+advance are parameters, too: entry j has their values in row j + 1.
 """
 
 import math
@@ -31,7 +32,7 @@ class Parameters:
     names
         One name for each parameter, in the order of a schedule's second axis.
     own
-        Values in force where there is no schedule.
+        Values in force where there is no schedule; empty where nothing is known without one.
     """
 
     names: tuple[str, ...]
@@ -43,9 +44,9 @@ class Parameters:
         Raises
         ------
         ValueError
-            If there is no name, or there are not as many values as names.
+            If there is no name, or there are values, but not as many as names.
         """
-        if not self.names or len(self.names) != len(self.own):
+        if not self.names or len(self.own) not in (0, len(self.names)):
             raise ValueError(
                 f"parameters need a value for each name, one at least: not the names "
                 f"{list(self.names)} and the values {list(self.own)}"
@@ -64,12 +65,23 @@ class Parameters:
     def constant(self, steps: int, batch: int, values: Sequence[float] | None = None) -> FloatArray:
         """Schedule of constant values, ``(steps, parameters, batch)``; by default the case's own.
 
+        Raises
+        ------
+        ValueError
+            If no values are given, and the case has none of its own.
+
         Examples
         --------
         >>> Parameters(("reynolds",), (400.0,)).constant(2, 3).shape
         (2, 1, 3)
         """
-        column = np.array(self.own if values is None else values, dtype=np.float64)
+        values = self.own if values is None else values
+        if not len(values):
+            raise ValueError(
+                f"{', '.join(self.names)}: values over the whole forecast must be given, for "
+                f"nothing is known of them otherwise"
+            )
+        column = np.array(values, dtype=np.float64)
         return np.tile(column[:, np.newaxis], (steps, 1, batch))
 
     def check(self, schedule: FloatArray, steps: int, batch: int) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from burstcast import durations
 from burstcast.control.setting_names import is_option
 from burstcast.control.strategies.registry import make_strategy, strategy_class
+from burstcast.data.measured_data import Quantity
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters._options import options_of_kind
@@ -251,8 +252,12 @@ class Campaign:
 
     @cached_property
     def long_term_forecasters(self) -> tuple[CaseForecaster, ...]:
-        """Forecasters whose long-term statistics are computed."""
-        return self._chosen(self.config.statistics.forecasters)
+        """Forecasters whose long-term statistics are computed: none that needs known values."""
+        return tuple(
+            one
+            for one in self._chosen(self.config.statistics.forecasters)
+            if one.case not in self.known_cases or not learns_parameters(one.name.kind)
+        )
 
     @cached_property
     def spectrum_forecasters(self) -> tuple[CaseForecaster, ...]:
@@ -363,10 +368,14 @@ class Campaign:
 
     @cached_property
     def aware_cases(self) -> tuple[str, ...]:
-        """Cases with forecasters that know the parameters."""
-        return tuple(
-            dict.fromkeys(one.case for one in self.forecasters if learns_parameters(one.name.kind))
-        )
+        """Cases of equations with forecasters that know their parameters."""
+        known = [one.case for one in self.forecasters if learns_parameters(one.name.kind)]
+        return tuple(filter(self.has_equations, dict.fromkeys(known)))
+
+    @cached_property
+    def known_cases(self) -> tuple[str, ...]:
+        """Cases of records some of whose columns are known in advance."""
+        return tuple(case for case in self.measured_cases if self.data(case).known)
 
     @property
     def switched_cases(self) -> tuple[str, ...]:
@@ -435,11 +444,14 @@ class Campaign:
     def _setting(self, path: str, wildcards: Mapping[str, str], name: ForecasterName) -> Any:
         section, *rest = path.split(".")
         if section == "forecaster":
-            value: Any = self._options(name.kind)
+            options = self.options(name.kind, wildcards.get("case", ""))
+            bound = options.pop("divergence_bound", None)
+            value: Any = {"options": options, "divergence_bound": bound}
             if self._decodes(wildcards, name):
                 value["options"]["source"] = self.source_system(wildcards["case"])
         elif path == AWARE:
-            return {**self._plain[section]["aware"], "own": self.own_values(wildcards["case"])}
+            aware = self._sections(wildcards["case"])["aware"]
+            return {**aware, "own": self.own_values(wildcards["case"])}
         elif section == "case":
             value = self._plain_cases[wildcards["case"]]
         elif path == "statistics.duration" and self.config.statistics.duration is None:
@@ -468,9 +480,20 @@ class Campaign:
         switched = wildcards.get("case") in self.switched_cases
         return bool(told) or switched or learns_parameters(name.kind)
 
+    def _sections(self, case: str) -> dict[str, Any]:
+        """Settings of kinds of forecasters in a case; records have known columns as parameters."""
+        sections: dict[str, Any] = self._plain["forecasters"]
+        if case not in self.known_cases:
+            return sections
+        names = [Quantity(text).name for text in self.data(case).known]
+        told = {**sections["aware"], "parameters": names, "transform": "identity"}
+        return {**sections, "aware": told}
+
     def own_values(self, case: str) -> list[float]:
-        """Values of the parameters that forecasters are given, in a case without actuation."""
+        """Values of parameters that forecasters are given, without actuation; none for records."""
         names, one = self.config.forecasters.aware.parameters, self.cases[case]
+        if not isinstance(one, Simulated):
+            return []
         if names == [SHARE]:
             return [0.0]
         return [*SystemParameters.of(make_system(one.system, one.parameters), names).own]
@@ -492,14 +515,9 @@ class Campaign:
                 plain["event_threshold"]["case"] = name
         return found
 
-    def options(self, kind: str) -> dict[str, Any]:
-        """Settings of a kind of forecasters, from all of its sections."""
-        return options_of_kind(kind, self._plain["forecasters"])
-
-    def _options(self, kind: str) -> dict[str, Any]:
-        options = self.options(kind)
-        bound = options.pop("divergence_bound", None)
-        return {"options": options, "divergence_bound": bound}
+    def options(self, kind: str, case: str = "") -> dict[str, Any]:
+        """Settings of a kind of forecasters, in a case, from all of its sections."""
+        return options_of_kind(kind, self._sections(case))
 
     def _control_record(self, wildcards: Mapping[str, str], name: ForecasterName) -> dict[str, Any]:
         run = self.plan(wildcards["strategy"]).record(self.config.control.span_lt)

@@ -68,7 +68,7 @@ def extrapolations(config: Configuration) -> Iterator[str]:
     """Warn of parameter values outside of those in training."""
     for name in campaign_cases(config):
         kinds = [kind for block in blocks_of(config, name) for kind in block.forecasters.kinds]
-        if not any(map(learns_parameters, kinds)):
+        if not any(map(learns_parameters, kinds)) or data_of(config, name) is not None:
             continue
         case = _simulated(config, name)
         sources = case.training.trained_on or [name]

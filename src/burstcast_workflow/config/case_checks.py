@@ -191,6 +191,18 @@ def _filter(settings: Filter, case: Case, whose: str) -> Iterator[str]:
         )
 
 
+def _known(config: Configuration, case: Measured, kinds: list[str]) -> Iterator[str]:
+    """Mistakes in a measured case with kinds that learn from what is known in advance."""
+    assert case.data is not None
+    if not case.data.known:
+        yield f"data.known is empty, but {', '.join(kinds)} learn from what is known in advance"
+    for key in ("trained_on", "actuation"):
+        if getattr(case.training, key):
+            yield f"training.{key} means nothing for measured series (data): leave it out"
+    if config.search.choice == "survival":
+        yield f"search.choice is survival, but {', '.join(kinds)} have no long runs; take best"
+
+
 def _measured(config: Configuration, name: str) -> Iterator[str]:
     """Mistakes in a case of measured series."""
     own = config.cases[name]
@@ -230,7 +242,7 @@ def _measured(config: Configuration, name: str) -> Iterator[str]:
             f"to start from ({', '.join(needing)})"
         )
     if knowing := [kind for kind in kinds if learns_parameters(kind)]:
-        yield f"measured series have no parameters to be known ({', '.join(knowing)})"
+        yield from _known(config, case, knowing)
     yield from lag_misfits(config, case, kinds)
     yield from room_misfits(config, case)
     filters = [kind for kind in kinds if kind_class(kind).has_filter]

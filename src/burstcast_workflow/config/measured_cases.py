@@ -10,7 +10,7 @@ from typing import Any
 from burstcast.data.cycles import Cycle
 from burstcast.data.delay_coordinates import delayed_name
 from burstcast.data.measured_data import Quantity
-from burstcast.data.records import problems_of_treatment
+from burstcast.data.records import problems_of_known, problems_of_treatment
 from burstcast.data.series_files import column_names
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.channels import IDENTITY, channel_names, encoding_case
@@ -24,8 +24,9 @@ Config = dict[str, Any]
 OBSERVABLE = "observable"
 """What another case's observable is called among its columns."""
 
-OFF = "Lyapunov exponents of equations, forecasts by equations, control, velocity profiles"
-"""What needs equations."""
+OFF = """Lyapunov exponents of equations, forecasts by equations, control, velocity profiles, \
+long runs of forecasters that learn from data.known"""
+"""What needs equations, or columns that are known in advance beyond the end of a record."""
 
 SUBSTEPS = 4
 """Steps of the Runge-Kutta scheme from one row to the next, for equations that are learnt."""
@@ -75,7 +76,10 @@ def measured_record(
         whole = source["ensemble"]
         steps = {key: whole.get(key) for key in ("time_step", "sampling_stride", "duration")}
         record |= _of_source(source, data)
-    data["components"] = said.components or data.get("columns") or _in_header(said)
+    known = {Quantity(text).source for text in said.known}
+    data["components"] = said.components or [
+        name for name in data.get("columns") or _in_header(said) if name not in known
+    ]
     if (cycle := said.cycle) is not None and cycle.components:
         data["components"] = [*data["components"], *Cycle(1, cycle.harmonics).names]
     names = [Quantity(text).name for text in data["components"]]
@@ -281,6 +285,7 @@ def problems_of_data(case: Measured) -> Iterator[str]:
         if data.case is None:
             data_files(data)
             yield from problems_of_treatment(data.dump())
+            yield from problems_of_known(data.dump(), _in_header(data) if data.known else [])
         else:
             for text in [*data.components, *([data.observable] if appended else [])]:
                 Quantity(text).columns([*data.columns, OBSERVABLE])

@@ -416,6 +416,12 @@ class Data(Section):
         "columns if left out",
         default=[],
     )
+    known: Distinct[str] = setting(
+        "what is known in advance, and given to forecasters that can use it over their forecasts: "
+        "columns, expressions of columns, or <name> = <one of these>; day_cos, day_sin, week_cos, "
+        "week_sin, year_cos and year_sin are waves of the calendar, which take dates",
+        default=[],
+    )
     delays: Distinct[Count] = setting(
         "past values of all components that forecasters see beside the present ones: steps of a "
         "forecast back; each series begins so much later",

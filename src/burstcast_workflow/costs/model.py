@@ -100,14 +100,15 @@ class _Job:
         self.transient = self("case.ensemble").get("transient", 0) / self.interval
         learns = name.asks_forecasters and learns_parameters(name.kind)
         sources = len(campaign.sources(self.case)) if learns else 1
-        # of a network's readout: the states once more for the parameter
-        self.features = self.neurons * (2 if learns else 1)
+        # of a network's readout: the states once more for each factor of the parameters
+        options = campaign.options(name.kind, self.case)
+        names, degree = options.get("parameters", []), options.get("parameter_degree", 1)
+        self.features = self.neurons * math.comb(len(names) + degree, degree)
         self.rows = (
             sources * self.training_series * max(0.0, self.samples - self.steps("washout_lt"))
         )
         self.stride = self("case.ensemble.sampling_stride")
         # an ensemble takes in the washout before a forecast
-        options = campaign.options(name.kind)
         self.members = options.get("members", 1)
         self.start_up = self.members * self.steps("washout_lt")
         self.forecasters = len(campaign.select(case=self.case))

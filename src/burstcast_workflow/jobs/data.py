@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from burstcast.arrays import FloatArray
 from burstcast.data.dataset import component_scales, observed_series
+from burstcast.data.ensemble_files import SCHEDULE
 from burstcast.files.netcdf import read_netcdf, read_rows, variable_names
 from burstcast.statistics.densities import bin_edges, edges_over
 from burstcast_workflow.harness.settings import Settings
@@ -29,6 +30,12 @@ def check_kept_series(kept: int, needs: Mapping[str, int]) -> None:
             f"raise ensemble.series, or ask for at most {kept}"
             f"{' in all' if len(needs) > 1 else ''}"
         )
+
+
+def known_rows(ensemble: str, first: int, last: int) -> FloatArray | None:
+    """Schedules of kept series, of columns that are known in advance; None where there are none."""
+    there = SCHEDULE in variable_names(ensemble)
+    return read_rows(ensemble, SCHEDULE, first, last) if there else None
 
 
 def test_series(settings: Settings, kept: int) -> int:

@@ -12,6 +12,7 @@ from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.data import (
     check_kept_series,
     kept_series,
+    known_rows,
     observed_rows,
     test_series,
 )
@@ -60,7 +61,8 @@ def write_point_set(
     states = read_rows(ensemble, "state", rows.start, rows.stop)
     observed = observed_rows(settings, ensemble, rows.start, states)
     observable = read_rows(ensemble, "observable", rows.start, rows.stop)
-    write_points(path, settings, (states, observed, observable), spacing)
+    known = known_rows(ensemble, rows.start, rows.stop)
+    write_points(path, settings, (states, observed, observable), spacing, known)
 
 
 def write_points(

@@ -6,7 +6,7 @@ from burstcast.control.actuation import ActuatorShare
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import SHARE, Parameters, SystemParameters
 from burstcast.systems.registry import make_space, make_system
-from burstcast.systems.state_space import StateSpace
+from burstcast.systems.state_space import MEASURED, StateSpace
 from burstcast_workflow.harness.settings import Settings
 
 
@@ -16,7 +16,9 @@ def system_of(settings: Settings) -> StateSpace:
 
 
 def parameters_of(settings: Settings, names: Sequence[str]) -> Parameters:
-    """Parameters of a job's case that forecasters are given, by their names."""
+    """Parameters of a job's case that forecasters are given, by their names: a record's columns."""
+    if settings["case.system"] == MEASURED:
+        return Parameters(tuple(names), ())
     if list(names) == [SHARE]:
         actuation = settings.get("case.actuation")
         if actuation is None:

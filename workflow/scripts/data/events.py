@@ -9,7 +9,7 @@ from burstcast.forecast.forecast_files import event_variables
 from burstcast.statistics.warning_signs import few_events
 from burstcast_workflow.harness.job import Settings, concerning, job, tell, write_json, write_netcdf
 from burstcast_workflow.harness.settings import HORIZON
-from burstcast_workflow.jobs.data import check_kept_series, observed_rows
+from burstcast_workflow.jobs.data import check_kept_series, known_rows, observed_rows
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
@@ -39,7 +39,8 @@ def events_of_case(*, ensemble: str, events: str, events_summary: str, settings:
     last = int(points.series.max()) + 1 if len(points) else first
     states = read_rows(ensemble, "state", first, last)
     observed = observed_rows(settings, ensemble, first, states)
-    variables = event_variables(points, first, observed, states, observable, before)
+    known = known_rows(ensemble, first, last)
+    variables = event_variables(points, first, observed, states, observable, before, known)
     write_netcdf(events, variables, settings.provenance)
     happens = observable >= threshold
     write_json(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from burstcast.data.ensemble_files import START, ensemble_variables
+from burstcast.data.ensemble_files import START, ensemble_variables, schedule_variable
 from burstcast.data.measured_data import kept_series
 from burstcast.files.netcdf import Variable
 from burstcast.files.units import TIME
@@ -38,6 +38,8 @@ def import_data(*, sources: list[str], ensemble: str, summary: str, settings: Se
         np.maximum(lifetimes - past, 0),
         sampling_interval(settings),
     )
+    if measured.known is not None:
+        variables |= schedule_variable(measured.known[index, past + 1 :])
     if measured.start is not None:
         start = measured.start[index] + past * sampling_interval(settings)
         variables[START] = Variable(("series",), start, TIME, "time of the first sample")

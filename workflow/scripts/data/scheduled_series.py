@@ -1,8 +1,10 @@
 """Training series for forecasters that know the parameters: the case's own, or actuated ones."""
 
+import numpy as np
+
 from burstcast.data.scheduled_series import ScheduledSeries
 from burstcast_workflow.harness.job import Settings, job
-from burstcast_workflow.jobs.data import observed_rows, training_states
+from burstcast_workflow.jobs.data import known_rows, observed_rows, training_states
 from burstcast_workflow.jobs.scheduled import write_scheduled
 from burstcast_workflow.jobs.switched import switched_series
 from burstcast_workflow.jobs.systems import parameters_of
@@ -17,6 +19,10 @@ def schedule_series(*, ensemble: str, scheduled_series: str, settings: Settings)
     if actuated:
         steps = lyapunov_time(settings)
         series, observed = switched_series(settings, ensemble, range(len(free)), steps, "training")
+    elif (known := known_rows(ensemble, 0, len(free))) is not None:
+        if not np.ptp(known, axis=(0, 1)).any():
+            raise ValueError("data.known: nothing of it varies in the training series")
+        series, observed = ScheduledSeries(free, known), observed_rows(settings, ensemble, 0, free)
     else:
         own = parameters_of(settings, settings["parameters"]).own
         series = ScheduledSeries.constant(free, own)

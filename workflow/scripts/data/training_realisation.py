@@ -4,7 +4,7 @@ import numpy as np
 
 from burstcast import random_streams
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.data.ensemble_files import ensemble_variables
+from burstcast.data.ensemble_files import ensemble_variables, schedule_variable
 from burstcast.data.training_realisations import (
     draw_training_series,
     realisation_of,
@@ -13,7 +13,7 @@ from burstcast.data.training_realisations import (
 )
 from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
-from burstcast_workflow.jobs.data import check_kept_series, test_series
+from burstcast_workflow.jobs.data import check_kept_series, known_rows, test_series
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import sampling_interval
 
@@ -63,5 +63,7 @@ def choose_training_series(*, source: str, ensemble: str, summary: str, settings
         data["lifetime"],
         sampling_interval(settings),
     )
+    if (known := known_rows(source, 0, len(rows))) is not None:
+        variables |= schedule_variable(known[rows])
     write_netcdf(ensemble, variables, settings.provenance)
     write_json(summary, of_all, settings.provenance)

@@ -34,11 +34,12 @@ def forecast_calibration_set(
     system, boundaries = system_of(settings), boundaries_of(settings)
     bound = settings["forecaster.divergence_bound"]
     model = read_forecaster(forecaster, settings, bound)
-    points = read_netcdf(calibration_set, "series", "washout", "true_washout")
+    points = read_netcdf(calibration_set)
+    known = points.get("parameter")
     given = seen(model, points["washout"], points["true_washout"])
     learnt = read_scheduled(scheduled, settings["case"]) if scheduled else None
     if settings["probability.calibration_series"] or (learnt and not learnt.own_rows):
-        forecasts = window_forecasts(model, system.observable, given, boundaries)
+        forecasts = window_forecasts(model, system.observable, given, boundaries, known)
     else:
         forecasts = out_of_sample_forecasts(
             model,
@@ -50,6 +51,7 @@ def forecast_calibration_set(
             np.array(learnt.own_rows)[points["series"]] if learnt else points["series"],
             boundaries,
             learnt.schedules if learnt else None,
+            known,
         )
     variables = forecast_variables(forecasts, system.observable_name)
     write_netcdf(calibration_forecast, variables, settings.provenance)

@@ -4,13 +4,13 @@ import dataclasses
 
 import numpy as np
 
-from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecasters.registry import classifier_class
 from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast_workflow.harness.job import Settings, concerning, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import forecasting_case, write_forecaster
 from burstcast_workflow.jobs.probabilities import forecast_points
+from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 @job
@@ -31,19 +31,22 @@ def event_probabilities(
     case = forecasting_case(settings)
     options = {**case.options, "random_seed": settings["random_seed"]}
     case = dataclasses.replace(case, options=options)
-    learnt = forecast_points(settings, training_set, []).labelled(times, threshold)
+    steps, points = lyapunov_time(settings), forecast_points(settings, training_set, [])
+    known = points.known(times, steps)
+    learnt = points.labelled(times, threshold, known)
     with concerning(f"case {settings['case']}"):
         learnt.check(times)
     fitted = kind.fit(learnt, case)
-    tested = fitted.probabilities(read_netcdf(evaluation_set, "washout")["washout"])
-    kept = read_netcdf(calibration_set, "washout", "series")
+    test, kept = (forecast_points(settings, one, []) for one in (evaluation_set, calibration_set))
+    # an actuation of the test series alone is not known to what has learnt without one
+    told = [None if known is None else one.known(times, steps) for one in (test, kept)]
+    tested = fitted.probabilities(test.data["washout"], told[0])
     if settings["probability.calibration_series"]:
-        calibrating = fitted.probabilities(kept["washout"])
+        calibrating = fitted.probabilities(kept.data["washout"], told[1])
     else:
         folds = settings["forecasters.classifiers.folds"]
-        calibrating = out_of_sample_probabilities(
-            kind, learnt, fitted.tuned(case), folds, kept["washout"], kept["series"]
-        )
+        asked = kept.data["washout"], kept.data["series"], told[1]
+        calibrating = out_of_sample_probabilities(kind, learnt, fitted.tuned(case), folds, *asked)
     write_forecaster(forecaster, fitted, settings.provenance)
     for path, found in ((forecast, tested), (calibration_forecast, calibrating)):
         probabilities = EventProbabilities(found, np.array(times, dtype=np.float64), threshold)

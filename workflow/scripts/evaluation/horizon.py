@@ -21,6 +21,7 @@ def measure_horizons(
         seen(model, data["observed"], data["true_state"]),
         data["truth"],
         horizon_search(settings, summary),
+        data.get("parameter"),
     )
     write_netcdf(
         horizon, horizon_variables(data["series"], data["step"], horizons), settings.provenance

@@ -22,8 +22,7 @@ def _forecasts(
     forecasters: Sequence[str],
     forecasts: Sequence[str],
     settings: Settings,
-    washout: FloatArray,
-    reach: int,
+    given: tuple[FloatArray, int, FloatArray | None],
 ) -> dict[str, FloatArray]:
     """Observables that the members of each forecaster's ensemble forecast, by forecaster.
 
@@ -37,7 +36,7 @@ def _forecasts(
         known = Settings(one.settings, one.identity, computed_exponent=exponent)
         forecaster = read_forecaster(paths[one.name], known)
         observable = system_of(known).observable
-        found[one.name.identifier] = member_observables(forecaster, observable, washout, reach)
+        found[one.name.identifier] = member_observables(forecaster, observable, *given)
     return found
 
 
@@ -70,13 +69,14 @@ def event_of_committees(
     if point is not None:
         reach_lt = settings["classification.longest_prediction_time_lt"]
         reach = durations.steps(reach_lt + settings["classification.window_lt"], steps)
-        washout = points.data["washout"][point]
+        washout, schedules = points.data["washout"][point], points.data.get("parameter")
+        in_force = None if schedules is None else schedules[point, : len(washout) - 1 + reach]
         observed = system_of(settings).observable(washout.T)
         row = settings["case.training.series"] + int(points.data["series"][point])
         now = int(points.data["step"][point])
         series = read_rows(ensemble, "observable", row, row + 1)[0]
         true = series[now + 1 - len(washout) : now + 1 + reach]
-        found = _forecasts(forecasters, forecasts, settings, washout, reach)
+        found = _forecasts(forecasters, forecasts, settings, (washout, reach, in_force))
         fans = [np.concatenate([found[name] for name in one.forecasters]) for one in committees]
         happened = [bool(points.happened(time, threshold)[point]) for time in times]
         chosen = read_json(calibration)

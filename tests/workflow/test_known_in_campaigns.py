@@ -1,0 +1,261 @@
+"""A record with columns that are known in advance, through the stages of the workflow."""
+
+import copy
+
+import numpy as np
+import pytest
+import yaml
+from helpers_rebuilds import Project
+
+from burstcast.files.netcdf import read_netcdf
+from burstcast_workflow import open_campaign
+from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.harness.tables import read_table
+
+SAMPLES, BLOCK = 1100, 50
+NETWORKS = {"neurons": [40], "validation": ["RV"], "seeds": 2}
+CONFIG = {
+    "results": "results/plant",
+    "campaign": [
+        {
+            "cases": ["plant"],
+            "forecasters": {
+                **{"esn": {**NETWORKS, "seeds": 1}, "esn_aware": NETWORKS, "quadratic_aware": {}},
+                **{"quadratic_aware_filtered": {}, "precursor": {}},
+            },
+        }
+    ],
+    "cases": {
+        "plant": {
+            "data": {
+                "files": ["plant.csv"],
+                "time": "time",
+                "time_unit": "hour",
+                "time_step": 1,
+                "observable": "x",
+                "known": ["push", "day_sin"],
+                "blocks": {"duration": BLOCK - 1},
+            },
+            "training": {"series": 10},
+            "recycle_validation": {"series": 3},
+            "event_threshold": 0.6,
+            "lyapunov": {"published_exponent": 0.25},
+        }
+    },
+    "washout_lt": 2,
+    "forecasters": {
+        "esn": {"connectivity": 5, "backend": "scipy"},
+        "filter": {"members": 8},
+        "quadratic": {"degree": 1, "window_lt": 0.25},
+        "classifiers": {"start_spacing_lt": 0.25},
+        "precursor": {"classifier": "logistic", "degree": 1, "lags_lt": [0.25]},
+    },
+    "search": {"grid": 2, "bayesian_points": 1, "interval_lt": 1},
+    "classification": {
+        **{"start_spacing_lt": 0.25, "longest_prediction_time_lt": 2, "window_lt": 1},
+        **{"resolution_lt": 0.5, "prediction_times_lt": [0.5, 2]},
+    },
+    "horizon": {"events": 20, "longest_lead_time_lt": 2, "lead_time_step_lt": 0.5},
+    "statistics": {
+        "forecasters": {"esn": {}, "esn_aware": {}},
+        **{"starting_points": 4, "duration": 40, "fixed_point_interval_lt": 1},
+        **{"lyapunov_exponents": 0, "floor_splits": 2},
+    },
+    "bootstrap": {"resamples": 20},
+    "control": {"forecasters": {"esn": None, "equations": None}},
+}
+
+TARGETS = [
+    *(f"results/plant/tables/{name}.csv" for name in ("classification", "horizon", "statistics")),
+    "results/plant/tables/probability_scores.csv",
+    "results/plant/plant/committee_event.nc",
+]
+
+
+def plant():
+    """States under a push that nothing in them tells of in advance, and the push."""
+    generator = np.random.default_rng(3)
+    noise = 0.01 * generator.normal(size=(SAMPLES, 2))
+    push, states = np.zeros(SAMPLES), np.zeros((SAMPLES, 2))
+    for hour in range(1, SAMPLES):
+        changes = generator.random() < 0.15
+        push[hour] = generator.choice([0, 0, 1]) if changes else push[hour - 1]
+        x, y = states[hour - 1]
+        daily = 0.1 * np.sin(2 * np.pi * hour / 24)
+        states[hour] = noise[hour] + [0.6 * x + 0.4 * push[hour] + daily, 0.8 * y + 0.2 * x]
+    return states, push
+
+
+def write_record(directory, push):
+    states, _ = plant()
+    stamps = np.datetime64("2020-01-01T00") + np.arange(SAMPLES).astype("timedelta64[h]")
+    rows = zip(stamps.astype("datetime64[m]"), *states.T, push, strict=True)
+    lines = [f"{stamp},{x:.17g},{y:.17g},{push:.17g}" for stamp, x, y, push in rows]
+    (directory / "plant.csv").write_text("\n".join(["time,x,y,push", *lines, ""]))
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory, job_server):
+    directory = tmp_path_factory.mktemp("known") / "project"
+    project = Project.create(directory, job_server, "plant.yaml")
+    (directory / "plant.yaml").write_text(yaml.safe_dump(CONFIG))
+    write_record(directory, plant()[1])
+    return project
+
+
+@pytest.fixture(scope="module")
+def results(project):
+    outcome = project.snakemake(*TARGETS)
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert "velocity profiles, long runs of forecasters that learn from data.known" in outcome.text
+    return project.directory / "results/plant"
+
+
+@pytest.mark.long
+def test_points_and_events_have_what_is_known_of_their_own_steps(results):
+    states, push = plant()
+    phase = np.sin(2 * np.pi * np.arange(SAMPLES) / 24)  # the record begins at midnight
+    points = read_netcdf(results / "plant/evaluation_set.nc")
+    washout, reach = points["washout"].shape[1], points["parameter"].shape[1]
+    for number in range(0, len(points["series"]), 7):
+        first = (10 + points["series"][number]) * BLOCK + points["step"][number] - washout + 1
+        np.testing.assert_array_equal(points["washout"][number], states[first : first + washout])
+        told = points["parameter"][number]
+        np.testing.assert_array_equal(told[:, 0], push[first + 1 : first + 1 + reach])
+        np.testing.assert_allclose(told[:, 1], phase[first + 1 : first + 1 + reach], atol=1e-9)
+    events = read_netcdf(results / "plant/events.nc")
+    assert len(events["series"]) == 10
+    for number, told in enumerate(events["parameter"]):
+        event = events["series"][number] * BLOCK + events["step"][number]
+        np.testing.assert_array_equal(told[:, 0], push[event - len(told) + 1 : event + 1])
+
+
+@pytest.mark.long
+def test_what_is_known_in_advance_tells_events_that_nothing_else_does(results):
+    scores = read_table(results / "tables/classification.csv")
+    scores = scores[scores["prediction_time_lt"] == 2].groupby("forecaster")["f_score"].mean()
+    assert scores["esn"] < 0.3
+    for kind in ("esn_aware", "quadratic_aware", "quadratic_aware_filtered"):
+        assert scores[kind] > 0.8, scores
+    assert scores["precursor"] > 0.6
+    horizons = read_table(results / "tables/horizon.csv").groupby("forecaster")["mean_horizon_lt"]
+    assert horizons.mean()["quadratic_aware"] > 1.5 > 0.3 > horizons.mean()["esn"]
+    probabilities = read_table(results / "tables/probability_scores.csv")
+    skill = probabilities[
+        (probabilities["metric"] == "brier_skill")
+        & (probabilities["probability"] == "calibrated")
+        & (probabilities["prediction_time_lt"] == 2)
+    ].set_index("alarm")["value"]
+    assert skill["esn_aware-N40-RV-committee"] > 0.6
+    assert skill["precursor"] > 0.4
+    event = read_netcdf(results / "plant/committee_event.nc")
+    assert np.isfinite(event["forecast"][:, -1]).all()
+
+
+@pytest.mark.long
+def test_forecasts_one_by_one_are_those_of_the_files(results, monkeypatch):
+    """Each forecast by hand, from the record itself."""
+    monkeypatch.chdir(results.parents[1])
+    states, push = plant()
+    known = np.column_stack([push, np.sin(2 * np.pi * np.arange(SAMPLES) / 24)])
+    campaign = open_campaign("results/plant")
+    for kind in ("esn_aware-N40-RV-seed0", "quadratic_aware"):
+        found = read_netcdf(results / f"plant/{kind}/forecast.nc")
+        points = read_netcdf(results / "plant/evaluation_set.nc", "series", "step")
+        forecaster = campaign.forecasters[f"plant/{kind}"]
+        for number in range(3, len(points["series"]), 40):
+            now = (10 + points["series"][number]) * BLOCK + points["step"][number]
+            memory = forecaster.start(
+                states[now - 7 : now + 1, :, np.newaxis], known[now - 6 : now + 1, :, np.newaxis]
+            )
+            ahead = known[now + 1 : now + 13, :, np.newaxis]
+            outputs, _ = forecaster.advance(memory, 12, ahead)
+            largest = [outputs[first - 1 : first + 2, 0, 0].max() for first in range(2, 12, 2)]
+            np.testing.assert_allclose(found["largest"][number], largest, rtol=1e-7, atol=1e-9)
+        with pytest.raises(ValueError, match="push, day_sin: values over the whole forecast must"):
+            forecaster.advance(memory, 12)
+
+
+@pytest.mark.long
+def test_no_stage_has_runs_without_known_values(project, results):
+    assert (results / "plant/esn-N40-RV-seed0/long_term.nc").exists()
+    assert not (results / "plant/esn_aware-N40-RV-seed0/long_term.nc").exists()
+    assert set(read_table(results / "tables/statistics.csv")["forecaster"]) <= {
+        "esn",
+        "floor",
+        "training",
+    }
+    assert project.dry_run(*TARGETS) == {}
+
+
+@pytest.mark.long
+def test_other_values_in_advance_are_other_forecasts(project, results):
+    """Of a push that is wrong in the test series alone, training and climatology know nothing."""
+    copied = project.copy(project.directory.parent / "copy")
+    push = plant()[1]
+    push[10 * BLOCK :] = np.roll(push[10 * BLOCK :], 37)
+    write_record(copied.directory, push)
+    outcome = copied.snakemake(*TARGETS)
+    assert outcome.status == 0, outcome.text[-3000:]
+    other = copied.directory / "results/plant"
+    for name, same in (("esn", True), ("esn_aware", False)):
+        one, two = (
+            read_netcdf(place / f"plant/{name}-N40-RV-seed0/{file}.nc")
+            for place in (results, other)
+            for file in ("forecast",)
+        )
+        assert np.array_equal(one["largest"], two["largest"]) == same
+        one, two = (
+            read_netcdf(place / f"plant/{name}-N40-RV-seed0/forecaster.nc")
+            for place in (results, other)
+        )
+        np.testing.assert_array_equal(one["weights"], two["weights"])
+    scores = read_table(other / "tables/classification.csv").groupby("forecaster")["f_score"].mean()
+    assert scores["quadratic_aware"] < 0.5
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        ("data.known", ["pusch"], "data.known: there is no column 'pusch' (did you mean 'push'?)"),
+        ("data.known", ["x"], "data.known has x, which forecasters see and forecast"),
+        ("data.time_unit", None, "data.known has day_sin, a wave of the calendar, which takes da"),
+        (
+            "data.known",
+            [],
+            "data.known is empty, but esn_aware, quadratic_aware, quadratic_aware_f",
+        ),
+        ("data.components", ["x", "push"], "data.known has push, which forecasters see and"),
+        ("training.trained_on", ["plant"], "training.trained_on means nothing for measured series"),
+        (
+            "search.choice",
+            "survival",
+            "search.choice is survival, but esn_aware, quadratic_aware, ",
+        ),
+    ],
+)
+def test_mistakes_are_told_before_any_job(project, monkeypatch, place, value, message):
+    monkeypatch.chdir(project.directory)
+    config = yaml.safe_load((project.directory / "config.yaml").read_text(encoding="utf-8"))
+    changed = copy.deepcopy(CONFIG)
+    section = changed if place.startswith("search") else changed["cases"]["plant"]
+    *parts, key = place.split(".")
+    for part in parts:
+        section = section.setdefault(part, {})
+    section[key] = value
+    for name, entry in changed.items():
+        config[name] = {**config[name], **entry} if isinstance(entry, dict) else entry
+    with pytest.raises(ConfigError) as caught:
+        load(config)
+    assert any(message in one for one in caught.value.problems), caught.value.problems
+
+
+@pytest.mark.long
+def test_a_gap_in_what_is_known_fails_with_its_row(project):
+    copied = project.copy(project.directory.parent / "gap")
+    push = plant()[1]
+    push[123] = np.nan
+    write_record(copied.directory, push)
+    outcome = copied.snakemake("results/plant/plant/ensemble.nc")
+    assert outcome.status == 1
+    assert "plant.csv: column 'push' has no number in row 124 of 1100" in outcome.text
