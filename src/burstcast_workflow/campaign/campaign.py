@@ -6,7 +6,6 @@ from functools import cache, cached_property
 from itertools import product
 from typing import Any
 
-from burstcast import durations
 from burstcast.control.setting_names import is_option
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.data.measured_data import Quantity
@@ -15,7 +14,6 @@ from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecasterKind
 from burstcast.forecasters.registry import kind_class, learns_parameters, linearises
-from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_system
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
@@ -24,7 +22,7 @@ from burstcast_workflow.campaign.control_plans import (
     block_plans,
     paper_plan,
 )
-from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of
+from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of, is_flow
 from burstcast_workflow.config.external_files import external_forecasts
 from burstcast_workflow.config.kinds import Quantile, Section
 from burstcast_workflow.config.measured_cases import is_encoded, space_of
@@ -610,10 +608,7 @@ class Campaign:
 
     def steps_per_lyapunov_time(self, case: str) -> int | None:
         """Steps of a forecast in a Lyapunov time; None where the config does not know it."""
-        exponent = self.cases[case].lyapunov.known_exponent
-        if exponent is None:
-            return None
-        return durations.steps_per_lyapunov_time(exponent, self.sampling_interval(case))
+        return self.cases[case].steps_per_lyapunov_time
 
     def estimates_time_unit(self, case: str) -> bool:
         """Whether a Lyapunov time is known only from how neighbouring states of the series part."""
@@ -694,10 +689,7 @@ class Campaign:
 
     def has_flow(self, case: str) -> bool:
         """Whether a case is a flow: its state, the amplitudes of velocity modes."""
-        one = self.cases[case]
-        if not isinstance(one, Simulated):
-            return False
-        return flow_modes(make_system(one.system, one.parameters)) is not None
+        return is_flow(self.cases[case])
 
     def scan_of(self, identifier: str) -> tuple[str, str]:
         """Reservoir and strategies of the scan that a network's search goes on from."""

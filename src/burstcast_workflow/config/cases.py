@@ -7,7 +7,8 @@ from typing import Any, Literal
 from burstcast.data.training_realisations import realisation_of
 from burstcast.statistics.densities import SETTLED
 from burstcast.systems.base import has_own
-from burstcast.systems.registry import system_class, system_module
+from burstcast.systems.mfe_modes import flow_modes
+from burstcast.systems.registry import make_system, system_class, system_module
 from burstcast_workflow.config.measured_cases import measured_record
 from burstcast_workflow.config.model import Block, Case, Configuration, Data, Measured, Simulated
 from burstcast_workflow.stages.canonical import canonical
@@ -124,6 +125,16 @@ def case_record(config: Configuration, name: str) -> Config:
         # what the entry itself says stays, for the checks to compare
         record.setdefault("parameters", {}).setdefault("reynolds", reynolds)
     return record
+
+
+def is_flow(case: Case) -> bool:
+    """Whether a case is a flow: its state, the amplitudes of velocity modes."""
+    if not isinstance(case, Simulated):
+        return False
+    try:
+        return flow_modes(make_system(case.system, case.parameters)) is not None
+    except (ValueError, TypeError):  # told with the case
+        return False
 
 
 WITHOUT_UNITS: Any = {

@@ -5,7 +5,7 @@ Bounds of one setting that are other settings stand in the model, what holds wit
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from pydantic import ValidationError
 
@@ -14,8 +14,7 @@ from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import available_kinds, kind_class, trajectory_kinds
-from burstcast.systems.mfe_modes import flow_modes
-from burstcast.systems.registry import make_system, system_class
+from burstcast.systems.registry import system_class
 from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.case_checks import problems_of_case
@@ -27,6 +26,7 @@ from burstcast_workflow.config.cases import (
     case_of,
     data_of,
     event_shares_of,
+    is_flow,
     said_by_class,
 )
 from burstcast_workflow.config.kinds import Quantile
@@ -35,7 +35,6 @@ from burstcast_workflow.config.model import (
     Block,
     Case,
     CasePart,
-    Choice,
     Configuration,
     NetworkChoice,
     Simulated,
@@ -180,15 +179,15 @@ def _strategies(config: Configuration) -> Iterator[str]:
         for case in block.cases:
             if case not in used:
                 yield f"{place}.cases: the campaign has no case {case}; {suggestion(case, used)}"
-        chosen = bool(block.forecasters and block.forecasters.kinds)
-        if strategy_class(name).forecasts and not chosen:
+        if strategy_class(name).forecasts and not block.kinds:
             yield f"{place}.forecasters names no kind, but {name} asks forecasters"
-        if chosen and not strategy_class(name).forecasts:
+        if block.kinds and not strategy_class(name).forecasts:
             yield f"{place}.forecasters: {name} uses no forecaster; leave it out"
         yield from _observed(config, block, place)
+        untold = [kind for kind in block.kinds if not kind_class(kind).aware]
         for plan in block_plans(block):
             try:
-                if make_strategy(name, dict(plan.settings)).told and (untold := _untold(block)):
+                if make_strategy(name, dict(plan.settings)).told and untold:
                     yield (
                         f"{place}: {name} passes the parameters in force to forecasters, which "
                         f"{', '.join(untold)} cannot use; take kinds that know them"
@@ -204,15 +203,15 @@ def _strategies(config: Configuration) -> Iterator[str]:
 
 def _without_trajectories(config: Configuration) -> Iterator[str]:
     """Stages that need trajectories, chosen for kinds that forecast no states."""
-    choices: dict[str, tuple[Choice | None, bool]] = {
-        "statistics.forecasters": (config.statistics.forecasters, False),
-        "control.forecasters": (config.control.forecasters, False),
+    choices: dict[str, tuple[Iterable[str], bool]] = {
+        "statistics.forecasters": (config.statistics.forecasters.kinds, False),
+        "control.forecasters": (config.control.forecasters.kinds, False),
     }
     for index, block in enumerate(config.control.strategies):
         by_probability = strategy_class(block.strategy).by_probability
-        choices[f"control.strategies[{index}].forecasters"] = block.forecasters, by_probability
-    for place, (choice, by_probability) in choices.items():
-        for kind in choice.kinds if choice else ():
+        choices[f"control.strategies[{index}].forecasters"] = block.kinds, by_probability
+    for place, (kinds, by_probability) in choices.items():
+        for kind in kinds:
             known = kind_class(kind)
             if known.has_trajectories and by_probability:
                 classifiers = sorted({*available_kinds()} - {*trajectory_kinds()})
@@ -243,12 +242,6 @@ def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterat
             yield f"{place}.observed: {part} has past values (data.delays), which control has not"
 
 
-def _untold(block: StrategyBlock) -> list[str]:
-    """Kinds of a block that do not know the parameters in force."""
-    kinds = block.forecasters.kinds if block.forecasters else {}
-    return [kind for kind in kinds if not kind_class(kind).aware]
-
-
 def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
     """Mistakes in the voting settings of a block of control strategies."""
     shares = block.settings.get(VOTE_SHARE, [])
@@ -270,8 +263,8 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
             )
     if block.seeds is not None:
         yield f"{place}.seeds: all networks of a size and strategy are a committee; leave it out"
-    for kind in block.forecasters.kinds if block.forecasters else []:
-        several = isinstance(getattr(block.forecasters, kind), NetworkChoice)
+    for kind, axes in block.kinds.items():
+        several = isinstance(axes, NetworkChoice)
         if not several and not kind_class(kind).provides_ensemble:
             yield f"{place}.forecasters names {kind}, which provides no ensemble that could vote"
 
@@ -299,16 +292,8 @@ def _figures(config: Configuration) -> Iterator[str]:
         )
     case, peak = _sound_case(config, name), figures.flow_event.peak
     threshold = case.event_threshold if isinstance(case, Simulated) else None
-    if isinstance(threshold, float) and peak <= threshold and case and _is_flow(case):
+    if isinstance(threshold, float) and peak <= threshold and case and is_flow(case):
         yield (
             f"figures.flow_event.peak is {peak:g}; it must be above the event_threshold of "
             f"{name}, {threshold:g}"
         )
-
-
-def _is_flow(case: Case) -> bool:
-    """Whether the figures of the flow are drawn for a case."""
-    try:
-        return flow_modes(make_system(case.system, case.parameters)) is not None
-    except (ValueError, TypeError):  # told with the case
-        return False

@@ -43,7 +43,7 @@ def misfits(
     Where it is computed, only the durations of control are compared with each other. The case has
     forecasters of these kinds, and networks of these validation strategies.
     """
-    ensemble, exponent = case.ensemble, case.lyapunov.known_exponent
+    ensemble = case.ensemble
     problems: list[str] = []
 
     @contextmanager
@@ -53,12 +53,12 @@ def misfits(
         except ValueError as error:
             problems.append(f"{settings}: {error}".removeprefix(": "))
 
-    if exponent is None:
+    steps: int | None = 0
+    with telling("lyapunov.published_exponent"):
+        steps = case.steps_per_lyapunov_time
+    if steps is None:
         _control(config, name, case, FINE, telling)
         return list(dict.fromkeys(problems))
-    steps = 0
-    with telling("lyapunov.published_exponent"):
-        steps = durations.steps_per_lyapunov_time(exponent, ensemble.sampling_interval)
     if not steps:
         return problems
     samples = _samples(ensemble)
@@ -102,11 +102,9 @@ def few_points(config: Configuration) -> str:
     found = []
     for name in campaign_cases(config):
         case, classified = case_of(config, name), config.classification
-        exponent = case.lyapunov.known_exponent if isinstance(case, Simulated) else None
-        if not isinstance(case, Simulated) or exponent is None:
+        steps = case.steps_per_lyapunov_time if isinstance(case, Simulated) else None
+        if not isinstance(case, Simulated) or steps is None:
             continue
-        interval = case.ensemble.sampling_interval
-        steps = durations.steps_per_lyapunov_time(exponent, interval)
         reach_lt = classified.longest_prediction_time_lt + classified.window_lt
         room = durations.steps(config.washout_lt, steps), durations.steps(reach_lt, steps)
         calibration = config.probability.calibration_series or case.training.series
@@ -137,12 +135,9 @@ def _samples(ensemble: Ensemble) -> int:
 def lag_misfits(config: Configuration, case: Case, kinds: Iterable[str]) -> Iterator[str]:
     """Whether the lags of a precursor do not fit into the washout of a case."""
     if any("precursor" in sections_of_kind(kind) for kind in kinds):
-        exponent, lags = case.lyapunov.known_exponent, config.forecasters.precursor.lags_lt
-        steps = FINE
+        lags, steps = config.forecasters.precursor.lags_lt, FINE
         with suppress(ValueError):  # told with the case
-            if exponent is not None:
-                interval = case.ensemble.sampling_interval
-                steps = durations.steps_per_lyapunov_time(exponent, interval)
+            steps = case.steps_per_lyapunov_time or FINE
         try:
             lag_steps(lags, steps, durations.steps(config.washout_lt, steps))
         except ValueError as error:

@@ -536,6 +536,14 @@ class Case(Section):
         default=None,
     )
 
+    @property
+    def steps_per_lyapunov_time(self) -> int | None:
+        """Steps of a forecast in a Lyapunov time; None where the config does not know it."""
+        exponent = self.lyapunov.known_exponent
+        if exponent is None:
+            return None
+        return durations.steps_per_lyapunov_time(exponent, self.ensemble.sampling_interval)
+
 
 class Simulated(Case):
     """A dynamical system with its dataset: defaults of every case."""
@@ -854,6 +862,11 @@ class StrategyBlock(Section):
         "(`data.case`), which rules observe, and whose forecasters control",
         default=[],
     )
+
+    @property
+    def kinds(self) -> dict[str, Any]:
+        """Axes of its forecasters by kind; empty for a strategy that asks none."""
+        return self.forecasters.kinds if self.forecasters else {}
 
 
 class Control(Section):

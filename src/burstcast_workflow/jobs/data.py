@@ -59,8 +59,8 @@ def observed_rows(
 ) -> FloatArray:
     """Observations of kept series: states with noise, or the channels of encoded series.
 
-    Rows of the ensemble begin with ``first``; ``states`` are ``(series, time, dimension)``. The
-    noise of series that are not the ensemble's is drawn separately, by a ``kind`` of their own.
+    ``first`` is the row of the first series in the ensemble, ``states`` are ``(series, time,
+    dimension)``. Series with a ``kind`` are others than the ensemble's: their noise is their own.
     """
     if not kind and OBSERVED in variable_names(ensemble):
         return read_rows(ensemble, OBSERVED, first, first + len(states))

@@ -98,7 +98,7 @@ def write_tables(paths: Iterable[str], settings: Settings, **rows: Rows) -> None
 
 
 def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:
-    """Table with the declared columns in their order, by the name that messages have.
+    """Table with the declared columns in their order; messages give its name.
 
     A column with an asterisk is left out where no row has a value.
 
