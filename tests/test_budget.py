@@ -16,7 +16,7 @@ BUDGET = {
     "src/burstcast_workflow/campaign": 1245,
     "src/burstcast_workflow/commands": 1291,
     "src/burstcast_workflow/config": 3380,
-    "src/burstcast_workflow/costs": 626,
+    "src/burstcast_workflow/costs": 634,
     "src/burstcast_workflow/figures": 497,
     "src/burstcast_workflow/harness": 710,
     "src/burstcast_workflow/jobs": 1213,

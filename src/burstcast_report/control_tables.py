@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from burstcast.control.setting_names import unnamed
 from burstcast_report.results_tables import (
     Tables,
     markdown,
@@ -34,6 +35,12 @@ class ChosenRun:
     scores: dict[str, dict[Any, Any]]
 
 
+_SHOWN_SETTINGS = {
+    "level": "level",
+    "horizon_lt": "horizon",
+    "margin": "margin",
+    "probability": "probability",
+}
 _RESULTS = ("metric", "value", "low", "high")
 
 
@@ -57,19 +64,23 @@ def chosen_runs(tables: Tables, **wanted: Any) -> Iterator[ChosenRun]:
 
 
 def choices(tables: Tables, case: str) -> str:
-    """Strategies at their best under each condition: what is left, how long they act, how hard."""
+    """Strategies at their best under each condition: what is left, how long they act, how hard.
+
+    The last is told where the campaign records it (`control.cost`).
+    """
     rows = [
         [
             condition(run.keys),
             strategy(run.keys),
             percent_with_ends(run.scores["relative_exceedance"]),
             percent_with_ends(run.scores["control_fraction"]),
-            significant(1000 * run.scores["effort"]["value"], 2),
+            *([significant(1000 * effort["value"], 2)] if effort else []),
         ]
         for run in chosen_runs(tables, case=case)
+        for effort in [run.scores.get("effort")]
     ]
     head = ["condition", "strategy, settings as chosen", "left [%]", "time under actuation [%]"]
-    return markdown([*head, "effort [1e-3]"], rows) if rows else ""
+    return markdown([*head, "effort [1e-3]"][: len(rows[0])], rows) if rows else ""
 
 
 def condition(keys: dict[str, Any]) -> str:
@@ -93,9 +104,9 @@ def strategy(keys: dict[str, Any]) -> str:
         name += f" by {name_of(**{key: keys[key] for key in SCORED if pd.notna(keys[key])})}"
     settings = [
         f"{label} {keys[key]:g}"
-        for key, label in (("level", "level"), ("horizon_lt", "horizon"), ("margin", "margin"))
+        for key, label in _SHOWN_SETTINGS.items()
         if key in keys and pd.notna(keys[key])
     ]
     if isinstance(keys.get("options"), str):
-        settings.append(keys["options"].replace("=", " "))
+        settings.append(unnamed(keys["options"]).replace("=", " "))
     return f"{name} ({', '.join(settings)})" if settings else name

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from burstcast.control.setting_names import unnamed
 from burstcast.data.training_realisations import realisation_of
 from burstcast.tables.published import intervals_of_control, published_percentiles
 from burstcast_workflow.harness.tables import read_table
@@ -512,9 +513,9 @@ def _setting(setting: dict[str, Any], conditions: dict[str, Any]) -> str:
 def _words(name: str, value: Any) -> str:
     text = name.removesuffix("_lt").replace("_", " ")
     if name == "options":
-        return str(value).replace("=", " ")
+        return unnamed(str(value)).replace("=", " ")
     if isinstance(value, str):
-        return f"{text} {value}"
+        return f"{text} {value.replace('_', ' ')}"
     return f"{text} {value:g}" + (" LT" if name.endswith("_lt") else "")
 
 

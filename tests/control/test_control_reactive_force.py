@@ -10,6 +10,7 @@ from burstcast.control.actuation import ForcedSystem, actuated_system, reversed_
 from burstcast.control.cost import actuation_cost
 from burstcast.control.strategies.reactive import Reactive, quantity
 from burstcast.systems.flow_map import FlowMap
+from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.runge_kutta import step
 
@@ -80,6 +81,18 @@ def test_the_cost_of_a_changed_parameter_is_that_of_the_force_that_does_the_same
     budgets = [system.energy_budget(states[0].T) for system in (FLOW, RAISED)]
     rates = [budget.input - budget.dissipation for budget in budgets]
     assert found.power[0] == pytest.approx(np.mean(actuation[0] * np.abs(rates[1] - rates[0])))
+
+
+def test_a_force_on_a_stiff_flow_has_its_cost():
+    flow = KolmogorovFlow(largest_wavenumber=4)
+    driven = KolmogorovFlow(largest_wavenumber=4, large_scale_growth=0.2)
+    state = flow.sample_initial_states(1, np.random.default_rng(1))[:, 0]
+    found = actuation_cost((flow, driven), state[np.newaxis, np.newaxis], np.ones((1, 1), np.uint8))
+    large_scale = [flow.component_names.index(name) for name in ("a_1_0", "b_1_0")]
+    size = np.linalg.norm(state[large_scale])
+    force = 0.2 * (1 - size**2) * size
+    assert found.effort[0] == pytest.approx(abs(force))
+    assert found.power[0] == pytest.approx(abs(force) * size)
 
 
 def test_a_map_has_no_equivalent_force():

@@ -508,6 +508,13 @@ def test_the_frontier_leaves_out_other_spans_starts_and_spells_of_quiet() -> Non
     assert render(more, "png") == render(plain, "png")
 
 
+def test_the_frontier_tells_apart_what_is_observed() -> None:
+    table = frontier_rows()
+    seen = table.assign(observed=None), table.assign(observed="modes_4", value=0.5 * table["value"])
+    said = " ".join(texts(control_frontier(pd.concat(seen), USUAL)))
+    assert "observed modes 4" in said
+
+
 def test_strategies_under_one_condition_alone_are_not_compared_under_several() -> None:
     table = frontier_rows()
     simple = table[(table["delay_lt"] == 0) & (table["strength"] == 1) & (table["noise"] == 0.01)]

@@ -126,6 +126,18 @@ def test_other_kinds_of_forecasters_cost_what_the_equations_cost():
         assert costs == {predicted(cost_class, networks, **{who: "equations"})}
 
 
+def test_learnt_equations_cost_the_removal_of_their_terms():
+    def seconds(degree, kind="quadratic"):
+        costs = model(forecasters__quadratic__degree=degree)
+        return predicted("training", costs, forecaster=kind).seconds
+
+    # nine components have 10, 55 and 220 monomials up to these degrees
+    of_terms = [seconds(degree) - seconds(1) for degree in (2, 3)]
+    assert of_terms[1] / of_terms[0] == pytest.approx((220 / 55) ** 4, rel=0.01)
+    assert seconds(3) > 2
+    assert seconds(3, "analogues") == seconds(2, "analogues") < 1
+
+
 def test_a_filter_costs_its_members_over_the_washout_and_the_forecast():
     kinds = "quadratic", "quadratic_filtered"
     plain, filtered = (predicted("forecast", forecaster=kind) for kind in kinds)

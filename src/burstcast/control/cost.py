@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.arrays import ByteArray, FloatArray
-from burstcast.systems.base import DynamicalSystem, has_own
+from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.flow_map import FlowMap
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def actuation_cost(
     -------
     None if the equations are a map, which has no right-hand side.
     """
-    if any(has_own(system, "flow_map") for system in systems):
+    if any(isinstance(system, FlowMap) for system in systems):
         return None
     effort, power = np.zeros(actuation.shape), np.zeros(actuation.shape)
     for number, system in enumerate(systems[1:], start=1):

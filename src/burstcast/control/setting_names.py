@@ -25,6 +25,17 @@ def named(value: Any) -> str:
     return re.sub(r"[^A-Za-z0-9.+-]", lambda found: f"_{ord(found[0]):x}", text)
 
 
+def unnamed(name: str) -> str:
+    """Text whose characters `named` has replaced.
+
+    Examples
+    --------
+    >>> unnamed("watch=-modulus_5f1_5f0"), unnamed("a1_2aa2")
+    ('watch=-modulus_1_0', 'a1*a2')
+    """
+    return re.sub(r"_([0-9a-f]{2})", lambda found: chr(int(found[1], 16)), name)
+
+
 def as_columns(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Settings of a strategy as columns: numbers by name, all others in one, ``options``.
 

@@ -33,6 +33,8 @@ SECONDS_PER = {
     "gram product": 1.8e-11,
     "centred state": 3.5e-9,
     "solve product": 1.0e-11,
+    # a regression without one more term: per cubed term
+    "removed term": 4.5e-10,
     # one fit of the Gaussian process, with the proposal of the next point
     "surrogate fit": 0.2,
     # of boosted trees: per tree, and feature of a point
@@ -103,7 +105,11 @@ class _Job:
         # of a network's readout: the states once more for each factor of the parameters
         options = campaign.options(name.kind, self.case)
         names, degree = options.get("parameters", []), options.get("parameter_degree", 1)
-        self.features = self.neurons * math.comb(len(names) + degree, degree)
+        factors = math.comb(len(names) + degree, degree)
+        self.features = self.neurons * factors
+        # of each learnt equation, before those that are not significant are removed one by one
+        degree = options.get("degree", 0) if "significance" in options else 0
+        self.terms = factors * math.comb(int(self.dimension) + degree, degree)
         self.rows = (
             sources * self.training_series * max(0.0, self.samples - self.steps("washout_lt"))
         )
@@ -207,7 +213,9 @@ def _training(job: _Job, points: float = 1, loops: float = 0, solves: float = 1)
     """Open loop, moments, and per point of a search steps of closed loops and regressions."""
     series = 3 * job.rows * job.dimension
     if not job.neurons:
-        return _Work(_PLAIN, {"number": job.rows * job.dimension}, series)
+        removals = job.dimension * job.terms**4 / 4
+        units = {"number": job.rows * job.dimension, "removed term": removals}
+        return _Work(_PLAIN, units, series)
     units = {
         "gram product": points * job.rows * job.features**2,
         "centred state": points * job.rows * job.neurons,

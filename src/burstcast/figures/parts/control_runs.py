@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from burstcast.arrays import FloatArray
+from burstcast.control.setting_names import unnamed
 from burstcast.figures.parts.linear_below import linear_below
 from burstcast.figures.parts.style import (
     BLACK,
@@ -205,11 +206,15 @@ def with_kinds(runs: pd.DataFrame, *, along: bool) -> pd.DataFrame:
 
 def _kind(look: _Strategy, texts: Mapping[str, str], row: "pd.Series[Any]") -> str:
     values = [
-        option_words(row[name]) if name == "options" else text.format(f"{row[name]:g}")
-        for name, text in texts.items()
-        if pd.notna(row[name])
+        _setting_words(name, row[name], text) for name, text in texts.items() if pd.notna(row[name])
     ]
     return ", ".join([look.title, *filter(None, values)])
+
+
+def _setting_words(name: str, value: Any, text: str) -> str:
+    if name == "options":
+        return option_words(value)
+    return text.format(value.replace("_", " ") if isinstance(value, str) else f"{value:g}")
 
 
 def option_words(options: str) -> str:
@@ -219,16 +224,18 @@ def option_words(options: str) -> str:
     --------
     >>> option_words("watch=a1 push=a2"), option_words("aware=True reversible=False")
     ('on a1, push a2', 'aware')
+    >>> option_words("watch=-modulus_5f1_5f0")
+    'on -modulus_1_0'
     """
     words = []
     for option in options.split():
         name, _, value = option.partition("=")
         if name in _OPTIONS:
-            words.append(f"{_OPTIONS[name]} {value}")
+            words.append(f"{_OPTIONS[name]} {unnamed(value)}")
         elif value == "True":
             words.append(name.replace("_", " "))
         elif value != "False":
-            words.append(f"{name.replace('_', ' ')} {value}")
+            words.append(f"{name.replace('_', ' ')} {unnamed(value)}")
     return ", ".join(words)
 
 
