@@ -78,6 +78,8 @@ _FORECASTERS = {
     "esn_committee": (BLUE, "bottom"),
     "esn_aware": (GREEN, "full"),
     "esn_aware_committee": (GREEN, "bottom"),
+    "esn_direct": (BLUE, "left"),
+    "precursor": (GREEN, "right"),
     "equations": (BLACK, "none"),
     "equations_noisy": (GREEN, "left"),
     "equations_filtered": (VERMILLION, "bottom"),
