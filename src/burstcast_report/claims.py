@@ -456,7 +456,7 @@ def flow_improves_less(tables: Tables) -> Finding:
     published = [_mean_factors(theirs, size) for size in sizes]
     less = sum(field < density for field, density in published)
     return Finding(
-        "smaller than that of the kinetic energy",
+        "smaller than for the kinetic energy",
         f"profiles and density, by neurons: {', '.join(texts)}",
         agrees,
         "" if agrees == "yes" else f"by the authors' own files at {less} of {len(published)} sizes",
@@ -699,7 +699,7 @@ CLAIMS = (
         "the flow field improves less on the training set than the kinetic energy",
         "V",
         flow_improves_less,
-        "errors of profiles fall by a smaller factor than those of the density, at each size",
+        "errors of profiles fall by a smaller factor than errors of the density, at each size",
     ),
     Claim(
         "exceedance under control, Re = 400 and 600, 1 and 2 LT ahead",
@@ -737,8 +737,8 @@ NOT_KEPT = (
         "shows",
     ),
     Unjudged(
-        "in the midplane, the error of the mean square velocity is smaller than that of the "
-        "training set",
+        "in the midplane, the error of the mean square velocity is smaller than the error of "
+        "the training set",
         "V, figure 15",
         "long-term statistics of the velocity modes; the figure `midplane_mean_square` of a "
         "campaign has the largest error of each",

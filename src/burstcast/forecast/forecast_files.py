@@ -145,7 +145,7 @@ def event_variables(
         Steps up to an event.
     schedules
         Parameters in force from each sample of these series to the next, ``(series, time - 1,
-        parameters)``; None: those of the case.
+        parameters)``; None: the case's own.
     """
     in_part = SeriesPoints(points.series - first, points.step)
     step_by_step = ("event", "step_before", "component")

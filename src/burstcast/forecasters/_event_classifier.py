@@ -125,7 +125,7 @@ def known_features(
 
     Returns
     -------
-    ``(points, (1 + windows) * parameters)``; without an entry for now, those of the windows.
+    ``(points, (1 + windows) * parameters)``; without an entry for now, the means alone.
 
     Examples
     --------
@@ -137,5 +137,5 @@ def known_features(
 
 
 def with_known(features: FloatArray, known: FloatArray | None) -> FloatArray:
-    """Features of points ``(points, features)`` with those of what is known in advance."""
+    """Features of points ``(points, features)`` with features of what is known in advance."""
     return features if known is None else np.concatenate([features, known], axis=1)
