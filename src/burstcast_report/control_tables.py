@@ -66,7 +66,7 @@ def chosen_runs(tables: Tables, **wanted: Any) -> Iterator[ChosenRun]:
 def choices(tables: Tables, case: str) -> str:
     """Strategies at their best under each condition: what is left, how long they act, how hard.
 
-    The last is told where the campaign records it (`control.cost`).
+    The last column is there if the campaign records the effort (`control.cost`).
     """
     rows = [
         [

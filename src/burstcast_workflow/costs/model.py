@@ -107,7 +107,7 @@ class _Job:
         names, degree = options.get("parameters", []), options.get("parameter_degree", 1)
         factors = math.comb(len(names) + degree, degree)
         self.features = self.neurons * factors
-        # of each learnt equation, before those that are not significant are removed one by one
+        # of each learnt equation, before terms that are not significant are removed one by one
         degree = options.get("degree", 0) if "significance" in options else 0
         self.terms = factors * math.comb(int(self.dimension) + degree, degree)
         self.rows = (
