@@ -5,11 +5,12 @@ from typing import Any
 
 import pandas as pd
 
-from burstcast_report.control_tables import SCORED, chosen_runs, condition, strategy
+from burstcast_report.control_tables import chosen_runs, condition, strategy
 from burstcast_report.results_tables import (
+    SCORED,
     Tables,
+    forecaster_in,
     markdown,
-    name_of,
     percent_with_ends,
     significant,
     with_ends,
@@ -148,7 +149,7 @@ def forecast_targets(tables: Tables) -> str:
         rows.append(
             [
                 case,
-                name_of(**{key: mine[key] for key in SCORED if pd.notna(mine[key])}),
+                forecaster_in(mine),
                 with_ends(mine),
                 with_ends(theirs),
                 f"{difference:+.3f}",
@@ -163,9 +164,7 @@ def forecast_targets(tables: Tables) -> str:
 
 
 def _name(forecaster: tuple[Any, ...]) -> str:
-    return name_of(
-        **{key: value for key, value in zip(SCORED, forecaster, strict=True) if pd.notna(value)}
-    )
+    return forecaster_in(dict(zip(SCORED, forecaster, strict=True)))
 
 
 def _scores(tables: Tables) -> pd.DataFrame:

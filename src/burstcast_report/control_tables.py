@@ -6,17 +6,14 @@ from typing import Any
 
 import pandas as pd
 
-from burstcast.control.setting_names import unnamed
 from burstcast_report.results_tables import (
     Tables,
+    forecaster_in,
     markdown,
-    name_of,
+    option_text,
     percent_with_ends,
     significant,
 )
-
-SCORED = ("forecaster", "neurons", "validation")
-"""Columns that name a forecaster, whatever its seed."""
 
 
 @dataclass(frozen=True)
@@ -35,12 +32,7 @@ class ChosenRun:
     scores: dict[str, dict[Any, Any]]
 
 
-_SHOWN_SETTINGS = {
-    "level": "level",
-    "horizon_lt": "horizon",
-    "margin": "margin",
-    "probability": "probability",
-}
+_SHOWN_SETTINGS = ("level", "horizon_lt", "margin", "probability")
 _RESULTS = ("metric", "value", "low", "high")
 
 
@@ -101,12 +93,12 @@ def strategy(keys: dict[str, Any]) -> str:
     """Strategy of a run, its forecaster and the chosen settings, in words."""
     name = str(keys["strategy"]).replace("_", " ")
     if keys["forecaster"] != "none":
-        name += f" by {name_of(**{key: keys[key] for key in SCORED if pd.notna(keys[key])})}"
+        name += f" by {forecaster_in(keys)}"
     settings = [
-        f"{label} {keys[key]:g}"
-        for key, label in _SHOWN_SETTINGS.items()
+        f"{key.removesuffix('_lt')} {keys[key]:g}"
+        for key in _SHOWN_SETTINGS
         if key in keys and pd.notna(keys[key])
     ]
     if isinstance(keys.get("options"), str):
-        settings.append(unnamed(keys["options"]).replace("=", " "))
+        settings.append(option_text(keys["options"]))
     return f"{name} ({', '.join(settings)})" if settings else name

@@ -1,6 +1,6 @@
 """Tables of finished campaigns, and their Markdown tables for docs/results.md."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast.control.setting_names import unnamed
+from burstcast.control.setting_names import options_in
 from burstcast.data.training_realisations import realisation_of
 from burstcast.tables.published import intervals_of_control, published_percentiles
 from burstcast_workflow.harness.tables import read_table
@@ -236,6 +236,20 @@ def name_of(forecaster: str, neurons: float | None = None, validation: str | Non
     if kind == forecaster:
         return name.replace("_", " ")
     return f"committee of the networks: {name}" if network else f"members of {name}"
+
+
+SCORED = ("forecaster", "neurons", "validation")
+"""Columns that name a forecaster, whatever its seed."""
+
+
+def forecaster_in(row: Mapping[Any, Any]) -> str:
+    """The forecaster of a row, as people call it."""
+    return name_of(**{key: row[key] for key in SCORED if pd.notna(row[key])})
+
+
+def option_text(options: str) -> str:
+    """Options of a strategy in words, from the column of that name."""
+    return " ".join(f"{name} {value}" for name, value in options_in(options).items())
 
 
 # -- tables of the page ----------------------------------------------------------------------------
@@ -513,7 +527,7 @@ def _setting(setting: dict[str, Any], conditions: dict[str, Any]) -> str:
 def _words(name: str, value: Any) -> str:
     text = name.removesuffix("_lt").replace("_", " ")
     if name == "options":
-        return unnamed(str(value)).replace("=", " ")
+        return option_text(value)
     if isinstance(value, str):
         return f"{text} {value.replace('_', ' ')}"
     return f"{text} {value:g}" + (" LT" if name.endswith("_lt") else "")
@@ -522,8 +536,7 @@ def _words(name: str, value: Any) -> str:
 def _who(setting: dict[str, Any]) -> str:
     if setting["strategy"] in ("reactive", "random_decisions"):
         return ""
-    keys = ("forecaster", "neurons", "validation")
-    return name_of(**{key: setting[key] for key in keys if pd.notna(setting[key])})
+    return forecaster_in(setting)
 
 
 def percent_with_ends(row: dict[Any, Any]) -> str:

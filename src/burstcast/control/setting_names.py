@@ -25,17 +25,6 @@ def named(value: Any) -> str:
     return re.sub(r"[^A-Za-z0-9.+-]", lambda found: f"_{ord(found[0]):x}", text)
 
 
-def unnamed(name: str) -> str:
-    """Text whose characters `named` has replaced.
-
-    Examples
-    --------
-    >>> unnamed("watch=-modulus_5f1_5f0"), unnamed("a1_2aa2")
-    ('watch=-modulus_1_0', 'a1*a2')
-    """
-    return re.sub(r"_([0-9a-f]{2})", lambda found: chr(int(found[1], 16)), name)
-
-
 def as_columns(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Settings of a strategy as columns: numbers by name, all others in one, ``options``.
 
@@ -47,3 +36,20 @@ def as_columns(settings: Mapping[str, Any]) -> dict[str, Any]:
     numbers = {name: value for name, value in settings.items() if not is_option(value)}
     others = [f"{name}={named(value)}" for name, value in settings.items() if is_option(value)]
     return {**numbers, "options": " ".join(others)} if others else numbers
+
+
+def options_in(column: str) -> dict[str, str]:
+    """Options by name from the column ``options`` of `as_columns`, their characters put back.
+
+    Examples
+    --------
+    >>> options_in("watch=-modulus_5f1_5f0 aware=True")
+    {'watch': '-modulus_1_0', 'aware': 'True'}
+    """
+    pairs = (option.partition("=") for option in column.split())
+    return {name: _unnamed(value) for name, _, value in pairs}
+
+
+def _unnamed(name: str) -> str:
+    """Text whose characters `named` has replaced."""
+    return re.sub(r"_([0-9a-f]{2})", lambda found: chr(int(found[1], 16)), name)

@@ -79,7 +79,7 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
     path
         The file.
     observable
-        Observable, where it is a function or a system of one's own, which the file does not have.
+        Observable, if it is a function or your own system: the file does not have it.
 
     Raises
     ------

@@ -291,8 +291,8 @@ def schedules_of(
 ) -> tuple[FloatArray | None, FloatArray | None]:
     """Schedules of points over washouts of some states and over the forecasts after them.
 
-    Those of the points are ``(points, washout - 1 + steps, parameters)``, what is returned has the
-    points last; None: there is no schedule.
+    The given schedules are ``(points, washout - 1 + steps, parameters)``, the returned ones have
+    the points last; None: there is no schedule.
     """
     if parameters is None:
         return None, None

@@ -108,8 +108,8 @@ class _Job:
         factors = math.comb(len(names) + degree, degree)
         self.features = self.neurons * factors
         # of each learnt equation, before terms that are not significant are removed one by one
-        degree = options.get("degree", 0) if "significance" in options else 0
-        self.terms = factors * math.comb(int(self.dimension) + degree, degree)
+        highest = options["degree"] if "significance" in options else 0
+        self.terms = factors * math.comb(int(self.dimension) + highest, highest)
         self.rows = (
             sources * self.training_series * max(0.0, self.samples - self.steps("washout_lt"))
         )

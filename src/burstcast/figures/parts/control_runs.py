@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from burstcast.arrays import FloatArray
-from burstcast.control.setting_names import unnamed
+from burstcast.control.setting_names import options_in
 from burstcast.figures.parts.linear_below import linear_below
 from burstcast.figures.parts.style import (
     BLACK,
@@ -230,14 +230,13 @@ def option_words(options: str) -> str:
     'on -modulus_1_0'
     """
     words = []
-    for option in options.split():
-        name, _, value = option.partition("=")
+    for name, value in options_in(options).items():
         if name in _OPTIONS:
-            words.append(f"{_OPTIONS[name]} {unnamed(value)}")
+            words.append(f"{_OPTIONS[name]} {value}")
         elif value == "True":
             words.append(name.replace("_", " "))
         elif value != "False":
-            words.append(f"{name.replace('_', ' ')} {unnamed(value)}")
+            words.append(f"{name.replace('_', ' ')} {value}")
     return ", ".join(words)
 
 
