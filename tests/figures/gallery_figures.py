@@ -8,6 +8,7 @@ from helpers_figures import THRESHOLD, burst, interval_rows, percentile_rows
 from matplotlib.figure import Figure
 
 from burstcast.figures.alarm_lead_times import draw as alarm_lead_times
+from burstcast.figures.burst_forecast import burst_forecast
 from burstcast.figures.burst_vorticity import burst_vorticity
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
@@ -89,6 +90,24 @@ def plane_burst() -> Figure:
     observable = 0.1 + 0.2 * np.exp(-(time**2))
     return burst_vorticity(
         time, observable, times, fields, (2 * np.pi, 2 * np.pi), 0.2, "Dissipation, $D$"
+    )
+
+
+def plane_forecast() -> Figure:
+    """A vortex whose forecast turns too slowly."""
+    x, y = np.meshgrid(*[np.linspace(0, 2 * np.pi, 33)] * 2, indexing="ij")
+    times = [0.2, 0.6, 1.0, 1.4]
+    fields = {
+        name: np.stack([rate * time * np.sin(x) * np.sin(2 * y) for time in times])
+        for name, rate in (("true", 2.0), ("forecast", 1.5))
+    }
+    time = np.linspace(-1, 3, 81)
+    observable = {
+        name: 0.1 + 0.2 * np.exp(-((time - 1) ** 2)) * field.max() for name, field in fields.items()
+    }
+    return burst_forecast(
+        *(time, observable, times, fields, (2 * np.pi, 2 * np.pi), 0.2),
+        *("Dissipation, $D$", "forecast: network"),
     )
 
 
@@ -639,6 +658,7 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     "control_choices": lambda: control_choices(choice_rows(), 0.01, usual_noise=0.01),
     "skill_by_parameter": lambda: skill_by_parameter(*parameter_rows(), PARAMETER, [2, 3]),
     "lost_skill": lambda: lost_skill(ranking_rows()),
+    "burst_forecast": plane_forecast,
     "burst_vorticity": plane_burst,
     "encoder_loss": plane_modes,
 }

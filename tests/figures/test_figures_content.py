@@ -43,6 +43,7 @@ from sklearn.decomposition import PCA
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.pod import PodEncoder
 from burstcast.figures.alarm_lead_times import draw as alarm_lead_times
+from burstcast.figures.burst_forecast import draw as burst_forecast
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
 from burstcast.figures.committee_event import committee_event
@@ -737,3 +738,49 @@ def test_burst_vorticity_has_one_scale_and_the_times_of_its_fields():
     assert high == pytest.approx(max(np.abs(axes.images[0].get_array()).max() for axes in fields))
     titles = [axes.get_title(loc="right") for axes in fields]
     assert titles == ["$-2.0$ LT", "$-1.0$ LT", "peak", "$+1.0$ LT"]
+
+
+def test_burst_forecast_shows_truth_and_forecast_on_one_scale_at_the_same_times():
+    figure = GALLERY["burst_forecast"]()
+    fields = [axes for axes in figure.axes if axes.images]
+    assert len(fields) == 8
+    assert len({axes.images[0].get_clim() for axes in fields}) == 1
+    titles = [axes.get_title(loc="right") for axes in fields]
+    assert titles == 2 * ["$+0.2$ LT", "$+0.6$ LT", "$+1.0$ LT", "$+1.4$ LT"]
+    true, forecast = (np.asarray(fields[place].images[0].get_array()) for place in (2, 6))
+    np.testing.assert_allclose(forecast, 0.75 * true)
+
+
+def test_burst_forecast_decodes_channels_and_finds_the_true_state_in_its_series():
+    generator = np.random.default_rng(3)
+    flow = KolmogorovFlow(largest_wavenumber=4)
+    states = 0.1 * generator.standard_normal((3, 12, flow.dimension))
+    gain, constant = np.eye(flow.dimension), np.zeros(flow.dimension)
+    marks = np.array([1, 2, 4, 5])
+    channels = np.hstack([states[2, 3 + marks], np.zeros((4, 1))])  # a forecast without an error
+    event = {
+        "time_lt": np.arange(8.0),
+        "true": np.arange(8.0),
+        "forecast": np.arange(8.0),
+        "mark": marks,
+        "forecast_state": channels,
+        "series": 2,
+        "first_step": 3,
+    }
+    figure = burst_forecast(
+        event=event,
+        gain=gain,
+        constant=constant,
+        states=states,
+        source={"system": "kolmogorov", "parameters": {"largest_wavenumber": 4}},
+        forecaster="equations_filtered",
+        threshold=0.2,
+        symbol="D",
+        observable_name="dissipation",
+    )
+    true, forecast = np.split(
+        np.array([axes.images[0].get_array() for axes in figure.axes if axes.images]), 2
+    )
+    np.testing.assert_allclose(forecast, true, atol=1e-12)
+    corner = flow.vorticity(states[2, 4], np.zeros((1, 2)))[0]
+    assert true[0, 0, 0] == pytest.approx(corner)

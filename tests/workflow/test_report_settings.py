@@ -69,6 +69,7 @@ def test_the_paper_has_all_figures_and_those_of_other_cases():
     names = figure_names(PAPER)
     # of other strategies than the paper's, of parts of a state, and of plane flows
     assert set(FIGURES) - set(names) == {
+        "burst_forecast",
         "burst_vorticity",
         "control_choices",
         "control_conditions",

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.parts.planes import draw_periodic_field
+from burstcast.figures.parts.planes import draw_periodic_field, vorticity_fields
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     TRUTH,
@@ -50,7 +50,6 @@ FIGURE = Declaration(
 
 _TIMES_LT = (-2.0, -1.0, -0.5, 0.0, 1.0)
 _SHOWN_LT = 4.0
-_POINTS = 96
 
 
 def draw(
@@ -95,15 +94,12 @@ def draw(
     steps = [peak + round(time * unit) for time in _TIMES_LT]
     steps = [min(max(one, 0), observable.shape[1] - 1) for one in steps]
     flow: Any = make_system(system, parameters)
-    sides = [np.linspace(0.0, side, _POINTS) for side in flow.domain]
-    points = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
-    fields = flow.vorticity(states[row, steps].T, points).reshape(_POINTS, _POINTS, -1)
     span = slice(peak - margin, peak + margin + 1)
     return burst_vorticity(
         (np.arange(span.start, span.stop) - peak) / unit,
         observable[row, span],
         [(one - peak) / unit for one in steps],
-        np.moveaxis(fields, -1, 0),
+        vorticity_fields(flow, states[row, steps].T),
         flow.domain,
         threshold,
         observable_label(symbol, observable_name),

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from burstcast.arrays import FloatArray
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.pod import PodEncoder
-from burstcast.figures.parts.planes import draw_periodic_field
+from burstcast.figures.parts.planes import draw_periodic_field, vorticity_fields
 from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     FLOOR,
@@ -74,14 +74,12 @@ def draw(
     count = min(len(snapshots), flow.dimension)
     encoder = PodEncoder.fit(snapshots[np.newaxis], EncodingCase(flow, {"modes": count}))
     numbers = np.unique(np.geomspace(1, count, 24).astype(int))
-    sides = [np.linspace(0.0, side, _POINTS) for side in flow.domain]
-    points = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
     shown = [number for number in _SHOWN if number < count]
-    fields = flow.vorticity(encoder.modes[:, shown], points).reshape(_POINTS, _POINTS, -1)
+    fields = vorticity_fields(flow, encoder.modes[:, shown], _POINTS)
     return encoder_loss(
         numbers,
         kept(encoder, flow, snapshots.T, numbers),
-        {number + 1: field for number, field in zip(shown, fields.transpose(2, 0, 1), strict=True)},
+        {number + 1: field for number, field in zip(shown, fields, strict=True)},
         flow.domain,
         symbol,
     )

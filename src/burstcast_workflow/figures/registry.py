@@ -15,7 +15,7 @@ from burstcast.observation.velocity_sensors import PlaneFlow
 from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.campaign.alarm_sources import shown_voters
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
-from burstcast_workflow.config.measured_cases import OBSERVABLE, space_of
+from burstcast_workflow.config.measured_cases import OBSERVABLE, space_of, undecoded
 from burstcast_workflow.tables.declarations import SECTIONS
 
 Value = TypeVar("Value")
@@ -172,10 +172,26 @@ def _space(campaign: Campaign, case: str) -> StateSpace:
     return space
 
 
+def _is_plane(campaign: Campaign, case: str) -> bool:
+    return isinstance(_space(campaign, case), PlaneFlow)
+
+
 def _suppressed_event(campaign: Campaign, case: str) -> str:
     run = control_example(campaign)
     assert run is not None
     return f"{run.directory}/suppressed_event.nc"
+
+
+def _decoded(campaign: Campaign, case: str) -> list[CaseForecaster]:
+    """Forecasters of the channels of a plane flow, if states follow from them: networks first."""
+    if undecoded(campaign.cases[case]) or not _is_plane(campaign, campaign.source_case(case)):
+        return []
+    found = [*campaign.select(case=case, kind="esn"), *campaign.trajectory_forecasters]
+    return [one for one in found if one.case == case and not one.kind.sees_truth]
+
+
+def _decoded_example(campaign: Campaign, case: str) -> CaseForecaster:
+    return next(iter([*_decoded(campaign, case), campaign.example]))
 
 
 # Places of inputs: directories or files below the results directory, lists where there are several.
@@ -194,6 +210,9 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
         one.directory for one in long_term_candidates(campaign, case)
     ],
     "suppressed_event": _suppressed_event,
+    # the case that another is a part of
+    "source": Campaign.source_case,
+    "decoded_forecaster": lambda campaign, case: _decoded_example(campaign, case).directory,
     "reynolds_cases": lambda campaign, case: _reynolds_cases(campaign),
     "controlled_cases": _controlled_cases,
     "aware_cases": lambda campaign, case: _aware_cases(campaign),
@@ -217,6 +236,8 @@ _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
     "neurons": lambda campaign, case: campaign.example.name.neurons,
     "validation": lambda campaign, case: campaign.example.name.validation,
     "observed": _observed,
+    "source": Campaign.source_system,
+    "decoded_kind": lambda campaign, case: _decoded_example(campaign, case).name.kind,
     "strategies": _strategies,
     "control_prediction_time_lt": lambda campaign, case: getattr(
         control_example(campaign), "prediction_time_lt", None
@@ -279,8 +300,12 @@ def _encoded(campaign: Campaign) -> list[str]:
 
 def _plane_flows(campaign: Campaign) -> list[str]:
     """Cases of flows in a plane."""
-    simulated = campaign.simulated_cases
-    return [case for case in simulated if isinstance(_space(campaign, case), PlaneFlow)]
+    return [case for case in campaign.simulated_cases if _is_plane(campaign, case)]
+
+
+def _decoded_planes(campaign: Campaign) -> list[str]:
+    """Encoded cases of flows in a plane, with a forecaster whose channels can be decoded."""
+    return [case for case in campaign.encoded_cases if _decoded(campaign, case)]
 
 
 def _with_long_term(campaign: Campaign) -> list[str]:
@@ -335,6 +360,7 @@ CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
     "parts": _with_parts,
     "encoded": _encoded,
     "plane_flows": _plane_flows,
+    "decoded_planes": _decoded_planes,
     "long_term": _with_long_term,
     "spectrum": _with_spectrum,
     "control_example": _control_example,

@@ -64,5 +64,6 @@ def find_flow_event(
         after=quiet,  # the washout is seen, too, and the quiet stretch after the event
         steps_per_lyapunov_time=unit,
     )
-    where = {"series": -1 if found is None else first + found.series}
+    series, step = (-1, -1) if found is None else (first + found.series, found.times[0] - lead)
+    where = {"series": series, "first_step": step - washout + 1}
     write_netcdf(event, variables_of(event_of_flow), {**settings.provenance, **where})

@@ -1,6 +1,7 @@
 """Colour maps of a quantity over a plane of the flow, below the observable at their times."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -43,6 +44,28 @@ def draw_plane(
     axes.get_xticklabels()[0].set_horizontalalignment("left")
     axes.get_xticklabels()[-1].set_horizontalalignment("right")
     return mesh
+
+
+def vorticity_fields(flow: Any, states: FloatArray, points: int = 96) -> FloatArray:
+    """Vorticity of states of a plane flow on a regular grid.
+
+    Parameters
+    ----------
+    flow
+        A flow with a vorticity in a plane (`burstcast.systems.kolmogorov.KolmogorovFlow`).
+    states
+        ``(dimension, states)``.
+    points
+        Along each side.
+
+    Returns
+    -------
+    ``(states, points, points)``, along x, then y.
+    """
+    sides = [np.linspace(0.0, side, points) for side in flow.domain]
+    grid = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
+    fields: FloatArray = flow.vorticity(states, grid).reshape(points, points, -1)
+    return np.moveaxis(fields, -1, 0)
 
 
 def draw_periodic_field(

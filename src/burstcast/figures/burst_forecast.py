@@ -1,0 +1,163 @@
+"""Forecast of an event of a plane flow beside the truth: (a) the observable, with the event
+threshold, the start of the forecast and the times of the fields; then the true vorticity (middle)
+and the forecast one (bottom) at these times: the last calm moment, the rise, the peak and the end.
+Forecast fields are decoded from the forecaster's channels, sensor readings or modes. All fields
+share one colour scale; red turns anticlockwise.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from burstcast.arrays import FloatArray
+from burstcast.figures.parts.nothing_to_show import nothing_to_show
+from burstcast.figures.parts.planes import draw_periodic_field, vorticity_fields
+from burstcast.figures.parts.style import (
+    DOUBLE_COLUMN,
+    NETWORK,
+    TRUTH,
+    WINDOW,
+    draw_threshold,
+    letter_panels,
+    new_figure,
+    observable_label,
+    styled,
+)
+from burstcast.figures.registry import Declaration
+from burstcast.forecasters._labels import forecaster_label
+from burstcast.systems.registry import make_system
+
+FIGURE = Declaration(
+    section="forecasts",
+    position=61,
+    inputs={
+        "event": "decoded_forecaster/flow_event.nc",
+        "gain": "case/ensemble.nc:gain",
+        "constant": "case/ensemble.nc:constant",
+        "states": "source/ensemble.nc:state",
+    },
+    settings={
+        "source": "shown.source",
+        "forecaster": "shown.decoded_kind",
+        "threshold": "case.event_threshold",
+        "symbol": "shown.symbol",
+        "observable_name": "shown.observable_name",
+    },
+    cases="decoded_planes",
+)
+
+
+def draw(
+    *,
+    event: Mapping[str, Any],
+    gain: FloatArray,
+    constant: FloatArray,
+    states: FloatArray,
+    source: Mapping[str, Any],
+    forecaster: str,
+    threshold: float,
+    symbol: str,
+    observable_name: str,
+) -> Figure:
+    """Draw an event that the forecaster follows.
+
+    Parameters
+    ----------
+    event
+        The event, its forecast and where it lies in the series
+        (`burstcast.forecast.example_events.FlowEvent`).
+    gain, constant
+        How states of the flow follow from channels (`burstcast.encoders.state_maps.StateMaps`).
+    states
+        True states of the flow, ``(series, time, dimension)``.
+    source
+        System and parameters of the flow.
+    forecaster
+        Kind of the forecaster.
+    threshold
+        Event threshold.
+    symbol, observable_name
+        Symbol and name of the observable.
+    """
+    if not len(event["time_lt"]):
+        return nothing_to_show("No event of the test series stands alone.")
+    flow: Any = make_system(source["system"], source["parameters"])
+    marks = event["mark"]
+    true = states[event["series"], event["first_step"] + marks].T
+    forecast = gain @ event["forecast_state"][:, :-1].T + constant[:, np.newaxis]
+    return burst_forecast(
+        event["time_lt"],
+        {"true": event["true"], "forecast": event["forecast"]},
+        event["time_lt"][marks],
+        {
+            name: vorticity_fields(flow, values)
+            for name, values in (("true", true), ("forecast", forecast))
+        },
+        flow.domain,
+        threshold,
+        observable_label(symbol, observable_name),
+        f"forecast: {forecaster_label(forecaster)}",
+    )
+
+
+@styled
+def burst_forecast(
+    time_lt: FloatArray,
+    observable: Mapping[str, FloatArray],
+    times_lt: Sequence[float],
+    fields: Mapping[str, FloatArray],
+    domain: tuple[float, float],
+    threshold: float,
+    label: str,
+    forecast_label: str,
+) -> Figure:
+    """Draw the observable above the true and the forecast fields.
+
+    Parameters
+    ----------
+    time_lt
+        Time after the start of the forecast in Lyapunov times, ``(time,)``.
+    observable
+        "true" and "forecast", ``(time,)`` each.
+    times_lt
+        Times of the fields.
+    fields
+        "true" and "forecast" vorticity, ``(fields, x, y)`` each.
+    domain
+        Periods along x and y.
+    threshold
+        Event threshold.
+    label
+        Label of the observable's axis.
+    forecast_label
+        Label of the forecast observable.
+    """
+    figure = new_figure(DOUBLE_COLUMN, 5.4)
+    grid = figure.add_gridspec(2, 1, height_ratios=[1.0, 2.3])
+    upper, lower = (figure.add_subfigure(grid[row]) for row in range(2))
+    evolution: Axes = upper.subplots()
+    evolution.plot(time_lt, observable["true"], label="truth", **TRUTH)
+    evolution.plot(time_lt, observable["forecast"], label=forecast_label, **NETWORK)
+    draw_threshold(evolution, threshold, "event threshold", at_left=True)
+    for time in times_lt:
+        evolution.axvline(time, **WINDOW)
+    evolution.set_xlim(time_lt[0], time_lt[-1])
+    evolution.set_xlabel("Time after the start of the forecast [LT]")
+    evolution.set_ylabel(label)
+    evolution.legend(loc="upper right")
+    panels: list[list[Axes]] = lower.subplots(2, len(times_lt), sharex=True, sharey=True).tolist()
+    largest = float(np.nanmax(np.abs(np.stack([*fields.values()]))))
+    for name, row in zip(fields, panels, strict=True):
+        for axes, field, time in zip(row, fields[name], times_lt, strict=True):
+            drawn = draw_periodic_field(axes, field, domain, largest)
+            axes.set_xlabel("" if row is panels[0] else "$x$")
+            axes.set_title(f"${time:+.1f}$ LT", loc="right")
+        row[0].set_ylabel(f"{'truth' if name == 'true' else name}, $y$")
+    lower.colorbar(
+        drawn, ax=[axes for row in panels for axes in row], label="Vorticity", shrink=0.7
+    )
+    letter_panels([evolution, *(axes for row in panels for axes in row)])
+    return figure
