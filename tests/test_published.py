@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from burstcast.files.tables import read_table
 from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.profiles import velocity_profiles
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -16,7 +17,6 @@ from burstcast.tables.published import (
     published_percentiles,
     published_reductions,
 )
-from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.tables.declarations import TABLES
 
 RESOURCE = Path(__file__).parents[1] / "resources" / "published_percentiles.csv"

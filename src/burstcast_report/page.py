@@ -22,6 +22,7 @@ from markupsafe import Markup
 
 from burstcast.forecasters._names import KEYS
 from burstcast.forecasters.registry import kind_class
+from burstcast.natural_order import natural_order
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.summary import found_warnings, summary_table
 from burstcast_workflow.commands.archive import versions
@@ -29,7 +30,6 @@ from burstcast_workflow.config.loading import load
 from burstcast_workflow.figures.registry import FIGURES
 from burstcast_workflow.harness.settings import leaves
 from burstcast_workflow.project import project_root
-from burstcast_workflow.stages.canonical import natural_order
 from burstcast_workflow.tables.declarations import SECTIONS, TABLES
 from burstcast_workflow.tables.registry import column_of, table_of, with_percentiles
 

@@ -23,6 +23,7 @@ from tempfile import TemporaryDirectory
 import jinja2
 import pandas as pd
 
+from burstcast.files.tables import read_table
 from burstcast.tables.published import compare
 from burstcast_report import (
     authors_tables,
@@ -44,7 +45,6 @@ from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.opened import open_campaign
 from burstcast_workflow.commands.archive import versions
 from burstcast_workflow.costs.records import RULE_COSTS
-from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.project import project_root
 from burstcast_workflow.tables.registry import table_names
 from snaketrust.records import Records

@@ -11,8 +11,8 @@ import pandas as pd
 
 from burstcast.control.setting_names import options_in
 from burstcast.data.training_realisations import realisation_of
+from burstcast.files.tables import read_table
 from burstcast.tables.published import intervals_of_control, published_percentiles
-from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.project import project_root
 
 PUBLISHED = project_root() / "resources" / "published_percentiles.csv"

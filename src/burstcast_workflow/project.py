@@ -18,7 +18,10 @@ PACKAGES = (
 VERSION = "burstcast_workflow.harness.version"
 """Module of the version that stands for `HARNESS`, which runs scripts and writes files."""
 
-HARNESS = ("burstcast_workflow.harness", "burstcast.files.netcdf", "snaketrust")
+HARNESS = (
+    *("burstcast_workflow.harness", "snaketrust"),
+    *("burstcast.files.netcdf", "burstcast.files.tables"),
+)
 """Packages and modules that are in no fingerprint: an edit of them would run everything again."""
 
 _PACKAGE = Path(__file__).resolve().parent

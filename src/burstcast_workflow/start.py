@@ -3,7 +3,7 @@
 import atexit
 import gc
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,6 @@ from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.lengths import few_points
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
-from burstcast_workflow.costs.excess import with_costs
 from burstcast_workflow.project import code_of
 from snaketrust import start as trust
 from snaketrust.modules import UnlikeCodeError
@@ -52,7 +51,7 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Star
         workflow,
         code_of(project),
         results=lambda whole: str(whole["results"]),
-        load=lambda: _load(config, workflow.configfiles, project / "config.yaml"),
+        load=lambda: load(config, workflow.configfiles, defaults=project / "config.yaml"),
         own_modules=own_modules,
     )
     if undeclared := started.sources.undeclared():
@@ -64,14 +63,6 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Star
             ]
         )
     return started
-
-
-def _load(config: Mapping[str, Any], files: Sequence[str], defaults: Path) -> dict[str, Any]:
-    """Load the config; messages of mistakes name the cost of what is too large."""
-    try:
-        return load(config, files, defaults=defaults)
-    except ConfigError as error:
-        raise with_costs(error, config) from None
 
 
 def tell_what_is_off(campaign: Campaign) -> None:

@@ -10,10 +10,10 @@ import yaml
 from helpers_rebuilds import Project, tiny_with
 
 from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.aware_checks import extrapolations
 from burstcast_workflow.config.loading import ConfigError, load
-from burstcast_workflow.harness.tables import read_table
 
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_aware.yaml").read_text())

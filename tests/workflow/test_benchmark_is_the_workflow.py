@@ -74,7 +74,7 @@ def test_the_preset_has_the_cases_of_the_benchmark():
         assert has.training.series == case.training_series
         assert has.test_series == case.test_series
         assert has.training.noise == case.noise
-        assert campaign.steps_per_lyapunov_time(name) == case.steps_per_lyapunov_time
+        assert campaign.cases[name].steps_per_lyapunov_time == case.steps_per_lyapunov_time
         assert campaign.cases[case.ensemble_name].ensemble.series == case.series
     horizon, classification = config["horizon"], config["classification"]
     case = CASES["Re400"]

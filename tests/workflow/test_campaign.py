@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from snakemake.utils import update_config
 
 from burstcast.forecasters._names import ForecasterName, parsed
+from burstcast.natural_order import natural_order
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.config.model import Choice
@@ -22,7 +23,7 @@ from burstcast_workflow.figures.registry import (
     files_of,
     settings_of,
 )
-from burstcast_workflow.stages.canonical import canonical, canonical_json, natural_order
+from burstcast_workflow.stages.canonical import canonical, canonical_json
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
 
 ROOT = Path(__file__).parents[2]
@@ -55,7 +56,8 @@ def test_the_papers_forecasters():
     assert len(PAPER.select(case="Re1000", validation="RV")) == 10
     assert {one.name.seed for one in PAPER.networks} == set(range(10))
     assert PAPER.case_names == ("Re400", "Re600", "Re800", "Re1000")
-    assert [PAPER.reynolds(case) for case in PAPER.case_names] == [400, 600, 800, 1000]
+    reynolds = [PAPER.cases[case].parameters["reynolds"] for case in PAPER.case_names]
+    assert reynolds == [400, 600, 800, 1000]
     assert PAPER.networks[0].directory == "Re400/esn-N500-RV-seed0"
     others = [one for one in PAPER.forecasters if one not in PAPER.networks]
     assert [one.directory for one in others] == [
@@ -200,7 +202,7 @@ def test_a_case_without_actuation_is_not_controlled():
 def test_names_of_cases_are_the_reynolds_numbers_in_full(reynolds, name):
     found = campaign(blocks=[{"reynolds": [400, reynolds], "forecasters": networks([2000])}])
     assert found.case_names == ("Re400", name)
-    assert found.reynolds(name) == reynolds
+    assert found.cases[name].parameters.get("reynolds") == reynolds
     settings = found.settings(["case.parameters"], {"case": name}, {})
     assert settings["case.parameters"]["reynolds"] == reynolds
     # the workflow's rules accept it
@@ -210,14 +212,14 @@ def test_names_of_cases_are_the_reynolds_numbers_in_full(reynolds, name):
 
 
 def test_time_units():
-    steps = [PAPER.steps_per_lyapunov_time(case) for case in PAPER.case_names]
+    steps = [PAPER.cases[case].steps_per_lyapunov_time for case in PAPER.case_names]
     assert steps == [61, 74, 79, 82]
-    assert PAPER.sampling_interval("Re400") == 1
+    assert PAPER.cases["Re400"].ensemble.sampling_interval == 1
     computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
-    assert computed.steps_per_lyapunov_time("Re400") is None
+    assert computed.cases["Re400"].steps_per_lyapunov_time is None
     unknown = campaign({"cases": {"Re600": {"lyapunov": {"published_exponent": None}}}})
-    assert unknown.steps_per_lyapunov_time("Re600") is None
-    assert unknown.steps_per_lyapunov_time("Re400") == 61
+    assert unknown.cases["Re600"].steps_per_lyapunov_time is None
+    assert unknown.cases["Re400"].steps_per_lyapunov_time == 61
 
 
 NETWORK = {"case": "Re600", "forecaster": "esn-N2000-SSV-seed7"}

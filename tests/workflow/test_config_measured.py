@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.cases import is_flow
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.config.model import Data
@@ -94,7 +95,7 @@ def test_past_values_are_components(config):
     part = campaign.cases["part"].dump()
     names = ["a1", "s", "a1(t-20)", "s(t-20)", "a1(t-10)", "s(t-10)"]
     assert part["parameters"]["components"] == names
-    assert campaign.dimension("part") == 7  # and the observable
+    assert campaign.space("part").dimension == 7  # and the observable
     # every series begins later
     assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 3980}
     # the noise is there before the past values are taken, and not added again
@@ -131,8 +132,8 @@ def test_what_a_campaign_makes_of_them(config):
     campaign = Campaign(load(config))
     assert campaign.simulated_cases == ("Re400",)
     assert campaign.measured_cases == ("lab", "part")
-    assert campaign.has_flow("Re400")
-    assert not campaign.has_flow("part")
+    assert is_flow(campaign.cases["Re400"])
+    assert not is_flow(campaign.cases["part"])
     assert campaign.source_case("part") == "Re400"
     assert campaign.source_case("lab") == "lab"
     assert {run.case for run in campaign.strategy_runs} == {"Re400"}

@@ -15,7 +15,6 @@ import yaml
 from helpers_rebuilds import ROOT, Project
 from snakemake.utils import update_config
 
-from burstcast_workflow.campaign.alarm_sources import shown_voters
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.model import Configuration
@@ -136,7 +135,7 @@ def planned(config: dict) -> int:
             for run in (*campaign.control_runs, *campaign.strategy_runs)
         ),
         campaign.settings_of_cases("case.ensemble", "case.event_threshold"),
-        *(one.directory for case in campaign.case_names for one in shown_voters(campaign, case)),
+        *(one.directory for case in campaign.case_names for one in campaign.shown_voters(case)),
         table_names(campaign),
         latex_names(campaign),
     ]

@@ -11,8 +11,7 @@ import yaml
 from helpers_rules import predicted_jobs
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import ConfigError, load
-from burstcast_workflow.costs.excess import with_costs
+from burstcast_workflow.config.loading import load
 from burstcast_workflow.costs.model import (
     CLASSES,
     SAFETY,
@@ -294,45 +293,3 @@ def test_records_stand_beside_the_predictions_of_their_jobs(tmp_path, capsys):
 def test_a_part_of_a_campaign_writes_no_costs_of_the_whole(finished):
     """It has no figures; test_miniature.py has what a whole one writes."""
     assert not (finished.project.results / "benchmarks" / "rule_costs.csv").exists()
-
-
-def refusal(**changes):
-    """Message about the paper's campaign with other settings, with costs of what is too large."""
-    config = copy.deepcopy(PAPER) | changes
-    with pytest.raises(ConfigError) as caught:
-        load(config)
-    return str(with_costs(caught.value, config))
-
-
-@pytest.mark.parametrize("power", [8, 12])
-def test_the_refusal_of_too_many_seeds_says_what_they_would_cost(power):
-    networks = {"neurons": [500, 2000], "validation": ["RV"], "seeds": 10**power}
-    text = refusal(campaign=[{"reynolds": [400], "forecasters": {"esn": networks}}])
-    found = re.search(rf"seeds is {10**power}; .*{10**power} would take about (\S+) years", text)
-    model = CostModel(Campaign(load(PAPER)))
-    seconds = sum(
-        model.predicted(work, NETWORK | {"forecaster": f"esn-N{size}-RV-seed0"}).seconds
-        for size in (500, 2000)
-        for work in ("training", "forecast", "horizon", "long_term")
-    )
-    years = 10**power * seconds / (365.25 * 86400)
-    assert float(found[1].replace(",", "")) == pytest.approx(years, rel=0.05)
-
-
-def test_the_refusal_of_too_many_series_says_what_they_would_cost():
-    defaults = copy.deepcopy(PAPER["case_defaults"])
-    defaults["ensemble"]["series"] = 10**10
-    text = refusal(case_defaults=defaults)
-    memory = re.search(r"would take about \S+ days on one core and (\S+) GiB of memory$", text)[1]
-    # nine amplitudes of 8 bytes at each sample, held as made and as written
-    samples = defaults["ensemble"]["duration"] / 1.0
-    held = 2 * 8 * 9 * samples * 10**10 / 2**30
-    assert float(memory.replace(",", "")) == pytest.approx(held, rel=0.05)
-
-
-def test_other_mistakes_are_told_without_a_cost():
-    assert "would take" not in refusal(search=PAPER["search"] | {"grid": 1000})
-    broken = {"ensemble": {"series": 10**10, "duration": "long"}}
-    text = refusal(case_defaults=PAPER["case_defaults"] | broken)
-    assert "series is 10000000000" in text
-    assert "would take" not in text

@@ -14,10 +14,10 @@ from sklearn.metrics import average_precision_score
 
 from burstcast import random_streams
 from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
 from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
-from burstcast_workflow.harness.tables import read_table
 
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_encoded.yaml").read_text())
@@ -119,7 +119,7 @@ def test_a_mistake_is_told_before_any_job(change, parts):
 
 def test_channels_are_known_beforehand():
     campaign = Campaign(load(config()))
-    assert {name: campaign.dimension(name) for name in campaign.cases} == {
+    assert {name: campaign.space(name).dimension for name in campaign.cases} == {
         "turbulence": 80,
         "sensors": 49,
         "invariants": len(FLOW.invariant_names) + 1,

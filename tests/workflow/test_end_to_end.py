@@ -13,8 +13,8 @@ from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
 
 from burstcast.files import units
 from burstcast.files.netcdf import read_attributes, read_netcdf
+from burstcast.files.tables import read_table
 from burstcast_workflow.campaign.summary import campaign_summary
-from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.project import code_of
 
 KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]

@@ -6,10 +6,10 @@ import yaml
 from helpers_rebuilds import Project
 
 from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import read_table
 
 FIVE_LINES = """\
 results: results/own

@@ -8,9 +8,9 @@ import yaml
 from helpers_rebuilds import Project
 
 from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
 from burstcast_workflow import open_campaign
 from burstcast_workflow.config.loading import ConfigError, load
-from burstcast_workflow.harness.tables import read_table
 
 SAMPLES, BLOCK = 1100, 50
 NETWORKS = {"neurons": [40], "validation": ["RV"], "seeds": 2}

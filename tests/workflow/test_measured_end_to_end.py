@@ -14,9 +14,9 @@ from helpers_rebuilds import Project, digests
 from pandas.testing import assert_frame_equal
 
 from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
 from burstcast.random_streams import stream
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import read_table
 
 FORECASTERS = {
     "esn": {"neurons": [30], "validation": ["RV"], "seeds": 1},

@@ -10,8 +10,8 @@ from helpers_browser import opened
 from helpers_rebuilds import ROOT, digests
 from recomputation import Recomputation, assert_same_rows, percentiles
 
+from burstcast.files.tables import read_table
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.declarations import TABLES as DECLARED
 from burstcast_workflow.tables.registry import table_of, with_percentiles

@@ -13,10 +13,10 @@ from helpers_rebuilds import Project
 
 from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.probability.precursor import Precursor, PrecursorOptions, precursor_features
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import read_table
 
 GROWTH = np.array([[1.0], [0.72], [1.53], [1.27]])
 COMPETITION = np.array(

@@ -9,8 +9,8 @@ import yaml
 from helpers_rebuilds import TINY, Project
 
 from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import read_table
 from snaketrust.modules import search_directories
 from snaketrust.run import VARIABLE
 

@@ -14,6 +14,7 @@ from snakemake.utils import update_config
 
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.files.netcdf import read_attributes, read_netcdf
+from burstcast.files.tables import read_table
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
@@ -21,7 +22,6 @@ from burstcast.forecasters.registry import classifier_class
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import ConfigError, load
-from burstcast_workflow.harness.tables import read_table
 
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_precursor.yaml").read_text())

@@ -13,6 +13,7 @@ from burstcast.statistics.measures import best_network
 from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.cases import is_flow
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.figures.registry import (
     FIGURES,
@@ -140,7 +141,7 @@ def lorenz(**overlay):
 
 def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
     found = lorenz()
-    assert not found.has_flow("lorenz")
+    assert not is_flow(found.cases["lorenz"])
     assert stage_figures(found) == {
         "long_term_density",
         "survival",

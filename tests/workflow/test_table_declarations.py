@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from burstcast.files.tables import read_table
 from burstcast.statistics import warning_signs
 from burstcast.tables.joined import joined
 from burstcast.tables.makers.warnings_table import ADVICE
 from burstcast_report import tables_page
-from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.tables import as_declared, write_tables
 from burstcast_workflow.tables import registry
 from burstcast_workflow.tables.declarations import COLUMNS, SECTIONS, TABLES

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast_workflow.harness.tables import read_table, write_table
+from burstcast.files.tables import read_table
+from burstcast_workflow.harness.storage import write_table
 
 
 def example() -> pd.DataFrame:

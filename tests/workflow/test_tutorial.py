@@ -9,8 +9,8 @@ import pytest
 import yaml
 from helpers_rebuilds import Project
 
+from burstcast.files.tables import read_table
 from burstcast_workflow.commands.command_line import main
-from burstcast_workflow.harness.tables import read_table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)

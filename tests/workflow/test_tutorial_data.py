@@ -10,8 +10,8 @@ import yaml
 from helpers_rebuilds import ROOT, Project
 
 from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import read_table
 
 TEXT = (ROOT / "docs" / "tutorial_data.md").read_text(encoding="utf-8")
 PYTHON = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)

@@ -15,10 +15,16 @@ import pandas as pd
 import pytest
 
 from burstcast.files.netcdf import Variable, read_attributes, read_netcdf, read_rows
+from burstcast.files.tables import read_table
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.settings import with_thresholds
-from burstcast_workflow.harness.storage import read_json, write_json, write_netcdf, write_text
-from burstcast_workflow.harness.tables import read_table, write_table
+from burstcast_workflow.harness.storage import (
+    read_json,
+    write_json,
+    write_netcdf,
+    write_table,
+    write_text,
+)
 from burstcast_workflow.harness.version import HARNESS_VERSION
 
 DIGESTS = {

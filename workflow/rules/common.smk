@@ -16,7 +16,7 @@ from burstcast_workflow.costs.records import (
 )
 from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.failures import failure_summary
-from burstcast_workflow.harness.tables import write_table
+from burstcast_workflow.harness.storage import write_table
 from burstcast_workflow.commands.prune import stale_note
 from burstcast_workflow.stages.stages import Stages, of_job, one_of
 from burstcast_workflow.start import (
@@ -178,7 +178,7 @@ def stage(
         {"scan": f"{CASE}/scan.csv"}             a path
         {"forecasts": files_in_case("forecast.nc")}              of all forecasters of the case
         {"flows": files_in_case("flows.nc", campaign.strategy_runs)}    of some, or of control
-        {"forecasts": files_in_case("forecast.nc", shown_voters)}       of a function's
+        {"forecasts": files_in_case("forecast.nc", Campaign.shown_voters)}    of a function's
         {"scores": of_cases("scores.csv")}                       of all cases
         stages.tables_of_case("dataset horizon")     tables of the case, as far as it has them
         stages.file_of_case("lyapunov.json", campaign.simulated_cases)  of some cases alone
@@ -279,12 +279,11 @@ def table_stage(name, does, **arguments):
     if not cases:
         return
     layouts = typeset(names)
-    outputs, values = {"tables": list(map(in_report, files))}, {}
+    outputs = {"tables": list(map(in_report, files))}
     if layouts:
         outputs["latex"] = [f"{TABLES}/{paper}.tex" for paper in layouts]
-        values["latex"] = layouts
     stage(
-        "tables/all_cases_latex" if layouts else "tables/all_cases",
+        "tables/all_cases",
         f"{does}, of all cases",
         outputs,
         {
@@ -294,7 +293,7 @@ def table_stage(name, does, **arguments):
         },
         rule_name=f"all_{name}",
         columns=joined(files, campaign.unused_columns),
-        **values,
+        latex=layouts,
     )
 
 

@@ -16,8 +16,8 @@ stage(
     "check and copy measured series",
     inputs={"sources": stages.sources_of_data},
     outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
-    settings="SYSTEM case.data case.ensemble.time_step case.ensemble.sampling_stride "
-    "case.laminarisation_threshold case.training.series case.test_series",
+    settings="SYSTEM STEPS case.data case.laminarisation_threshold case.training.series "
+    "case.test_series",
     cost="data",
     constraints={"case": IMPORTED},
     noise=of_case(Campaign.noise_of_data),
@@ -32,8 +32,7 @@ stage(
         )
     },
     outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
-    settings="SYSTEM random_seed case.ensemble.time_step case.ensemble.sampling_stride "
-    "case.training.series case.sensors case.encoder",
+    settings="SYSTEM STEPS random_seed case.training.series case.sensors case.encoder",
     cost="data",
     constraints={"case": one_of(campaign.encoded_cases)},
     noise=of_case(Campaign.noise_of_data),
@@ -45,8 +44,8 @@ stage(
     "choose other training series",
     inputs={"source": stages.ensemble_of_source},
     outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
-    settings="SYSTEM random_seed case.ensemble.time_step case.ensemble.sampling_stride "
-    "case.training.series case.test_series probability.calibration_series",
+    settings="SYSTEM STEPS random_seed case.training.series case.test_series "
+    "probability.calibration_series",
     cost="data",
     constraints={"case": REALISED},
     realisation=of_case(lambda campaign, case: realisation_of(case)[1]),
@@ -81,9 +80,8 @@ stage(
         "exponents": f"{CASE}/lyapunov.json",
         "spectrum": f"{CASE}/lyapunov_spectrum.nc",
     },
-    settings="SYSTEM random_seed case.ensemble.time_step case.ensemble.sampling_stride "
-    "case.lyapunov.series case.lyapunov.orthonormalisation_interval "
-    "case.lyapunov.perturbation case.lyapunov.saturation",
+    settings="SYSTEM STEPS random_seed case.lyapunov.series case.lyapunov.perturbation "
+    "case.lyapunov.saturation case.lyapunov.orthonormalisation_interval",
     cost="tangent",
     cached=True,
     constraints={"case": SIMULATED},
@@ -93,8 +91,7 @@ stage(
     "Lyapunov exponent, from how neighbours part",
     inputs=files("ensemble"),
     outputs={"exponents": f"{CASE}/lyapunov.json"},
-    settings="random_seed bootstrap case.ensemble.time_step case.ensemble.sampling_stride "
-    "case.training.series",
+    settings="STEPS random_seed bootstrap case.training.series",
     cost="data",
     constraints={"case": MEASURED},
 )

@@ -1,7 +1,5 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
-from burstcast_workflow.campaign.alarm_sources import shown_voters
-
 stage(
     "data/calibration_set",
     "starting points of the calibration",
@@ -67,8 +65,8 @@ stage(
     "an event as committees see it",
     inputs={
         **files("ensemble evaluation_set calibration"),
-        "forecasters": files_in_case("forecaster.nc", shown_voters),
-        "forecasts": files_in_case("forecast.nc", shown_voters),
+        "forecasters": files_in_case("forecaster.nc", Campaign.shown_voters),
+        "forecasts": files_in_case("forecast.nc", Campaign.shown_voters),
     },
     outputs={"committee_event": f"{CASE}/committee_event.nc"},
     settings="SYSTEM TIME WINDOWS case.event_threshold case.training.series "

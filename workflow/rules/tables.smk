@@ -66,8 +66,7 @@ table_stage(
         **files("ensemble"),
         "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
-    settings="KEYS case.ensemble.time_step case.ensemble.sampling_stride "
-    "statistics.duration bootstrap.confidence",
+    settings="KEYS STEPS statistics.duration bootstrap.confidence",
 )
 table_stage(
     "lyapunov_spectrum_table",

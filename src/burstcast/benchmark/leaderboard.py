@@ -3,7 +3,9 @@
 import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
+from textwrap import fill
 
 from burstcast.benchmark.cases import CASES
 from burstcast.benchmark.data import CaseData
@@ -24,6 +26,14 @@ _SHOWN: tuple[tuple[str, float | None, str], ...] = (
     ("mean_horizon_lt", None, "PH_ee, LT"),
 )
 """Scores of a row, with their prediction times and their headings."""
+
+_HEAD = """\
+# Leaderboard of the benchmark
+
+Scores of [the benchmark](benchmark.md), with bootstrap intervals of 95 %. LT is the Lyapunov time.
+A score that is not defined, or whose forecasts were not handed in, is a dash. This page is made by
+`make pages` from `src/burstcast/benchmark/leaderboard.csv`, which also has the version and the
+commit that made each row."""
 
 _SORTED_BY = "f_score_3lt"
 _KEYS = ("case", "case_version", "seed", "forecaster")
@@ -128,6 +138,21 @@ def compared_with(rows: Iterable[Row], row: Row) -> list[Row]:
     """Rows of a row's case, version and seed, the row among them."""
     alike = [other for other in rows if all(other[key] == row[key] for key in _KEYS[:-1])]
     return with_row(alike, row)
+
+
+def page(rows: Iterable[Row]) -> str:
+    """Page of the documentation with all rows, case by case."""
+    parts = [_HEAD]
+    for case, group in groupby(rows, key=lambda row: row["case"]):
+        of_case = list(group)
+        title = f"## {case}, version {of_case[0]['case_version']}, seed {of_case[0]['seed']}"
+        listed = "\n".join(_wrapped(f"* `{row['forecaster']}`: {row['about']}") for row in of_case)
+        parts += [title, _wrapped(CASES[case].about), as_markdown(of_case), listed]
+    return "\n\n".join(parts)
+
+
+def _wrapped(text: str) -> str:
+    return fill(text, 100, subsequent_indent="  " * text.startswith("* "))
 
 
 def as_markdown(rows: Sequence[Row], marked: Row | None = None) -> str:

@@ -1,7 +1,10 @@
 """Scores of forecasts of a case, with intervals, by the functions that the workflow uses."""
 
+import csv
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -11,6 +14,7 @@ from burstcast.benchmark.cases import BenchmarkCase
 from burstcast.benchmark.data import CaseData
 from burstcast.benchmark.forecast_files import Forecasts
 from burstcast.data.starting_points import crossing_points
+from burstcast.files.atomic_files import atomic
 from burstcast.forecast.classification import bootstrap_interval
 from burstcast.forecast.horizon_intervals import resampled_averages
 from burstcast.forecast.windows import crosses
@@ -26,6 +30,9 @@ from burstcast.statistics.resampling import bootstrap_weights, percentile_interv
 BINS = 11
 """Equally wide bins of the probability, of the calibration error among others."""
 RESAMPLES, CONFIDENCE = 1000, 0.95
+
+_BY_TIME = ("precision", "recall", "f_score", "brier_skill", "calibration_error")
+_OF_ALL = ("mean_lead_time_lt", "missed_fraction", "mean_horizon_lt", "median_horizon_lt")
 
 
 @dataclass(frozen=True)
@@ -149,3 +156,26 @@ def _horizon_scores(data: CaseData, forecasts: Forecasts, resamples: int) -> Seq
             ("median_horizon_lt", np.median(horizons), medians),
         )
     ]
+
+
+def write_scores(path: str | Path, scores: Sequence[Score]) -> None:
+    """Write all scores with their intervals to a CSV file."""
+    columns = [field.name for field in dataclasses.fields(Score)]
+    with atomic(path) as partial, open(partial, "w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerows([columns, *map(dataclasses.astuple, scores)])
+
+
+def scores_text(scores: Sequence[Score]) -> str:
+    """Main scores as text: by prediction time, then of all prediction times together."""
+    times = list(dict.fromkeys(one.prediction_time_lt for one in scores if one.metric == "f_score"))
+    shown = {
+        (one.metric, one.prediction_time_lt): f"{one.value:.3f} ({one.low:.3f} to {one.high:.3f})"
+        for one in scores
+    }
+    lines = [["", *(f"{time:g} LT" for time in times)]]
+    lines += [[metric, *(shown[metric, time] for time in times)] for metric in _BY_TIME]
+    lines += [[metric, shown[metric, None]] for metric in _OF_ALL if (metric, None) in shown]
+    return "\n".join(
+        f"{line[0]:20}{''.join(cell.rjust(26) for cell in line[1:])}" for line in lines
+    )

@@ -34,6 +34,29 @@ class Run:
     columns: Mapping[str, FloatArray]
 
 
+def runs_of_states(
+    source: str, states: FloatArray, observable: FloatArray, components: Sequence[str]
+) -> list[Run]:
+    """Runs of series whose states are known: their components, and the column ``observable``.
+
+    Parameters
+    ----------
+    source
+        Origin of the series, for messages.
+    states, observable
+        ``(series, time, component)`` and ``(series, time)``.
+    components
+        Names of the components.
+    """
+    return [
+        Run(
+            f"{source}, series {number}",
+            {**dict(zip(components, one.T, strict=True)), "observable": values},
+        )
+        for number, (one, values) in enumerate(zip(states, observable, strict=True), 1)
+    ]
+
+
 @dataclass(frozen=True)
 class Quantity:
     """Something that states are made of.

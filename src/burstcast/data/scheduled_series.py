@@ -4,12 +4,15 @@ Forecasters that know the parameters learn from series of several cases, each un
 or from flows whose actuator switches on and off at random.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.files.netcdf import Variable
+from burstcast.files.units import COMPONENT
 from burstcast.laminarisation import is_laminar
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters, integrate_scheduled
@@ -70,6 +73,70 @@ def joined(parts: Sequence[ScheduledSeries]) -> ScheduledSeries:
         np.concatenate([part.states for part in parts]),
         np.concatenate([part.schedules for part in parts]),
     )
+
+
+def scheduled_variables(true: ScheduledSeries, observed: FloatArray) -> dict[str, Variable]:
+    """Variables of the file of series: their states, observations, and schedules."""
+    states, steps = ("series", "time", "component"), ("series", "step", "parameter")
+    schedule = "value of each parameter in force from each sample to the next"
+    return {
+        "state": Variable(states, true.states, COMPONENT, "state of the system"),
+        "observed": Variable(states, observed, COMPONENT, "observed state"),
+        "parameter": Variable(steps, true.schedules, None, schedule),
+    }
+
+
+@dataclass(frozen=True)
+class TrainingSet:
+    """Series of several cases that a forecaster learns from, the cases in turn.
+
+    Attributes
+    ----------
+    true, observed
+        The series as they truly are, and as they are observed.
+    own_rows
+        Rows of a case's own training series among them, in their order; none where the case gives
+        other series, or none.
+    """
+
+    true: ScheduledSeries
+    observed: ScheduledSeries
+    own_rows: list[int]
+
+    @classmethod
+    def of_parts(cls, parts: Sequence[Mapping[str, Any]], own: int | None) -> "TrainingSet":
+        """Training set of the series of several cases.
+
+        Series of different cases take turns, so that the first ones, on which networks are
+        validated, are of all of them.
+
+        Parameters
+        ----------
+        parts
+            Arrays of each case's `scheduled_variables`.
+        own
+            Which part has the case's own training series; None if none has.
+        """
+        counts = [len(part["state"]) for part in parts]
+        turn = np.argsort(np.concatenate([np.arange(count) for count in counts]), kind="stable")
+        true, observed = (
+            joined([ScheduledSeries(part[name], part["parameter"]) for part in parts])
+            for name in ("state", "observed")
+        )
+        rows: list[int] = []
+        if own is not None:
+            first = sum(counts[:own])
+            rows = np.argsort(turn)[first : first + counts[own]].tolist()
+        return cls(
+            ScheduledSeries(true.states[turn], true.schedules[turn]),
+            ScheduledSeries(observed.states[turn], observed.schedules[turn]),
+            rows,
+        )
+
+    @property
+    def schedules(self) -> FloatArray:
+        """Values in force from each sample to the next, ``(series, time - 1, parameters)``."""
+        return self.observed.schedules
 
 
 @dataclass(frozen=True)

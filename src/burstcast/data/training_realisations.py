@@ -124,6 +124,36 @@ def draw_training_series(
     return chosen
 
 
+def rows_of_drawn_series(
+    event_shares: FloatArray,
+    training: int,
+    held: int,
+    wanted: Sequence[float | str],
+    generators: Sequence[np.random.Generator],
+) -> IntArray:
+    """Order of an ensemble's series in which the last of several drawn choices comes first.
+
+    Parameters
+    ----------
+    event_shares, training, generators
+        As in `draw_training_series`.
+    held
+        Number of series after the training series that are not drawn, and keep their places: the
+        test and calibration series.
+    wanted
+        Wanted share of each choice; "all": the share of all series.
+
+    Returns
+    -------
+    Rows of the ensemble in the new order, ``(kept,)``.
+    """
+    kept = len(event_shares)
+    candidates = np.delete(np.arange(kept), np.s_[training : training + held])
+    shares = [float(event_shares.mean() if share == "all" else share) for share in wanted]
+    chosen = draw_training_series(event_shares, candidates, training, shares, generators)
+    return trained_first(kept, chosen[-1])
+
+
 @dataclass(frozen=True)
 class VarianceComponents:
     """Components of the variance of a metric.

@@ -1,8 +1,8 @@
 """One event as the committees of a case see it, with the probabilities that follow from it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from burstcast.files.described import Described
 from burstcast.files.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 from burstcast.forecast.window_forecasts import member_forecasts
 from burstcast.forecasters.base import Forecaster
+from burstcast.probability.alarm_rule import CALIBRATED, rules_of
+from burstcast.probability.alarm_sources import AlarmSource
+from burstcast.probability.forecast_points import ForecastPoints
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,40 @@ def see_event(
         drawn,
         *chances,
     )
+
+
+def committee_chances(
+    points: ForecastPoints,
+    point: int,
+    committees: Sequence[AlarmSource],
+    chosen: Mapping[str, Any],
+    prediction_times_lt: Sequence[float],
+    event_threshold: float,
+) -> FloatArray:
+    """Shares of votes, calibrated probabilities and alarm thresholds at one starting point.
+
+    Parameters
+    ----------
+    points, point
+        Starting points of the case, and the row of this one.
+    committees
+        Committees.
+    chosen
+        Content of ``calibration.json``.
+    prediction_times_lt, event_threshold
+        Prediction times, and the case's event threshold.
+
+    Returns
+    -------
+    ``(3, committees, windows)``.
+    """
+    chances = np.full((3, len(committees), len(prediction_times_lt)), np.nan)
+    for number, committee in enumerate(committees):
+        for column, time in enumerate(prediction_times_lt):
+            rule = rules_of(chosen, committee.identifier, time)[CALIBRATED]
+            votes = points.values(committee, time, event_threshold)[point : point + 1]
+            chances[:, number, column] = votes[0], rule.calibration(votes)[0], rule.threshold
+    return chances
 
 
 def member_observables(

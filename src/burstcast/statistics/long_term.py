@@ -15,9 +15,12 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.data.starting_points import SeriesPoints, starting_points
+from burstcast.files.netcdf import Variable
+from burstcast.files.units import NUMBER
 from burstcast.forecasters.base import Forecaster
 from burstcast.laminarisation import first_laminar_step
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator, SeriesReductions
+from burstcast.statistics.statistics_files import reduction_variables, statistics_variables
 
 STEPS_PER_CHUNK = 100
 """Steps between two looks at which trajectories have ended: costs time, changes no result."""
@@ -115,6 +118,17 @@ class LongTermRun:
     lifetimes: IntArray
     statistics: LongTermStatistics
     runs: SeriesReductions
+
+    def variables(self) -> dict[str, Variable]:
+        """Variables of the file of the run."""
+        fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
+        lifetime = "steps until each loop left the chaotic phase"
+        return {
+            **statistics_variables(self.statistics),
+            "fate": Variable(("start",), self.fates, NUMBER, f"fate of each closed loop: {fates}"),
+            "lifetime": Variable(("start",), self.lifetimes, NUMBER, lifetime),
+            **reduction_variables(self.runs),
+        }
 
 
 def long_term_starting_points(

@@ -4,10 +4,12 @@ Source: section "Statistical prediction of extreme events" of the paper; the sam
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
+from burstcast.files.netcdf import Variable
+from burstcast.files.units import NUMBER, OBSERVABLE
 from burstcast.statistics.densities import kantorovich_metric, mean_logarithmic_error
 from burstcast.statistics.profiles import normalised_root_mean_square_error, velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
@@ -126,6 +128,23 @@ def sampling_floor(
             )
         )
     return measures
+
+
+def floor_variables(splits: Sequence[Measures]) -> dict[str, Variable]:
+    """Variables of the file of a `sampling_floor`: each measure of each split."""
+    numbers = Variable(("split",), np.arange(len(splits)), NUMBER, "random split of the data")
+    return {
+        "split": numbers,
+        **{
+            field.name: Variable(
+                ("split",),
+                np.array([getattr(measures, field.name) for measures in splits]),
+                OBSERVABLE if field.name == "kantorovich" else NUMBER,
+                f"{field.name} between the parts of the split",
+            )
+            for field in fields(Measures)
+        },
+    }
 
 
 def nearest(reference: LongTermStatistics, candidates: Sequence[LongTermStatistics]) -> int | None:

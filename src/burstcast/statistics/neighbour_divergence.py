@@ -42,6 +42,7 @@ of the shear flow alone it is 3.5 times the exponent.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -96,6 +97,16 @@ class NeighbourDivergence:
     log_distance: FloatArray
     fitted: tuple[int, int]
     theiler_window: int
+
+    def record(self) -> dict[str, Any]:
+        """Lists and numbers that a file of Lyapunov exponents has."""
+        return {
+            "leading": {"mean": self.exponent, "low": self.low, "high": self.high},
+            "method": "divergence of nearest neighbours in the training series",
+            "log_distance": self.log_distance.tolist(),
+            "fitted_steps": list(self.fitted),
+            "theiler_window": self.theiler_window,
+        }
 
 
 def neighbour_divergence(

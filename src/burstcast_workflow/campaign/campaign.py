@@ -14,15 +14,17 @@ from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecasterKind
 from burstcast.forecasters.registry import kind_class, learns_parameters, linearises
+from burstcast.natural_order import natural_order
 from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_system
+from burstcast.systems.state_space import StateSpace
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
 from burstcast_workflow.campaign.control_plans import (
     ControlPlan,
     block_plans,
     paper_plan,
 )
-from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of, is_flow
+from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of
 from burstcast_workflow.config.external_files import external_forecasts
 from burstcast_workflow.config.kinds import Quantile, Section
 from burstcast_workflow.config.measured_cases import is_encoded, space_of
@@ -34,14 +36,14 @@ from burstcast_workflow.config.model import (
     Simulated,
     StrategyBlock,
 )
-from burstcast_workflow.stages.canonical import canonical, natural_order
+from burstcast_workflow.stages.canonical import canonical
 
 GROUPS = {
     "KEYS": "case.parameters",
     "SYSTEM": "case.system case.parameters",
+    "STEPS": "case.ensemble.time_step case.ensemble.sampling_stride",
     # from which a Lyapunov time follows, if the config knows it
-    "TIME": "case.ensemble.time_step case.ensemble.sampling_stride "
-    "case.lyapunov.time_unit case.lyapunov.published_exponent",
+    "TIME": "STEPS case.lyapunov.time_unit case.lyapunov.published_exponent",
     # observations: the true states with noise
     "OBSERVED": "random_seed case.training.noise case.training.series",
     # how forecasts are cut into windows
@@ -242,6 +244,17 @@ class Campaign:
         case = figures.example_case or self.forecasters[0].case
         return CaseForecaster(case, parsed(figures.example_forecaster or "none"))
 
+    def shown_voters(self, case: str) -> list[CaseForecaster]:
+        """Forecasters that vote in the committees that figures show.
+
+        They are networks of the example's size and strategy if these are several, then filters.
+        """
+        forecasters = self.select(case=case)
+        example = replace(self.example.name, seed=None)
+        networks = [one for one in forecasters if replace(one.name, seed=None) == example]
+        filters = [one for one in forecasters if one.kind.has_filter]
+        return [*(networks if len(networks) > 1 else []), *filters]
+
     @property
     def hyperparameters_file(self) -> str:
         """File in a network's directory with the hyperparameters that it is trained with."""
@@ -421,7 +434,7 @@ class Campaign:
         KeyError
             If the config has no such setting.
         """
-        name = _name_of(wildcards)
+        name = name_of(wildcards)
         left_out = {NOISE} if _sees_truth(name) else set()
         if not (name.asks_forecasters and self._tells(name, wildcards)):
             left_out.add(AWARE)
@@ -547,7 +560,7 @@ class Campaign:
         if "strategy" in names and (part := self.plan(names["strategy"]).observed):
             cases.append(part)
         if "forecaster" in names or "controller" in names:
-            forecasters = [name for name in [_name_of(names)] if name.asks_forecasters]
+            forecasters = [name for name in [name_of(names)] if name.asks_forecasters]
         else:
             forecasters = [one.name for one in self.forecasters]
         strategy = [self.plan(names["strategy"]).strategy] if "strategy" in names else []
@@ -580,11 +593,6 @@ class Campaign:
 
     # -- facts about cases -------------------------------------------------------------------------
 
-    def reynolds(self, case: str) -> float | None:
-        """Reynolds number of a case; None for a system that has none."""
-        value = self.cases[case].parameters.get("reynolds")
-        return None if value is None else float(value)
-
     def event_quantile(self, case: str) -> float | None:
         """Quantile that the event threshold of a case is given as; None where it is a number."""
         threshold = self.cases[case].event_threshold
@@ -606,29 +614,21 @@ class Campaign:
             return None
         return {"level": level, "random_seed": self.config.random_seed}
 
-    def steps_per_lyapunov_time(self, case: str) -> int | None:
-        """Steps of a forecast in a Lyapunov time; None where the config does not know it."""
-        return self.cases[case].steps_per_lyapunov_time
-
     def estimates_time_unit(self, case: str) -> bool:
         """Whether a Lyapunov time is known only from how neighbouring states of the series part."""
-        unknown = self.steps_per_lyapunov_time(case) is None
+        unknown = self.cases[case].steps_per_lyapunov_time is None
         return unknown and not self.has_equations(self.source_case(case))
 
     def time_unit(self, case: str) -> str | list[str]:
         """File of the computed Lyapunov exponents, where they set a case's unit of time."""
-        known = self.steps_per_lyapunov_time(case) is not None
+        known = self.cases[case].steps_per_lyapunov_time is not None
         return [] if known else f"{self.source_case(case)}/lyapunov.json"
 
-    def sampling_interval(self, case: str) -> float:
-        """Time between two steps of a forecast, in time units."""
-        return self.cases[case].ensemble.sampling_interval
-
-    def dimension(self, case: str) -> int:
-        """Components of a state."""
+    def space(self, case: str) -> StateSpace:
+        """State space of a case."""
         space = space_of(self.cases[case])
         assert space is not None
-        return space.dimension
+        return space
 
     def has_equations(self, case: str) -> bool:
         """Whether a case is simulated, so that there is what needs equations."""
@@ -687,10 +687,6 @@ class Campaign:
         data = self.cases[case].data
         return data.case if data and data.case else case
 
-    def has_flow(self, case: str) -> bool:
-        """Whether a case is a flow: its state, the amplitudes of velocity modes."""
-        return is_flow(self.cases[case])
-
     def scan_of(self, identifier: str) -> tuple[str, str]:
         """Reservoir and strategies of the scan that a network's search goes on from."""
         name = parsed(identifier)
@@ -698,12 +694,13 @@ class Campaign:
         return reservoir, "+".join(scanned_with(str(name.validation)))
 
 
-def _name_of(wildcards: Mapping[str, str]) -> ForecasterName:
+WHOSE = ("forecaster", "controller", "reservoir")
+"""Wildcards that name a forecaster or a controller of a job, or the network of a reservoir."""
+
+
+def name_of(wildcards: Mapping[str, str]) -> ForecasterName:
     """Forecaster or controller of a job, or the network that its reservoir is for."""
-    return parsed(next(filter(None, map(wildcards.get, _WHOSE)), "none"))
-
-
-_WHOSE = ("forecaster", "controller", "reservoir")
+    return parsed(next(filter(None, map(wildcards.get, WHOSE)), "none"))
 
 
 @cache

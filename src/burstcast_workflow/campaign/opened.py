@@ -120,7 +120,7 @@ class OpenedCampaign:
 
         def read(name: str) -> "pd.DataFrame":
             # pandas takes longer to load than all the rest
-            from burstcast_workflow.harness.tables import read_table
+            from burstcast.files.tables import read_table
 
             return read_table(self.results / "tables" / f"{name}.csv")
 

@@ -1,13 +1,9 @@
 """The benchmark: ``burstcast benchmark export``, ``score`` and ``leaderboard``."""
 
-import csv
-import dataclasses
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
-from itertools import groupby
 from pathlib import Path
-from textwrap import fill
 from typing import Any
 
 from burstcast.benchmark.cases import CASES, SEED, case_named
@@ -17,27 +13,15 @@ from burstcast.benchmark.forecast_files import case_of, read_forecasts
 from burstcast.benchmark.leaderboard import (
     as_markdown,
     compared_with,
+    page,
     read_leaderboard,
     row_of,
     with_row,
     write_leaderboard,
 )
 from burstcast.benchmark.records import MissingRecordError
-from burstcast.benchmark.scores import Score, score_forecasts
-from burstcast.files.atomic_files import atomic
+from burstcast.benchmark.scores import score_forecasts, scores_text, write_scores
 from burstcast_workflow.project import source_revision
-
-_PAGE = """\
-# Leaderboard of the benchmark
-
-Scores of [the benchmark](benchmark.md), with bootstrap intervals of 95 %. LT is the Lyapunov time.
-A score that is not defined, or whose forecasts were not handed in, is a dash. This page is made by
-`make pages` from `src/burstcast/benchmark/leaderboard.csv`, which also has the version and the
-commit that made each row."""
-
-
-_BY_TIME = ("precision", "recall", "f_score", "brier_skill", "calibration_error")
-_OF_ALL = ("mean_lead_time_lt", "missed_fraction", "mean_horizon_lt", "median_horizon_lt")
 
 
 def export_cases(directory: Path, case: Sequence[str] | None, seed: int | None) -> None:
@@ -79,8 +63,8 @@ def score_files(
         commit=source_revision(),
     )
     target = output or files[0].with_suffix(".scores.csv")
-    _write(target, scores)
-    print(_table(scores))
+    write_scores(target, scores)
+    print(scores_text(scores))
     print(f"\n{case.name}, version {case.version}, seed {seed}; * is this forecaster:\n")
     print(as_markdown(compared_with(read_leaderboard(), row), row))
     print(f"\n{target}: all scores with their intervals")
@@ -92,40 +76,7 @@ def score_files(
 
 def show_leaderboard() -> None:
     """Print the leaderboard as a page."""
-    print(_PAGE)
-    for case, group in groupby(read_leaderboard(), key=lambda row: row["case"]):
-        rows = list(group)
-        title = f"## {case}, version {rows[0]['case_version']}, seed {rows[0]['seed']}"
-        listed = "\n".join(_wrapped(f"* `{row['forecaster']}`: {row['about']}") for row in rows)
-        about = _wrapped(CASES[case].about)
-        print(f"\n{title}\n\n{about}\n\n{as_markdown(rows)}\n\n{listed}")
-
-
-def _wrapped(text: str) -> str:
-    return fill(text, 100, subsequent_indent="  " * text.startswith("* "))
-
-
-def _write(path: Path, scores: Sequence[Score]) -> None:
-    columns = [field.name for field in dataclasses.fields(Score)]
-    with atomic(path) as partial, open(partial, "w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerows([columns, *map(dataclasses.astuple, scores)])
-
-
-def _table(scores: Sequence[Score]) -> str:
-    """Main scores: by prediction time, then of all prediction times together."""
-    times = list(dict.fromkeys(one.prediction_time_lt for one in scores if one.metric == "f_score"))
-    shown = {(one.metric, one.prediction_time_lt): _cell(one) for one in scores}
-    lines = [["", *(f"{time:g} LT" for time in times)]]
-    lines += [[metric, *(shown[metric, time] for time in times)] for metric in _BY_TIME]
-    lines += [[metric, shown[metric, None]] for metric in _OF_ALL if (metric, None) in shown]
-    return "\n".join(
-        f"{line[0]:20}{''.join(cell.rjust(26) for cell in line[1:])}" for line in lines
-    )
-
-
-def _cell(score: Score) -> str:
-    return f"{score.value:.3f} ({score.low:.3f} to {score.high:.3f})"
+    print(page(read_leaderboard()))
 
 
 TASKS: Mapping[str, Callable[..., None]] = {

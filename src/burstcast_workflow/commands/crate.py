@@ -27,6 +27,7 @@ _PROFILES = {
     "https://w3id.org/ro/wfrun/provenance/0.5": ("Provenance Run Crate", "0.5"),
     _WORKFLOW_CRATE: ("Workflow RO-Crate", "1.0"),
 }
+_SNAKEMAKE = "https://snakemake.github.io"
 _LANGUAGE = "https://w3id.org/workflowhub/workflow-ro-crate#snakemake"
 _MEDIA_TYPES = {
     "csv": "text/csv",
@@ -74,100 +75,87 @@ def metadata(
             "about": _to("./"),
             "conformsTo": _to_all([_RO_CRATE, _WORKFLOW_CRATE]),
         },
-        {
-            "@id": "./",
-            "@type": "Dataset",
-            "name": f"{name}: a campaign of burstcast",
-            "description": "Tables and figures of a campaign of burstcast, and how they were made.",
-            "datePublished": _time(max(ends)),
-            "license": _to(f"https://spdx.org/licenses/{licence}"),
-            "conformsTo": _to_all(_PROFILES),
-            "hasPart": _to_all(map(quote, parts)),
-            "mainEntity": _to(WORKFLOW),
-            "mentions": _to_all(["#run", "#organise"]),
-        },
+        _entity(
+            "./",
+            "Dataset",
+            f"{name}: a campaign of burstcast",
+            description="Tables and figures of a campaign of burstcast, and how they were made.",
+            datePublished=_time(max(ends)),
+            license=_to(f"https://spdx.org/licenses/{licence}"),
+            conformsTo=_to_all(_PROFILES),
+            hasPart=_to_all(map(quote, parts)),
+            mainEntity=_to(WORKFLOW),
+            mentions=_to_all(["#run", "#organise"]),
+        ),
         *(
-            {"@id": profile, "@type": "CreativeWork", "name": title, "version": version}
+            _entity(profile, "CreativeWork", title, version=version)
             for profile, (title, version) in _PROFILES.items()
         ),
-        {
-            "@id": f"https://spdx.org/licenses/{licence}",
-            "@type": "CreativeWork",
-            "name": licence,
-        },
-        {
-            "@id": _LANGUAGE,
-            "@type": "ComputerLanguage",
-            "name": "Snakemake",
-            "identifier": _to("https://doi.org/10.1093/bioinformatics/bts480"),
-            "url": _to("https://snakemake.github.io"),
-        },
-        {
-            "@id": "#snakemake",
-            "@type": "SoftwareApplication",
-            "name": "Snakemake",
-            "url": "https://snakemake.github.io",
-            "softwareVersion": library_version("snakemake"),
-        },
-        {
-            "@id": WORKFLOW,
-            "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"],
-            "name": "burstcast",
-            "encodingFormat": "text/plain",
-            "programmingLanguage": _to(_LANGUAGE),
-            "license": _to(f"https://spdx.org/licenses/{licence}"),
-            "version": revision,
-            "hasPart": _to_all(f"#rule-{rule}" for rule in rules),
-            "step": _to_all(f"#step-{rule}" for rule in rules),
-        },
+        _entity(f"https://spdx.org/licenses/{licence}", "CreativeWork", licence),
+        _entity(
+            _LANGUAGE,
+            "ComputerLanguage",
+            "Snakemake",
+            identifier=_to("https://doi.org/10.1093/bioinformatics/bts480"),
+            url=_to(_SNAKEMAKE),
+        ),
+        _entity(
+            "#snakemake",
+            "SoftwareApplication",
+            "Snakemake",
+            url=_SNAKEMAKE,
+            softwareVersion=library_version("snakemake"),
+        ),
+        _entity(
+            WORKFLOW,
+            ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"],
+            "burstcast",
+            encodingFormat="text/plain",
+            programmingLanguage=_to(_LANGUAGE),
+            license=_to(f"https://spdx.org/licenses/{licence}"),
+            version=revision,
+            hasPart=_to_all(f"#rule-{rule}" for rule in rules),
+            step=_to_all(f"#step-{rule}" for rule in rules),
+        ),
         *(_file(path) for path in parts if path != WORKFLOW),
         *(
-            {
-                "@id": _id(path, inside),
-                "@type": "CreativeWork",
-                "name": path,
-                "description": "A file of the campaign that is not in the archive.",
-                "identifier": f"sha256:{digests[path]}",
-            }
+            _entity(
+                _id(path, inside),
+                "CreativeWork",
+                path,
+                description="A file of the campaign that is not in the archive.",
+                identifier=f"sha256:{digests[path]}",
+            )
             for path in sorted(outside)
         ),
     ]
     for position, rule in enumerate(rules, 1):
-        graph.append({"@id": f"#rule-{rule}", "@type": "SoftwareApplication", "name": rule})
-        graph.append(
-            {
-                "@id": f"#step-{rule}",
-                "@type": "HowToStep",
-                "position": str(position),
-                "workExample": _to(f"#rule-{rule}"),
-            }
-        )
+        step = {"position": str(position), "workExample": _to(f"#rule-{rule}")}
+        graph.append(_entity(f"#rule-{rule}", "SoftwareApplication", rule))
+        graph.append({"@id": f"#step-{rule}", "@type": "HowToStep", **step})
     for number, outputs in enumerate(jobs.values(), 1):
         graph += _job(number, outputs, inside)
-    graph.append(
-        {
-            "@id": "#run",
-            "@type": "CreateAction",
-            "name": f"The campaign {name}",
-            "instrument": _to(WORKFLOW),
-            "object": _to_all(["config.yaml"]),
-            "result": _to_all(map(quote, results)),
-            "startTime": _time(min(begins)),
-            "endTime": _time(max(ends)),
-        }
-    )
-    graph.append(
-        {
-            "@id": "#organise",
-            "@type": "OrganizeAction",
-            "name": f"Snakemake runs the campaign {name}",
-            "instrument": _to("#snakemake"),
-            "object": _to_all(f"#control-{number}" for number in range(1, len(jobs) + 1)),
-            "result": _to("#run"),
-            "startTime": _time(min(begins)),
-            "endTime": _time(max(ends)),
-        }
-    )
+    whole = {"startTime": _time(min(begins)), "endTime": _time(max(ends))}
+    graph += [
+        _entity(
+            "#run",
+            "CreateAction",
+            f"The campaign {name}",
+            instrument=_to(WORKFLOW),
+            object=_to_all(["config.yaml"]),
+            result=_to_all(map(quote, results)),
+            **whole,
+        ),
+        _entity(
+            "#organise",
+            "OrganizeAction",
+            f"Snakemake runs the campaign {name}",
+            instrument=_to("#snakemake"),
+            object=_to_all(f"#control-{number}" for number in range(1, len(jobs) + 1)),
+            result=_to("#run"),
+            **whole,
+        ),
+    ]
     document = {"@context": f"{_RO_CRATE}/context", "@graph": graph}
     return f"{json.dumps(document, indent=1)}\n".encode()
 
@@ -179,30 +167,34 @@ def _job(number: int, outputs: Sequence[Record], inside: frozenset[str]) -> list
     wildcards = [f"{name} {value}" for name, value in first.identity.items() if name != "rule"]
     end = max(map(_written, outputs))
     return [
-        {
-            "@id": f"#job-{number}",
-            "@type": "CreateAction",
-            "name": ", ".join([rule, *wildcards]),
-            "description": f"Sources of revision {first.revision or 'unknown'}.",
-            "instrument": _to(f"#rule-{rule}"),
-            "object": _to_all(_id(path, inside) for path in sorted(first.inputs)),
-            "result": _to_all(_id(record.path, inside) for record in outputs),
-            "startTime": _time(end - first.seconds),
-            "endTime": _time(end),
-        },
-        {
-            "@id": f"#control-{number}",
-            "@type": "ControlAction",
-            "name": f"Run of {rule}",
-            "instrument": _to(f"#step-{rule}"),
-            "object": _to(f"#job-{number}"),
-        },
+        _entity(
+            f"#job-{number}",
+            "CreateAction",
+            ", ".join([rule, *wildcards]),
+            description=f"Sources of revision {first.revision or 'unknown'}.",
+            instrument=_to(f"#rule-{rule}"),
+            object=_to_all(_id(path, inside) for path in sorted(first.inputs)),
+            result=_to_all(_id(record.path, inside) for record in outputs),
+            startTime=_time(end - first.seconds),
+            endTime=_time(end),
+        ),
+        _entity(
+            f"#control-{number}",
+            "ControlAction",
+            f"Run of {rule}",
+            instrument=_to(f"#step-{rule}"),
+            object=_to(f"#job-{number}"),
+        ),
     ]
+
+
+def _entity(id_: str, kind: str | list[str], name: str, /, **properties: Any) -> Entity:
+    return {"@id": id_, "@type": kind, "name": name, **properties}
 
 
 def _file(path: str) -> Entity:
     media_type = _MEDIA_TYPES.get(path.rpartition(".")[2], "text/plain")
-    found = {"@id": quote(path), "@type": "File", "name": path, "encodingFormat": media_type}
+    found = _entity(quote(path), "File", path, encodingFormat=media_type)
     return {**found, "about": _to("./")} if path == "README.md" else found
 
 

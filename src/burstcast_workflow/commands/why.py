@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from burstcast.forecasters._names import parsed
-from burstcast_workflow.stages.canonical import natural_order
+from burstcast.natural_order import natural_order
+from burstcast_workflow.harness.settings import leaves
 from burstcast_workflow.start import names_of_rules
 from snaketrust.plan import planned
 from snaketrust.planning import Known, KnownResults
@@ -94,20 +95,13 @@ class Cause:
 
 def flat(settings: Mapping[str, Any]) -> dict[Leaf, Any]:
     """Settings of a job by case (or "") and path in the config; ``cases`` has several cases'."""
-    leaves: dict[Leaf, Any] = {}
     of_cases = {"": {path: settings[path] for path in settings if path != "cases"}}
-    waiting: list[tuple[str, str, Any]] = [
-        (case, path, value)
+    return {
+        (case, path): value
         for case, own in {**of_cases, **settings.get("cases", {})}.items()
-        for path, value in own.items()
-    ]
-    while waiting:
-        case, path, value = waiting.pop()
-        if isinstance(value, Mapping) and value:
-            waiting += [(case, f"{path}.{name}", item) for name, item in value.items()]
-        else:
-            leaves[case, path] = value
-    return leaves
+        for path, value in leaves(own)
+        if path
+    }
 
 
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast.forecasters._names import ForecasterName, parsed
+from burstcast.natural_order import natural_order
 from burstcast_workflow.config.cases import block_cases, campaign_cases, data_of
 from burstcast_workflow.config.model import Configuration
-from burstcast_workflow.stages.canonical import natural_order
 
 _STRATEGY = "RV"
 """Validation strategy of the example network, where the campaign has it."""

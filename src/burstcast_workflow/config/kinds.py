@@ -289,6 +289,11 @@ def setting(meaning: str, unit: str = "", when: str = "", **bounds: Any) -> Any:
     return Field(description=meaning, json_schema_extra=extra, **bounds)
 
 
+def optional(meaning: str, unit: str = "", **bounds: Any) -> Any:
+    """Describe a setting (`setting`) that is null where it is left out."""
+    return setting(meaning, unit, default=None, **bounds)
+
+
 def is_section(kind: Any) -> bool:
     """Whether a type is a section of settings."""
     return isinstance(kind, type) and issubclass(kind, Section)

@@ -5,9 +5,8 @@ All mistakes are reported at once, before any job, in messages that name the set
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -31,26 +30,10 @@ _NUMBERS = {
 }
 
 
-@dataclass(frozen=True)
-class Excess:
-    """A number above the bound of its setting, at a path in the configuration."""
-
-    path: tuple[str | int, ...]
-    value: int
-    bound: int
-
-    @property
-    def name(self) -> str:
-        """Name of the setting, as messages have it."""
-        parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in self.path)
-        return "".join(parts).removeprefix(".")
-
-
 class ConfigError(ValueError):
-    """A configuration with mistakes: a message for each, and the numbers above their bounds."""
+    """A configuration with mistakes: a message for each."""
 
-    def __init__(self, problems: list[str], excesses: Sequence[Excess] = ()) -> None:
-        self.problems, self.excesses = problems, excesses
+    def __init__(self, problems: list[str]) -> None:
         if len(problems) == 1:
             text = f"The configuration has a mistake: {problems[0]}"
         else:
@@ -90,19 +73,14 @@ def load(
             whole = yaml.load(file, _LOADER)
         update_config(whole, config)
         config = whole
-    problems, excesses = misread(files), []
+    problems = misread(files)
     try:
         parsed = completed(Configuration.model_validate(config))
         problems += contradictions(parsed)
     except ValidationError as error:
         problems += model_problems(error, Configuration)
-        excesses = [
-            Excess(one["loc"], one["input"], one["ctx"]["le"])
-            for one in error.errors(include_url=False)
-            if one["type"] == "less_than_equal" and isinstance(one["input"], int)
-        ]
     if problems:
-        raise ConfigError(problems, excesses)
+        raise ConfigError(problems)
     return parsed.dump()
 
 

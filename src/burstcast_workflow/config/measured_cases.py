@@ -15,10 +15,10 @@ from burstcast.data.series_files import column_names
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.channels import IDENTITY, channel_names, encoding_case
 from burstcast.encoders.registry import encoder_class
+from burstcast.natural_order import natural_order
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED, StateSpace, component_names, make_measured
 from burstcast_workflow.config.model import Case, Data, Measured, Simulated
-from burstcast_workflow.stages.canonical import natural_order
 
 Config = dict[str, Any]
 OBSERVABLE = "observable"

@@ -42,6 +42,7 @@ from burstcast_workflow.config.kinds import (
     Threshold,
     Whole,
     Words,
+    optional,
     part_of,
     setting,
     with_defaults,
@@ -86,32 +87,29 @@ class NetworkAxes(Section):
 class SingleKinds(Chosen):
     """Kinds with one forecaster for each case; null for none of a kind."""
 
-    equations: Alone = setting("the equations, started from the true state", default=None)
-    equations_noisy: Alone = setting("the equations, from the last observation", default=None)
-    linear_inverse: Alone = setting("linear inverse model, from the last observation", default=None)
-    equations_filtered: Alone = setting(
-        "the equations, started from a filter's estimate of the state", default=None
+    equations: Alone = optional("the equations, started from the true state")
+    equations_noisy: Alone = optional("the equations, from the last observation")
+    linear_inverse: Alone = optional("linear inverse model, from the last observation")
+    equations_filtered: Alone = optional(
+        "the equations, started from a filter's estimate of the state"
     )
-    quadratic: Alone = setting("learnt polynomials, from the last observation", default=None)
-    quadratic_filtered: Alone = setting(
-        "learnt polynomial equations, started from a filter's estimate of the state", default=None
+    quadratic: Alone = optional("learnt polynomials, from the last observation")
+    quadratic_filtered: Alone = optional(
+        "learnt polynomial equations, started from a filter's estimate of the state"
     )
-    analogues: Alone = setting("continuations of the most similar states of the past", default=None)
-    persistence: Alone = setting("the last observed state for ever", default=None)
-    precursor: Alone = setting(
-        "probabilities by a classifier of the present and the past, without a trajectory",
-        default=None,
+    analogues: Alone = optional("continuations of the most similar states of the past")
+    persistence: Alone = optional("the last observed state for ever")
+    precursor: Alone = optional(
+        "probabilities by a classifier of the present and the past, without a trajectory"
     )
-    esn_direct: Alone = setting(
-        "probabilities read out of a reservoir after the washout, without a trajectory",
-        default=None,
+    esn_direct: Alone = optional(
+        "probabilities read out of a reservoir after the washout, without a trajectory"
     )
-    quadratic_aware: Alone = setting(
-        "learnt equations with the parameters in force, from the last observation", default=None
+    quadratic_aware: Alone = optional(
+        "learnt equations with the parameters in force, from the last observation"
     )
-    quadratic_aware_filtered: Alone = setting(
-        "learnt equations that know the parameters in force, started from a filter's estimate",
-        default=None,
+    quadratic_aware_filtered: Alone = optional(
+        "learnt equations that know the parameters in force, started from a filter's estimate"
     )
 
 
@@ -133,19 +131,18 @@ class BlockForecasters(SingleKinds):
 
     external: Annotated[
         dict[Label, ExternalFiles] | None, Words("a mapping of names, or null for none")
-    ] = setting(
+    ] = optional(
         "forecasts that other programs have made, by a name: each has `files`, NetCDF or CSV "
         "(`{case}` in a path stands for the name of the case), and may have an `alarm_threshold`, "
-        "0.5 if left out",
-        default=None,
+        "0.5 if left out"
     )
 
-    esn: NetworkAxes | None = setting("echo state networks", default=None)
-    esn_true_washout: NetworkAxes | None = setting(
-        "the same networks, given washouts without noise", default=None
+    esn: NetworkAxes | None = optional("echo state networks")
+    esn_true_washout: NetworkAxes | None = optional(
+        "the same networks, given washouts without noise"
     )
-    esn_aware: NetworkAxes | None = setting(
-        "echo state networks that know the parameters in force", default=None
+    esn_aware: NetworkAxes | None = optional(
+        "echo state networks that know the parameters in force"
     )
 
     @property
@@ -173,16 +170,14 @@ class NetworkChoice(Section):
 class Choice(SingleKinds):
     """Selection of the campaign's forecasters by kind; null for none of a kind."""
 
-    external: Alone = setting(
-        "forecasts from files, which start from no other state: always null", default=None
-    )
+    external: Alone = optional("forecasts from files, which start from no other state: always null")
 
-    esn: NetworkChoice | None = setting("echo state networks", default=None)
-    esn_true_washout: NetworkChoice | None = setting(
-        "networks that are given washouts without noise", default=None
+    esn: NetworkChoice | None = optional("echo state networks")
+    esn_true_washout: NetworkChoice | None = optional(
+        "networks that are given washouts without noise"
     )
-    esn_aware: NetworkChoice | None = setting(
-        "echo state networks that know the parameters in force", default=None
+    esn_aware: NetworkChoice | None = optional(
+        "echo state networks that know the parameters in force"
     )
 
 
@@ -249,11 +244,8 @@ class TimeUnit(Section):
     time_unit: Literal["published", "computed"] = setting(
         "the exponent that sets the Lyapunov time"
     )
-    published_exponent: float | None = setting(
-        "published leading exponent; null if there is none",
-        "inverse time units",
-        gt=0,
-        default=None,
+    published_exponent: float | None = optional(
+        "published leading exponent; null if there is none", "inverse time units", gt=0
     )
     orthonormalisation_interval: Positive = setting(
         "time between two QR factorisations", TIME, multiple_of="ensemble.time_step"
@@ -314,10 +306,9 @@ class Training(Section):
         "itself if empty",
         default=[],
     )
-    actuation: TrainingActuation | None = setting(
+    actuation: TrainingActuation | None = optional(
         "actuation of the series that this case gives to the kinds that know the parameters; null: "
-        "its training series, which are free",
-        default=None,
+        "its training series, which are free"
     )
 
 
@@ -331,10 +322,9 @@ class Density(Section):
 class MeasuredDensity(Density):
     """Bins of the observable's probability density."""
 
-    range: Range | None = setting(  # type: ignore[assignment]
+    range: Range | None = optional(  # type: ignore[assignment]
         "lower and upper end of the bins; null: the smallest and the largest value of the data",
         OBSERVABLE,
-        default=None,
     )
 
 
@@ -351,8 +341,8 @@ class Actuation(Section):
     parameters: dict[ParameterName, float] = setting(
         "parameters of the equations during an actuation", default={}
     )
-    force: Annotated[list[float] | None, Words("a list of numbers, or null")] = setting(
-        "constant force on each component of the state; null for none", default=None
+    force: Annotated[list[float] | None, Words("a list of numbers, or null")] = optional(
+        "constant force on each component of the state; null for none"
     )
     start_lt: float = setting("start of the actuation, from the start of the alarm's window")
     duration_lt: Positive = setting("duration of the actuation")
@@ -398,18 +388,17 @@ class Data(Section):
         "files of series, or patterns (lab/run_*.csv): CSV, Parquet, NetCDF, HDF5, NumPy",
         default=[],
     )
-    case: CaseName | None = setting(
-        "another case of the campaign, a part of whose state is observed", default=None
+    case: CaseName | None = optional(
+        "another case of the campaign, a part of whose state is observed"
     )
     columns: Distinct[str] = setting(
         "names of the columns of a table without a header, or along the component axis of an array",
         default=[],
     )
-    header: bool | None = setting(
+    header: bool | None = optional(
         "whether the first row of a table has the names of its columns (with columns, other names "
         "instead); null: it has unless it consists of numbers; numbers that may be names are an "
-        "error",
-        default=None,
+        "error"
     )
     components: Distinct[str] = setting(
         "what forecasters see: columns, expressions of columns, or <name> = <one of these>; all "
@@ -430,48 +419,40 @@ class Data(Section):
     observable: str = setting("a component, or an expression of components or columns")
     observable_name: str = setting("name of the observable, for axes and tables", default="")
     observable_symbol: str = setting("its symbol in TeX, without dollars", default="")
-    time_step: Annotated[Positive | None, Words("a number above 0")] = setting(
-        "time between two rows, which are the steps of a forecast", TIME, default=None
+    time_step: Annotated[Positive | None, Words("a number above 0")] = optional(
+        "time between two rows, which are the steps of a forecast", TIME
     )
-    time: str | None = setting("column of times, to be checked against the time step", default=None)
-    time_unit: Literal["second", "minute", "hour", "day"] | None = setting(
-        "what a time unit is, where times are dates (ISO 8601); null: times are numbers",
-        default=None,
+    time: str | None = optional("column of times, to be checked against the time step")
+    time_unit: Literal["second", "minute", "hour", "day"] | None = optional(
+        "what a time unit is, where times are dates (ISO 8601); null: times are numbers"
     )
-    time_zone: str | None = setting(
+    time_zone: str | None = optional(
         "zone of dates without an offset, such as Europe/Berlin; null: a clock that is never put "
-        "forward or back, such as UTC",
-        default=None,
+        "forward or back, such as UTC"
     )
-    joined: bool | None = setting(
+    joined: bool | None = optional(
         "whether all files, or all series of a table, are parts of one record, in their order in "
-        "time; otherwise each is a record",
-        default=None,
+        "time; otherwise each is a record"
     )
-    gaps: Annotated[Literal["cut"] | None, Words("cut, or null")] = setting(
-        "cut: gaps cut a record, and parts shorter than a block are left out; null: gaps are "
-        "errors",
-        default=None,
+    gaps: Annotated[Literal["cut"] | None, Words("cut, or null")] = optional(
+        "cut: gaps cut a record, and parts shorter than a block are left out; null: gaps are errors"
     )
-    longest_interpolation: PositiveOrNull = setting(
-        "longest time between two complete rows that is interpolated linearly; null: none",
-        TIME,
-        default=None,
+    longest_interpolation: PositiveOrNull = optional(
+        "longest time between two complete rows that is interpolated linearly; null: none", TIME
     )
-    cycle: Cycle | None = setting("a cycle of known period; null: none", default=None)
-    series: str | None = setting(
+    cycle: Cycle | None = optional("a cycle of known period; null: none")
+    series: str | None = optional(
         "column of labels that distinguish series, where a table holds several, in "
-        "successive rows unless time orders them",
-        default=None,
+        "successive rows unless time orders them"
     )
-    array: str | None = setting("array that holds all components", default=None)
+    array: str | None = optional("array that holds all components")
     axes: Axes = setting(
         "axes of the arrays, in their order (realisation, run, member and trial mean series, "
         "variable and channel mean component); needed unless all dimensions are called so, or only "
         "one order is possible",
         default=[],
     )
-    blocks: Blocks | None = setting("how series are cut; null: not at all", default=None)
+    blocks: Blocks | None = optional("how series are cut; null: not at all")
 
 
 class Sensors(Section):
@@ -491,7 +472,7 @@ class CaseEncoder(Section):
     """Encoding of the observations in the channels that forecasters receive."""
 
     kind: EncoderName = setting("a module of burstcast.encoders")
-    modes: CountOrNull = setting("number of modes, of the kind pod", default=None)
+    modes: CountOrNull = optional("number of modes, of the kind pod")
     expressions: Distinct[str] = setting(
         "expressions of components of the state, of the kind expressions", default=[]
     )
@@ -508,32 +489,29 @@ class Case(Section):
         OBSERVABLE,
         below="laminarisation_threshold",
     )
-    laminarisation_threshold: float | None = setting(
+    laminarisation_threshold: float | None = optional(
         "value of the observable beyond which a series is discarded, k_l; null keeps all",
         OBSERVABLE,
-        default=None,
     )
     ensemble: Steps
     lyapunov: TimeUnit
     training: Training
     density: Density
     fixed_point: FixedPoint
-    actuation: Actuation | None = setting("", default=None)
+    actuation: Actuation | None = optional("")
     test_series: Count = setting(
         "number of test series; if left out, all measured series after the training series"
     )
     recycle_validation: RecycleValidation
-    data: Data | None = setting(
-        "measured series instead of equations; null: the series are simulated", default=None
+    data: Data | None = optional(
+        "measured series instead of equations; null: the series are simulated"
     )
-    sensors: Sensors | None = setting(
-        "probes that see the state of another case (data.case); null: all of it is observed",
-        default=None,
+    sensors: Sensors | None = optional(
+        "probes that see the state of another case (data.case); null: all of it is observed"
     )
-    encoder: CaseEncoder | None = setting(
+    encoder: CaseEncoder | None = optional(
         "encoder of what is observed of another case (data.case), an estimate of its state where "
-        "sensors see it; null: forecasters receive what is observed",
-        default=None,
+        "sensors see it; null: forecasters receive what is observed"
     )
 
     @property
@@ -552,9 +530,8 @@ class Simulated(Case):
         "the equations: a module of burstcast.systems, or module:Class of your own, in the working "
         "directory, beside a config, or installed"
     )
-    files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = setting(
-        "files that a module of your own reads, from the directory of the module; [] if none",
-        default=None,
+    files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = optional(
+        "files that a module of your own reads, from the directory of the module; [] if none"
     )
     parameters: dict[ParameterName, float] = setting("parameters of the equations", default={})
     ensemble: Ensemble
@@ -565,7 +542,7 @@ class Simulated(Case):
 class MeasuredSteps(Steps):
     """Steps of measured series."""
 
-    duration: Positive | None = setting("of each series, where it is known", TIME, default=None)
+    duration: Positive | None = optional("of each series, where it is known", TIME)
 
 
 class Measured(Case):
@@ -827,10 +804,10 @@ class StrategyBlock(Section):
     cases: Distinct[CaseName] = setting(
         "cases that are controlled so; all if left out or empty", default=[]
     )
-    forecasters: Choice | None = setting(
-        "forecasters that control so; none for a strategy that asks none", default=None
+    forecasters: Choice | None = optional(
+        "forecasters that control so; none for a strategy that asks none"
     )
-    seeds: CountOrNull = setting("networks of the first seeds; null for all", default=None)
+    seeds: CountOrNull = optional("networks of the first seeds; null for all")
     committee: bool = setting(
         "whether all networks of a size and validation strategy, or all members of a forecaster's "
         "ensemble, control as one: by the share of them that votes for an alarm, vote_share",
@@ -841,9 +818,7 @@ class StrategyBlock(Section):
         default="quiet",
     )
     quiet_lt: float = setting("the least time before the steps of a flow count", ge=0, default=0)
-    span_lt: PositiveOrNull = setting(
-        "time for which each flow counts; null for control.span_lt", default=None
-    )
+    span_lt: PositiveOrNull = optional("time for which each flow counts; null for control.span_lt")
     delay_lt: Some[Annotated[float, Field(ge=0)]] = setting(
         "from a decision to its effect", default=[0]
     )
@@ -884,10 +859,9 @@ class Control(Section):
     cost: bool = setting(
         "whether the effort and the power of the actuation are recorded", default=False
     )
-    tolerated_exceedance: Annotated[float, Field(ge=0, lt=1)] | None = setting(
+    tolerated_exceedance: Annotated[float, Field(ge=0, lt=1)] | None = optional(
         "share of the uncontrolled exceedance that may be left when settings of strategies are "
-        "chosen on half of the flows and scored on the others; null: nothing is chosen",
-        default=None,
+        "chosen on half of the flows and scored on the others; null: nothing is chosen"
     )
     strategies: list[StrategyBlock] = setting(
         "control beyond the paper's: the union of these blocks"

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from burstcast import durations
-from burstcast.forecasters._names import ForecasterName, parsed
+from burstcast.forecasters._names import ForecasterName
 from burstcast.forecasters.registry import kind_class, learns_parameters
 from burstcast.systems.base import DynamicalSystem, has_own
-from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.campaign import WHOSE, Campaign, name_of
 from burstcast_workflow.config.measured_cases import data_files, space_of
 from burstcast_workflow.config.model import Simulated
 
@@ -90,10 +90,11 @@ class _Job:
         self.campaign, self.wildcards, self.name = campaign, wildcards, name
         # what is taken of all cases is judged by one of them
         self.case = wildcards.get("case") or campaign.example.case
-        self.lyapunov_time = campaign.steps_per_lyapunov_time(self.case) or _TYPICAL_LYAPUNOV_TIME
-        self.interval = campaign.sampling_interval(self.case)
+        case = campaign.cases[self.case]
+        self.lyapunov_time = case.steps_per_lyapunov_time or _TYPICAL_LYAPUNOV_TIME
+        self.interval = case.ensemble.sampling_interval
         self.neurons = float(name.neurons or 0)
-        self.dimension = campaign.dimension(self.case)
+        self.dimension = campaign.space(self.case).dimension
         self.series, self.samples = _size(campaign, self.case)
         self.training_series = self("case.training.series")
         left = max(0, self.series - self.training_series)
@@ -156,12 +157,13 @@ def _size(campaign: Campaign, case: str) -> tuple[float, float]:
     """Series, and samples in each series, of a case's ensemble."""
     one = campaign.cases[campaign.source_case(case)]
     if isinstance(one, Simulated):
-        return one.ensemble.series, one.ensemble.duration / campaign.sampling_interval(case)
+        interval = campaign.cases[case].ensemble.sampling_interval
+        return one.ensemble.series, one.ensemble.duration / interval
     # before the files are read, only their sizes are known
     files = map(Path, data_files(campaign.data(case)))
     held = sum(path.stat().st_size for path in files if path.exists())
     series = one.training.series + (one.test_series or one.training.series)
-    return series, held / 8 / campaign.dimension(case) / series
+    return series, held / 8 / campaign.space(case).dimension / series
 
 
 @dataclass(frozen=True)
@@ -414,8 +416,9 @@ class CostModel:
     def predicted(self, cost_class: str, wildcards: Mapping[str, str]) -> Cost:
         """Predict what a job of a class of work takes."""
         names = dict(wildcards.items())
-        whose = [names.pop(key, "") for key in ("forecaster", "controller", "reservoir")]
-        name = parsed(next(filter(None, whose), "none"))
+        name = name_of(names)
+        for wildcard in WHOSE:
+            names.pop(wildcard, None)
         # asked for every job of a large campaign, several times: networks differ only by their seed
         forecaster = replace(name, seed=None).identifier
         key = (cost_class, forecaster, *names.values())

@@ -12,10 +12,9 @@ from burstcast.discovery import suggestion
 from burstcast.figures.registry import Declaration, available_figures, declaration
 from burstcast.forecasters.registry import learns_parameters
 from burstcast.observation.velocity_sensors import PlaneFlow
-from burstcast.systems.state_space import StateSpace
-from burstcast_workflow.campaign.alarm_sources import shown_voters
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
-from burstcast_workflow.config.measured_cases import OBSERVABLE, space_of, undecoded
+from burstcast_workflow.config.cases import is_flow
+from burstcast_workflow.config.measured_cases import OBSERVABLE, undecoded
 from burstcast_workflow.tables.declarations import SECTIONS
 
 Value = TypeVar("Value")
@@ -37,7 +36,7 @@ def _reynolds_cases(campaign: Campaign) -> list[str]:
     """One case for each Reynolds number that has networks of the size that is held fixed."""
     cases: dict[float, str] = {}
     for one in campaign.select(neurons=campaign.config.figures.fixed_neurons):
-        reynolds = campaign.reynolds(one.case)
+        reynolds = campaign.cases[one.case].parameters.get("reynolds")
         if reynolds is not None:
             cases.setdefault(reynolds, one.case)
     return list(cases.values())
@@ -128,7 +127,7 @@ def _observed(campaign: Campaign, case: str) -> dict[str, int]:
         if campaign.source_case(part) == case
         and not (campaign.data(part).delays or part in campaign.encoded_cases)
     }
-    return {case: campaign.dimension(case), **parts} if parts else {}
+    return {case: campaign.space(case).dimension, **parts} if parts else {}
 
 
 def _aware_cases(campaign: Campaign) -> list[str]:
@@ -166,14 +165,8 @@ def _with_other_strategies(campaign: Campaign, case: str) -> list[str]:
     return [one.directory for one in networks]
 
 
-def _space(campaign: Campaign, case: str) -> StateSpace:
-    space = space_of(campaign.cases[case])
-    assert space is not None
-    return space
-
-
 def _is_plane(campaign: Campaign, case: str) -> bool:
-    return isinstance(_space(campaign, case), PlaneFlow)
+    return isinstance(campaign.space(case), PlaneFlow)
 
 
 def _suppressed_event(campaign: Campaign, case: str) -> str:
@@ -230,9 +223,9 @@ _OF_SEVERAL_CASES = (
 
 # Settings that are not in the config, by what follows ``shown.``
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
-    "symbol": lambda campaign, case: _space(campaign, case).observable_symbol,
-    "observable_name": lambda campaign, case: _space(campaign, case).observable_name,
-    "dimension": lambda campaign, case: _space(campaign, case).dimension,
+    "symbol": lambda campaign, case: campaign.space(case).observable_symbol,
+    "observable_name": lambda campaign, case: campaign.space(case).observable_name,
+    "dimension": lambda campaign, case: campaign.space(case).dimension,
     "neurons": lambda campaign, case: campaign.example.name.neurons,
     "validation": lambda campaign, case: campaign.example.name.validation,
     "observed": _observed,
@@ -285,7 +278,7 @@ def _with_parameters(campaign: Campaign) -> list[str]:
 
 
 def _with_committees(campaign: Campaign) -> list[str]:
-    return [case for case in _example(campaign) if shown_voters(campaign, case)]
+    return [case for case in _example(campaign) if campaign.shown_voters(case)]
 
 
 def _with_parts(campaign: Campaign) -> list[str]:
@@ -380,7 +373,7 @@ def cases_of(campaign: Campaign, figure: Declaration) -> list[str]:
     cases = _named(CASES, figure.cases, "choice of cases")(campaign)
     if not campaign.networks and _shows_networks(figure):
         return []
-    return [case for case in cases if not figure.only_flows or campaign.has_flow(case)]
+    return [case for case in cases if not figure.only_flows or is_flow(campaign.cases[case])]
 
 
 def _shows_networks(figure: Declaration) -> bool:

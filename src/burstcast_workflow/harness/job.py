@@ -48,6 +48,7 @@ from burstcast_workflow.harness.storage import (
     read_json,
     write_json,
     write_netcdf,
+    write_table,
     write_text,
 )
 from burstcast_workflow.stages.canonical import canonical, canonical_json
@@ -63,6 +64,7 @@ __all__ = [
     "tell",
     "write_json",
     "write_netcdf",
+    "write_table",
     "write_text",
 ]
 """What scripts use."""

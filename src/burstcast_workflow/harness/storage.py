@@ -1,7 +1,7 @@
-"""Files of the workflow: NetCDF, JSON and text, written completely or not at all.
+"""Files of the workflow: NetCDF, tables, JSON and text, written completely or not at all.
 
 A job whose results directory a newer run has claimed writes nothing. NetCDF files are read with
-`burstcast.files.netcdf`; tables are in `burstcast_workflow.harness.tables`.
+`burstcast.files.netcdf`, tables with `burstcast.files.tables`.
 """
 
 import json
@@ -14,6 +14,8 @@ from burstcast.files import atomic_files
 from snaketrust.run import check_ownership
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from burstcast.files.netcdf import Variable
 
 
@@ -43,6 +45,19 @@ def write_netcdf(
     from burstcast.files import netcdf  # planning and jobs of tables write none: it is slow to load
 
     netcdf.write_netcdf(path, variables, attributes, check_ownership)
+
+
+def write_table(path: str | Path, table: "pd.DataFrame") -> "pd.DataFrame":
+    """Write a table; return it as it is read (`burstcast.files.tables.write_table`).
+
+    Raises
+    ------
+    OvertakenError
+        If a newer run of the workflow has claimed the results directory.
+    """
+    from burstcast.files import tables  # pandas is slow to load, too
+
+    return tables.write_table(path, table, check_ownership)
 
 
 def write_text(path: str | Path, text: str) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.delay_coordinates import delay_coordinates
-from burstcast.data.measured_data import Quantity, Run, series_of_runs
+from burstcast.data.measured_data import Quantity, runs_of_states, series_of_runs
 from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.files.netcdf import read_netcdf
 from burstcast.systems.measured import MeasuredSeries
@@ -72,20 +72,7 @@ def measured_series(settings: Settings, sources: Sequence[str]) -> RecordedSerie
     space, training = present_space(settings), settings["case.training.series"]
     if data["case"] is None:
         return recorded_series(sources, data, space, time_step, training)
-    runs = _runs_of_case(sources[0], data["columns"])
+    found = read_netcdf(sources[0], "state", "observable")
+    runs = runs_of_states(sources[0], found["state"], found["observable"], data["columns"])
     quantities = [Quantity(text) for text in data["components"]]
     return RecordedSeries(series_of_runs(runs, space, quantities, None))
-
-
-def _runs_of_case(ensemble: str, components: Sequence[str]) -> list[Run]:
-    """Series of another case: its components and its observable."""
-    found = read_netcdf(ensemble, "state", "observable")
-    return [
-        Run(
-            f"{ensemble}, series {number}",
-            {**dict(zip(components, states.T, strict=True)), "observable": observable},
-        )
-        for number, (states, observable) in enumerate(
-            zip(found["state"], found["observable"], strict=True), 1
-        )
-    ]

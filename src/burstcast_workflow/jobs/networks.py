@@ -1,12 +1,11 @@
 """Networks from a job's settings: reservoir, training series, the search for hyperparameters."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from burstcast import durations
 from burstcast.data.dataset import network_input_range
 from burstcast.data.parameter_factors import ParameterFactors
-from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters._names import parsed
@@ -66,18 +65,6 @@ def reservoir_seed(settings: Settings, identifier: str) -> ReservoirSeed:
         name.seed,
         settings["forecasters.esn.connectivity"],
         settings["forecasters.esn.input_bias"],
-    )
-
-
-def dynamics_at(
-    settings: Settings, seed: ReservoirSeed, dimension: int, point: Mapping[str, Any]
-) -> Dynamics:
-    """Reservoir with the hyperparameters of a point: its spectral_radius and input_scaling."""
-    return Dynamics(
-        seed.reservoir(dimension),
-        point["spectral_radius"],
-        point["input_scaling"],
-        settings["forecasters.esn.backend"],
     )
 
 

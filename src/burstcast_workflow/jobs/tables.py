@@ -7,11 +7,11 @@ from typing import Any
 import pandas as pd
 
 from burstcast.files.netcdf import read_attributes, read_netcdf
+from burstcast.files.tables import read_table
 from burstcast.statistics.percentiles import percentiles
 from burstcast.tables.makers.registry import Gathered
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.harness.tables import read_table, write_table
+from burstcast_workflow.harness.storage import read_json, write_table
 from burstcast_workflow.jobs.gather import origins
 
 Rows = Sequence[Mapping[str, Any]]

@@ -7,7 +7,6 @@ tracks; it does not track NumPy numbers, arrays or paths.
 
 import json
 import math
-import re
 from typing import Any
 
 
@@ -51,13 +50,3 @@ def canonical(value: Any, name: str = "settings") -> Any:
 def canonical_json(value: Any, name: str = "settings") -> str:
     """Text of the canonical form: one line of JSON, equal for equal settings."""
     return json.dumps(canonical(value, name), ensure_ascii=False, separators=(", ", ": "))
-
-
-def natural_order(name: str) -> list[tuple[bool, float, str]]:
-    """Sort names as people do, numbers in them by their size: Re400 before Re1000, alpha, Zeta."""
-    parts = re.split(r"(\d+(?:\.\d+)?)", name)
-    pieces = [
-        (True, float(part), "") if index % 2 else (False, 0.0, part.casefold())
-        for index, part in enumerate(parts)
-    ]
-    return [*pieces, (False, 0.0, name)]  # names that differ in case only have an order, too

@@ -186,15 +186,7 @@ TABLES_OF_CASES = (
     *("probability_scores", "probability_diagrams", "lead_times", "threshold_sweep"),
 )
 COMES_FROM |= {f"all_{table}": table for table in TABLES_OF_CASES}
-# Those that are typeset, too, by another script.
-JOINING = dict.fromkeys((f"all_{table}" for table in TABLES_OF_CASES), "all_cases_latex")
-JOINING |= dict.fromkeys(
-    (
-        *("all_control_density_table", "all_warnings_table", "all_probability_diagrams"),
-        *("all_lead_times", "all_threshold_sweep"),
-    ),
-    "all_cases",
-)
+JOINING = dict.fromkeys((f"all_{table}" for table in TABLES_OF_CASES), "all_cases")
 
 ALL = {*READS, *COMES_FROM}
 
@@ -248,5 +240,8 @@ TABLES_OF_A_CASE, MAKERS = "tables/table.py", "burstcast.tables.makers"
 JOBS_OF_NETWORKS = ("scan", "search", "train")
 
 # The harness is in no fingerprint: its version stands for it, in all of them.
-HARNESS = ("burstcast_workflow.harness.", "snaketrust.")
+HARNESS = (
+    *("burstcast_workflow.harness.", "snaketrust."),
+    *("burstcast.files.netcdf.", "burstcast.files.tables."),
+)
 VERSION_OF_HARNESS = "burstcast_workflow.harness.version"

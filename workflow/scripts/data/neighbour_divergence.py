@@ -25,16 +25,5 @@ def estimated_exponent(*, ensemble: str, exponents: str, settings: Settings) -> 
         raise ValueError(
             f"{error}; give the unit of time (lyapunov.published_exponent, its inverse)"
         ) from error
-    write_json(
-        exponents,
-        {
-            "leading": {"mean": found.exponent, "low": found.low, "high": found.high},
-            "method": "divergence of nearest neighbours in the training series",
-            "series": len(series),
-            "duration": interval * (series.shape[1] - 1),
-            "log_distance": found.log_distance.tolist(),
-            "fitted_steps": list(found.fitted),
-            "theiler_window": found.theiler_window,
-        },
-        settings.provenance,
-    )
+    of_series = {"series": len(series), "duration": interval * (series.shape[1] - 1)}
+    write_json(exponents, {**found.record(), **of_series}, settings.provenance)

@@ -1,13 +1,8 @@
 """Long-term statistics of all the data and of the training set, and the sampling floor."""
 
-from dataclasses import fields
-
-import numpy as np
-
 from burstcast import random_streams
-from burstcast.files.netcdf import Variable, read_rows
-from burstcast.files.units import NUMBER, OBSERVABLE
-from burstcast.statistics.measures import Measures, sampling_floor
+from burstcast.files.netcdf import read_rows
+from burstcast.statistics.measures import floor_variables, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast.statistics.statistics_files import statistics_variables
@@ -41,22 +36,4 @@ def reference_statistics(
         settings["statistics.floor_splits"],
         random_streams.stream(settings["random_seed"], "sampling floor", settings["case"]),
     )
-    names = [field.name for field in fields(Measures)]
-    write_netcdf(
-        floor,
-        {
-            "split": Variable(
-                ("split",), np.arange(len(splits)), NUMBER, "random split of the data"
-            ),
-            **{
-                name: Variable(
-                    ("split",),
-                    np.array([getattr(measures, name) for measures in splits]),
-                    OBSERVABLE if name == "kantorovich" else NUMBER,
-                    f"{name} between the parts of the split",
-                )
-                for name in names
-            },
-        },
-        settings.provenance,
-    )
+    write_netcdf(floor, floor_variables(splits), settings.provenance)

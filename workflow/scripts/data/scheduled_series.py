@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from burstcast.data.scheduled_series import ScheduledSeries
-from burstcast_workflow.harness.job import Settings, job
+from burstcast.data.scheduled_series import ScheduledSeries, scheduled_variables
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.data import known_rows, observed_rows, training_states
-from burstcast_workflow.jobs.scheduled import write_scheduled
 from burstcast_workflow.jobs.switched import switched_series
 from burstcast_workflow.jobs.systems import parameters_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
@@ -27,4 +26,5 @@ def schedule_series(*, ensemble: str, scheduled_series: str, settings: Settings)
         own = parameters_of(settings, settings["parameters"]).own
         series = ScheduledSeries.constant(free, own)
         observed = observed_rows(settings, ensemble, 0, free)
-    write_scheduled(scheduled_series, series, observed, actuated, settings.provenance)
+    variables = scheduled_variables(series, observed)
+    write_netcdf(scheduled_series, variables, {**settings.provenance, "actuated": int(actuated)})

@@ -10,13 +10,5 @@ def training_set_of_case(*, ensemble: str, training_set: str, settings: Settings
     """Write points in the training series."""
     training = settings["case.training.series"]
     check_kept_series(kept_series(ensemble), {"training.series": training})
-    write_point_set(
-        training_set,
-        settings,
-        ensemble,
-        range(training),
-        (
-            "forecasters.classifiers.start_spacing_lt",
-            settings["forecasters.classifiers.start_spacing_lt"],
-        ),
-    )
+    spacing = "forecasters.classifiers.start_spacing_lt"
+    write_point_set(training_set, settings, ensemble, range(training), spacing)

@@ -1,9 +1,6 @@
 """Let a forecaster run freely from many points of the training set; keep its statistics."""
 
-from burstcast.files.netcdf import Variable
-from burstcast.files.units import NUMBER
-from burstcast.statistics.long_term import Fate, run_long_term
-from burstcast.statistics.statistics_files import reduction_variables, statistics_variables
+from burstcast.statistics.long_term import run_long_term
 from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
@@ -18,16 +15,4 @@ def run_freely(*, ensemble: str, forecaster: str, long_term: str, settings: Sett
     how = long_term_settings(settings, ensemble)
     washouts = long_run_washouts(settings, ensemble, model)
     run = run_long_term(model, system_of(settings).observable, washouts, how)
-    fates = ", ".join(f"{fate.value} {fate.name.lower()}" for fate in Fate)
-    write_netcdf(
-        long_term,
-        {
-            **statistics_variables(run.statistics),
-            "fate": Variable(("start",), run.fates, NUMBER, f"fate of each closed loop: {fates}"),
-            "lifetime": Variable(
-                ("start",), run.lifetimes, NUMBER, "steps until each loop left the chaotic phase"
-            ),
-            **reduction_variables(run.runs),
-        },
-        settings.provenance,
-    )
+    write_netcdf(long_term, run.variables(), settings.provenance)

@@ -8,9 +8,9 @@ from typing import Any
 from burstcast.figures.parts.style import render
 from burstcast.figures.registry import figure_module
 from burstcast.files.netcdf import read_attributes, read_netcdf
+from burstcast.files.tables import read_table
 from burstcast.forecasters._names import parsed
 from burstcast_workflow.harness.job import Settings, atomic, job, read_json
-from burstcast_workflow.harness.tables import read_table
 
 
 def _content(file: str | list[str], variable: str) -> Any:

@@ -5,9 +5,8 @@ import pandas as pd
 from burstcast.tuning.scan import scan as scan_points
 from burstcast.tuning.scan_files import log_error_variables
 from burstcast.tuning.strategies.registry import make_strategy
-from burstcast_workflow.harness.job import Settings, concerning, job, write_netcdf
+from burstcast_workflow.harness.job import Settings, concerning, job, write_netcdf, write_table
 from burstcast_workflow.harness.settings import VALIDATION
-from burstcast_workflow.harness.tables import write_table
 from burstcast_workflow.jobs.networks import point_validator, search_space
 
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pandas as pd
 
+from burstcast.files.tables import read_table
 from burstcast.forecasters._names import parsed
 from burstcast.tuning import network_search
 from burstcast.tuning.scan_files import read_evaluations
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.uncertainty import objective_uncertainty
-from burstcast_workflow.harness.job import Settings, job, write_json
-from burstcast_workflow.harness.tables import read_table, write_table
+from burstcast_workflow.harness.job import Settings, job, write_json, write_table
 from burstcast_workflow.jobs.networks import (
     point_validator,
     reservoir_seed,

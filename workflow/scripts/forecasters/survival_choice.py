@@ -1,26 +1,17 @@
 """Choose, of equally good hyperparameters, the ones with the best survival."""
 
-from typing import Any
-
 import numpy as np
 
-from burstcast import durations
 from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
 from burstcast.statistics.long_term import Fate, run_long_term
 from burstcast.statistics.survival import Lifetimes, escape_rate
 from burstcast.tuning.survival import as_good_as_the_best, nearest_escape_rate
-from burstcast_workflow.harness.job import Settings, job, write_json
-from burstcast_workflow.harness.tables import read_table, write_table
-from burstcast_workflow.jobs.forecasters import kind_of
+from burstcast_workflow.harness.job import Settings, job, write_json, write_table
 from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
-from burstcast_workflow.jobs.networks import (
-    dynamics_at,
-    knowledge,
-    reservoir_seed,
-    training_series,
-)
 from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
+from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.jobs.trained_networks import trained_networks
 
 
 @job
@@ -45,23 +36,10 @@ def choose_by_survival(
         points["paired_standard_error"].to_numpy(dtype=np.float64),
     )
     points = points[good].sort_values("objective", kind="stable")
-    series = training_series(settings, ensemble, scheduled)
-    how = long_term_settings(settings, ensemble)
-    networks: Any = kind_of(settings["forecaster"])
-    told = knowledge(settings, scheduled)
-    seed = reservoir_seed(settings, settings["forecaster"])
+    how, bound = long_term_settings(settings, ensemble), settings["forecaster.divergence_bound"]
     rates = []
-    for point in points.to_dict("records"):
-        values = {str(key): at for key, at in point.items()}
-        model = networks.trained(
-            dynamics_at(settings, seed, series.dimension, values),
-            seed,
-            series,
-            washout=durations.steps(settings["washout_lt"], lyapunov_time(settings)),
-            tikhonov=values["tikhonov"],
-            divergence_bound=settings["forecaster.divergence_bound"],
-            **told,
-        )
+    records = ({str(key): at for key, at in one.items()} for one in points.to_dict("records"))
+    for model in trained_networks(settings, ensemble, scheduled, records, bound):
         washouts = long_run_washouts(settings, ensemble, model)
         run = run_long_term(model, system_of(settings).observable, washouts, how)
         lifetimes = Lifetimes(run.lifetimes, run.fates != Fate.KEPT, how.steps)

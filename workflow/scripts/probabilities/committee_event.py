@@ -7,8 +7,11 @@ import numpy as np
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import read_rows, variables_of
-from burstcast.probability.alarm_rule import CALIBRATED, rules_of
-from burstcast.probability.committee_event import member_observables, see_event
+from burstcast.probability.committee_event import (
+    committee_chances,
+    member_observables,
+    see_event,
+)
 from burstcast.probability.typical_event import typical_event
 from burstcast_workflow.harness.job import Settings, job, read_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import read_forecaster
@@ -80,12 +83,7 @@ def event_of_committees(
         fans = [np.concatenate([found[name] for name in one.forecasters]) for one in committees]
         happened = [bool(points.happened(time, threshold)[point]) for time in times]
         chosen = read_json(calibration)
-        for number, committee in enumerate(committees):
-            for column, time in enumerate(times):
-                rule = rules_of(chosen, committee.identifier, time)[CALIBRATED]
-                votes = points.values(committee, time, threshold)[point : point + 1]
-                probability = rule.calibration(votes)
-                chances[:, number, column] = votes[0], probability[0], rule.threshold
+        chances = committee_chances(points, point, committees, chosen, times, threshold)
     event = see_event(true, observed, fans, times, happened, chances, steps)
     kinds = [committee.name.keys["forecaster"] for committee in committees]
     whose = {"committees": " ".join(kinds)}

@@ -3,8 +3,7 @@
 from burstcast.systems.registry import parameters_of
 from burstcast.tables.latex import data_parameters, described_parameters, side_by_side
 from burstcast.tables.typesetting import to_latex
-from burstcast_workflow.harness.job import Settings, job, read_json, write_text
-from burstcast_workflow.harness.tables import write_table
+from burstcast_workflow.harness.job import Settings, job, read_json, write_table, write_text
 from burstcast_workflow.jobs.gather import origins
 from burstcast_workflow.jobs.systems import equations_of
 

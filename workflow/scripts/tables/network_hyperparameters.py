@@ -1,10 +1,9 @@
 """Make the paper's table of the hyperparameters of the networks."""
 
+from burstcast.natural_order import natural_order
 from burstcast.tables.latex import network_parameters, side_by_side
 from burstcast.tables.typesetting import to_latex
-from burstcast_workflow.harness.job import Settings, job, write_text
-from burstcast_workflow.harness.tables import write_table
-from burstcast_workflow.stages.canonical import natural_order
+from burstcast_workflow.harness.job import Settings, job, write_table, write_text
 
 
 @job

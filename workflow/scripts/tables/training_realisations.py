@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from burstcast.files.tables import read_table
 from burstcast.tables.realisations import scatter_of_families
 from burstcast_workflow.harness.job import Settings, job
-from burstcast_workflow.harness.tables import read_table
 from burstcast_workflow.jobs.tables import write_tables
 
 

@@ -1,21 +1,29 @@
-"""Tables of the workflow as CSV files: one header line, shortest exact numbers, empty = undefined.
-
-Apart from `burstcast_workflow.harness.storage` because few scripts need pandas, which is slow to
-import.
-"""
+"""Tables as CSV files: one header line, shortest exact numbers, empty = undefined."""
 
 import io
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from burstcast_workflow.harness.storage import write_text
+from burstcast.files.atomic_files import atomic
 
 
-def write_table(path: str | Path, table: pd.DataFrame) -> pd.DataFrame:
+def write_table(
+    path: str | Path, table: pd.DataFrame, check: Callable[[], None] | None = None
+) -> pd.DataFrame:
     """Write a table without its index; an undefined value (NaN, None, NA) is an empty cell.
+
+    Parameters
+    ----------
+    path
+        The file; its directory exists.
+    table
+        The table.
+    check
+        Called when the file is complete, before it replaces an older one; it may raise.
 
     Returns
     -------
@@ -37,7 +45,8 @@ def write_table(path: str | Path, table: pd.DataFrame) -> pd.DataFrame:
             and not pd.api.types.is_string_dtype(read_back[column])
         ):
             raise ValueError(f"{path}: the text in column {column} would be read as numbers")
-    write_text(path, text)
+    with atomic(path, check) as partial:
+        partial.write_bytes(text.encode())
     return read_back
 
 
