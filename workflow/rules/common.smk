@@ -54,11 +54,8 @@ costs = CostModel(campaign)
 stages = Stages(campaign, sources, costs)
 # what rules say most
 files, files_in_case = stages.files, stages.files_in_case
-of_case, of_cases, of_forecasters = (
-    stages.of_case,
-    stages.of_cases,
-    stages.of_forecasters,
-)
+of_case, of_cases = stages.of_case, stages.of_cases
+of_forecasters = stages.of_forecasters
 # The report reads captions from the config, where they are no setting of any job.
 config["captions"] = captions(campaign)
 

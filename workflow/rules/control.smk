@@ -1,10 +1,7 @@
 """Control of extreme events by all controllers: forecasters, committees, none, and at random."""
 
 CONTROL = f"{CASE}/control/{{controller}}/{{strategy}}"
-controlling = {
-    **files("ensemble summary"),
-    "forecasters": stages.controlling,
-}
+controlling = {**files("ensemble summary"), "forecasters": stages.controlling}
 stage(
     "control/control",
     "control",

@@ -1,10 +1,6 @@
 """Tables: each case's, gathered from the files of many jobs; then of all cases, and LaTeX."""
 
-from burstcast_workflow.tables.registry import (
-    cases_of_tables,
-    latex_names,
-    table_names,
-)
+from burstcast_workflow.tables.registry import cases_of_tables, latex_names, table_names
 
 table_stage(
     "dataset_table",

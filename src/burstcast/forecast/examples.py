@@ -259,6 +259,47 @@ def evaluate_lead_times(
     return Evaluations(time, truth, forecast, lead_times, horizon, search.tolerance)
 
 
+def evaluate_event(
+    forecaster: Forecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    observed: FloatArray,
+    points: SeriesPoints,
+    truth_of: Callable[[int], FloatArray],
+    horizons: FloatArray,
+    search: HorizonSearch,
+    *,
+    wanted_lt: float,
+    after_lt: float,
+) -> Evaluations:
+    """Forecast the event of `horizon_example` from its last starts; nothing if there is none.
+
+    Parameters
+    ----------
+    forecaster, observable, search
+        As in `evaluate_lead_times`.
+    observed
+        Observed states up to each event, ``(events, search.steps_before_event + 1, dimension)``.
+    points
+        The events.
+    truth_of
+        Gives the true observable of a series, ``(time,)``.
+    horizons, wanted_lt
+        As in `horizon_example`.
+    after_lt
+        Lyapunov times that are shown after the event.
+    """
+    example = horizon_example(horizons, search.lead_times_lt, wanted_lt)
+    before = search.steps_before_event
+    shown = before + 1 + durations.steps(after_lt, search.steps_per_lyapunov_time)
+    truth, starts = np.full(shown, np.nan), tuple[float, ...]()
+    known = np.full(observed.shape[1:], np.nan)
+    if example is not None:
+        series, step = int(points.series[example.event]), int(points.step[example.event])
+        truth = stretch(truth_of(series), step - before, shown)
+        known, starts = observed[example.event], example.lead_times_lt
+    return evaluate_lead_times(forecaster, observable, known, truth, starts, search)
+
+
 def forecast_observable(
     forecaster: Forecaster,
     observable: Callable[[FloatArray], FloatArray],

@@ -119,6 +119,32 @@ def forecasts_from(arrays: Mapping[str, Any]) -> WindowForecasts | EventProbabil
     )
 
 
+def event_summary(
+    observable: FloatArray, threshold: float, training: int, crossings: int, usable: int
+) -> dict[str, float]:
+    """Summary of the events of all kept series.
+
+    Parameters
+    ----------
+    observable
+        True observable, ``(series, time)``.
+    threshold
+        Event threshold.
+    training
+        Number of training series, which are the first.
+    crossings, usable
+        Number of events in all series, and of those whose prediction horizon can be measured.
+    """
+    happens = observable >= threshold
+    return {
+        "event_share": float(happens.mean()),
+        "training_event_share": float(happens[:training].mean()),
+        "events_per_series": crossings / len(observable),
+        "usable_events": usable,
+        "largest_observable": float(np.max(observable)),
+    }
+
+
 def event_variables(
     points: SeriesPoints,
     first: int,

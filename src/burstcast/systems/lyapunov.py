@@ -13,7 +13,7 @@ the very same trajectories, bit for bit, and stay in the chaotic phase.
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from scipy.special import stdtrit
@@ -113,6 +113,25 @@ def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Esti
         low=np.asarray(mean - margin),
         high=np.asarray(mean + margin),
     )
+
+
+def exponents_record(spectrum: Estimate, growth: Estimate) -> dict[str, Any]:
+    """Lists and numbers that a file of Lyapunov exponents has.
+
+    Parameters
+    ----------
+    spectrum, growth
+        All exponents by QR, and the leading one by the growth of perturbations, each with its
+        interval (`mean_with_interval`).
+    """
+    ends = ("mean", "low", "high")
+    return {
+        "leading": {name: float(getattr(spectrum, name)[0]) for name in ends},
+        "leading_by_growth": {name: float(getattr(growth, name)) for name in ends},
+        "spectrum": spectrum.mean.tolist(),
+        "spectrum_low": spectrum.low.tolist(),
+        "spectrum_high": spectrum.high.tolist(),
+    }
 
 
 def alignment_of(steps: int, orthonormalisation_steps: int) -> int:

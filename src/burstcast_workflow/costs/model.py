@@ -415,10 +415,8 @@ class CostModel:
 
     def predicted(self, cost_class: str, wildcards: Mapping[str, str]) -> Cost:
         """Predict what a job of a class of work takes."""
-        names = dict(wildcards.items())
-        name = name_of(names)
-        for wildcard in WHOSE:
-            names.pop(wildcard, None)
+        name = name_of(wildcards)
+        names = {key: value for key, value in wildcards.items() if key not in WHOSE}
         # asked for every job of a large campaign, several times: networks differ only by their seed
         forecaster = replace(name, seed=None).identifier
         key = (cost_class, forecaster, *names.values())

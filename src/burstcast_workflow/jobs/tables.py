@@ -20,12 +20,6 @@ WHOLE_NUMBERS = ("neurons", "seed")
 """Columns of whole numbers, also where some are missing."""
 
 
-def case_keys(settings: Settings) -> dict[str, Any]:
-    """Key columns of a job's case in tables."""
-    reynolds = settings["case.parameters"].get("reynolds")
-    return {"case": settings["case"], "reynolds": reynolds}
-
-
 def content(path: str, variables: str = "") -> Any:
     """Content of a file: a table, what a JSON file says beside its origin, or of a NetCDF file.
 
@@ -66,9 +60,10 @@ def gathered(
 def of_case(settings: Settings, rows: Mapping[str, Rows]) -> dict[str, Rows]:
     """Rows of tables with the key columns of a job's case that the tables declare."""
     found: dict[str, Rows] = {}
+    of_case = {"case": settings["case"], "reynolds": settings["case.parameters"].get("reynolds")}
     for name, known in rows.items():
         columns = {column.removesuffix("*") for column in settings["tables"][name]["columns"]}
-        keys = {key: one for key, one in case_keys(settings).items() if key in columns}
+        keys = {key: one for key, one in of_case.items() if key in columns}
         found[name] = [{**keys, **row} for row in known]
     return found
 

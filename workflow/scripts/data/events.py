@@ -1,11 +1,9 @@
 """Find the extreme events of the series that were not used for training."""
 
-import numpy as np
-
 from burstcast import durations
 from burstcast.data.starting_points import crossing_points, horizon_events, steps_before_events
 from burstcast.files.netcdf import read_netcdf, read_rows
-from burstcast.forecast.forecast_files import event_variables
+from burstcast.forecast.forecast_files import event_summary, event_variables
 from burstcast.statistics.warning_signs import few_events
 from burstcast_workflow.harness.job import Settings, concerning, job, tell, write_json, write_netcdf
 from burstcast_workflow.harness.settings import HORIZON
@@ -42,15 +40,5 @@ def events_of_case(*, ensemble: str, events: str, events_summary: str, settings:
     known = known_rows(ensemble, first, last)
     variables = event_variables(points, first, observed, states, observable, before, known)
     write_netcdf(events, variables, settings.provenance)
-    happens = observable >= threshold
-    write_json(
-        events_summary,
-        {
-            "event_share": float(happens.mean()),
-            "training_event_share": float(happens[:first].mean()),
-            "events_per_series": len(crossings) / len(observable),
-            "usable_events": len(points),
-            "largest_observable": float(np.max(observable)),
-        },
-        settings.provenance,
-    )
+    summary = event_summary(observable, threshold, first, len(crossings), len(points))
+    write_json(events_summary, summary, settings.provenance)

@@ -9,6 +9,7 @@ from burstcast.systems.lyapunov import (
     alignment_of,
     attractor_size,
     checked_jacobian,
+    exponents_record,
     lyapunov_spectrum,
     mean_with_interval,
     perturbation_growth,
@@ -17,7 +18,6 @@ from burstcast_workflow.harness.job import Settings, job, write_json, write_netc
 from burstcast_workflow.jobs.data import check_kept_series, kept_series
 from burstcast_workflow.jobs.systems import equations_of
 
-ENDS = ("mean", "low", "high")
 MOST_EXPONENTS = 24
 """Of a system with more components, so many leading exponents: enough for its dimension."""
 
@@ -56,19 +56,7 @@ def lyapunov(*, ensemble: str, exponents: str, spectrum: str, settings: Settings
         random_streams.stream(settings["random_seed"], "lyapunov", settings["case"]),
         alignment_steps=alignment,
     )
-    spectral = mean_with_interval(by_series.exponents)
-    by_growth = mean_with_interval(growth.exponents)
-    write_json(
-        exponents,
-        {
-            "leading": {name: float(getattr(spectral, name)[0]) for name in ENDS},
-            "leading_by_growth": {name: float(getattr(by_growth, name)) for name in ENDS},
-            "spectrum": spectral.mean.tolist(),
-            "spectrum_low": spectral.low.tolist(),
-            "spectrum_high": spectral.high.tolist(),
-            "series": len(states),
-            "duration": by_series.duration,
-        },
-        settings.provenance,
-    )
+    estimates = map(mean_with_interval, (by_series.exponents, growth.exponents))
+    record = {"series": len(states), "duration": by_series.duration, **exponents_record(*estimates)}
+    write_json(exponents, record, settings.provenance)
     write_netcdf(spectrum, variables_of(by_series), settings.provenance)

@@ -1,18 +1,13 @@
 """Single forecasts of one forecaster: one of each outcome, and the last ones before a success."""
 
-import numpy as np
-
 from burstcast import durations
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.forecast.examples import (
-    Evaluations,
     OutcomeExamples,
-    evaluate_lead_times,
+    evaluate_event,
     forecast_outcomes,
-    horizon_example,
     outcome_examples,
-    stretch,
 )
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
@@ -65,37 +60,6 @@ def _outcomes(
     )
 
 
-def _evaluations(
-    ensemble: str,
-    summary: str,
-    events_file: str,
-    horizon: str,
-    settings: Settings,
-    forecaster: Forecaster,
-) -> Evaluations:
-    """Forecasts of one event from its last starts."""
-    search = horizon_search(settings, summary)
-    events = read_netcdf(events_file)
-    example = horizon_example(
-        read_netcdf(horizon)["prediction_horizon_lt"],
-        search.lead_times_lt,
-        settings["figures.example_horizon_lt"],
-    )
-    before = search.steps_before_event
-    shown = before + 1 + durations.steps(AFTER_EVENT_LT, search.steps_per_lyapunov_time)
-    truth = np.full(shown, np.nan)
-    observed = np.full((before + 1, events["observed"].shape[2]), np.nan)
-    starts: tuple[float, ...] = ()
-    if example is not None:
-        series, step = (int(events[name][example.event]) for name in ("series", "step"))
-        whole = read_rows(ensemble, "observable", series, series + 1)[0]
-        truth = stretch(whole, step - before, shown)
-        observed = seen(forecaster, events["observed"], events["true_state"])[example.event]
-        starts = example.lead_times_lt
-    observable = system_of(settings).observable
-    return evaluate_lead_times(forecaster, observable, observed, truth, starts, search)
-
-
 @job
 def examples_of_forecaster(
     *,
@@ -112,5 +76,16 @@ def examples_of_forecaster(
     """Write true and forecast observables of the examples."""
     model = read_forecaster(forecaster, settings)
     outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, model)
-    evaluations = _evaluations(ensemble, summary, events, horizon, settings, model)
+    before = read_netcdf(events)
+    evaluations = evaluate_event(
+        model,
+        system_of(settings).observable,
+        seen(model, before["observed"], before["true_state"]),
+        SeriesPoints(before["series"], before["step"]),
+        lambda series: read_rows(ensemble, "observable", series, series + 1)[0],
+        read_netcdf(horizon)["prediction_horizon_lt"],
+        horizon_search(settings, summary),
+        wanted_lt=settings["figures.example_horizon_lt"],
+        after_lt=AFTER_EVENT_LT,
+    )
     write_netcdf(examples, variables_of(outcomes) | variables_of(evaluations), settings.provenance)
