@@ -8,7 +8,9 @@ import pytest
 from burstcast.data.scheduled_series import (
     RandomActuation,
     ScheduledSeries,
+    TrainingSet,
     joined,
+    scheduled_variables,
     simulated_series,
 )
 from burstcast.systems.integration import integrate
@@ -105,3 +107,22 @@ def test_what_does_not_fit_is_refused():
         joined([one, two])
     with pytest.raises(ValueError, match=r"mean_on must be 1 at least, not 0\.5"):
         RandomActuation(5, 0.5, 3.0)
+
+
+def test_series_of_several_cases_take_turns():
+    """Case 0 has two series, case 1 three; the numbers say which is which."""
+
+    def part(case, count):
+        numbers = np.array([10.0 * case + one for one in range(count)])
+        states = np.tile(numbers[:, np.newaxis, np.newaxis], (1, 4, 2))
+        true = ScheduledSeries.constant(states, [float(case)])
+        return {name: one.data for name, one in scheduled_variables(true, states + 0.5).items()}
+
+    parts = [part(0, 2), part(1, 3)]
+    found = TrainingSet.of_parts(parts, own=1)
+    assert found.true.states[:, 0, 0].tolist() == [0, 10, 1, 11, 12]
+    assert found.observed.states[:, 3, 1].tolist() == [0.5, 10.5, 1.5, 11.5, 12.5]
+    assert found.schedules[:, 2, 0].tolist() == [0, 1, 0, 1, 1]
+    assert found.own_rows == [1, 3, 4]
+    assert TrainingSet.of_parts(parts, own=0).own_rows == [0, 2]
+    assert TrainingSet.of_parts(parts, own=None).own_rows == []

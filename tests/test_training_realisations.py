@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from burstcast.data.training_realisations import (
     DRAWS,
     draw_training_series,
+    rows_of_drawn_series,
     rows_of_realisation,
     trained_first,
     variance_components,
@@ -127,3 +128,16 @@ def test_what_is_not_known_is_not_told():
     assert np.isnan(alone.between)
     assert alone.within == pytest.approx(np.sqrt(0.5))
     assert variance_components([]).groups == 0
+
+
+def test_drawn_series_come_first_and_held_ones_stay():
+    shares = np.random.default_rng(2).beta(2, 12, size=60)
+    generators = [np.random.default_rng([7, number]) for number in range(2)]
+    rows = rows_of_drawn_series(shares, 4, 30, ["all", 0.2], generators)
+    assert sorted(rows.tolist()) == list(range(60))
+    np.testing.assert_array_equal(rows[4:34], np.arange(4, 34))
+    candidates = [*range(4), *range(34, 60)]
+    first = drawn(shares, np.array(candidates), 4, [shares.mean()], 7)[0]
+    # the last choice, of 1000 sets of what the first one leaves
+    assert not {*first.tolist()} & {*rows[:4].tolist()}
+    assert abs(shares[rows[:4]].mean() - 0.2) < 0.01

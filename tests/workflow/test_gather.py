@@ -13,7 +13,7 @@ from burstcast.probability.alarm_sources import BASELINES, alarm_sources
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.gather import origins
-from burstcast_workflow.jobs.tables import case_keys, gathered
+from burstcast_workflow.jobs.tables import gathered, of_case
 
 CASE = {"case": "Re400", "case.parameters": {"reynolds": 400}}
 NAMES = ["esn-N30-RV-seed0", "esn-N30-RV-seed1", "esn-N40-SSV-seed0", "equations", "quadratic"]
@@ -72,11 +72,15 @@ def test_what_a_job_was_told_is_known_of_its_files(tmp_path):
 
 
 def test_key_columns_of_a_case():
-    assert case_keys(CASE) == {"case": "Re400", "reynolds": 400}
-    assert case_keys({"case": "lorenz", "case.parameters": {"sigma": 10}}) == {
-        "case": "lorenz",
-        "reynolds": None,
-    }
+    declared = {"scores": {"columns": ["case", "reynolds*", "value"]}}
+    rows = {"scores": [{"value": 1}]}
+    found = of_case({**CASE, "tables": declared}, rows)
+    assert found == {"scores": [{"case": "Re400", "reynolds": 400, "value": 1}]}
+    lorenz = {"case": "lorenz", "case.parameters": {"sigma": 10}}
+    (row,) = of_case({**lorenz, "tables": declared}, rows)["scores"]
+    assert row == {"case": "lorenz", "reynolds": None, "value": 1}
+    declared = {"scores": {"columns": ["value"]}}
+    assert of_case({**lorenz, "tables": declared}, rows) == rows
 
 
 def test_two_files_of_one_forecaster(tmp_path):

@@ -34,6 +34,7 @@ class ConfigError(ValueError):
     """A configuration with mistakes: a message for each."""
 
     def __init__(self, problems: list[str]) -> None:
+        self.problems = problems
         if len(problems) == 1:
             text = f"The configuration has a mistake: {problems[0]}"
         else:

@@ -1,4 +1,4 @@
-"""Put the tables of all cases below one another, and typeset those that papers have."""
+"""Put the tables of all cases below one another, and typeset tables for papers."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,7 +18,8 @@ def join(
     files = {Path(table).stem: table for table in tables}
     for name, text in joined_tables(of_cases, settings["columns"]).items():
         write_text(files[name], text)
+    layouts = settings["latex"]
     for path in latex:
-        layout = settings["latex"][Path(path).stem]
+        layout = layouts[Path(path).stem]
         rows = read_table(files[layout["source"]])
         write_text(path, typeset(Path(path).stem, rows, layout, KEYS))
