@@ -17,7 +17,7 @@ BUDGET = {
     "src/burstcast_workflow/commands": 1228,
     "src/burstcast_workflow/config": 3338,
     "src/burstcast_workflow/costs": 566,
-    "src/burstcast_workflow/figures": 516,
+    "src/burstcast_workflow/figures": 513,
     "src/burstcast_workflow/harness": 635,
     "src/burstcast_workflow/jobs": 1164,
     "src/burstcast_workflow/stages": 351,
@@ -27,12 +27,12 @@ BUDGET = {
     "src/snaketrust": 2006,
     "workflow/rules": 980,
     "workflow/scripts/control": 73,
-    "workflow/scripts/data": 531,
+    "workflow/scripts/data": 533,
     "workflow/scripts/evaluation": 415,
     "workflow/scripts/figures": 49,
     "workflow/scripts/forecasters": 172,
     "workflow/scripts/probabilities": 117,
-    "workflow/scripts/tables": 137,
+    "workflow/scripts/tables": 134,
 }
 
 

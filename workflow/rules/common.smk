@@ -276,13 +276,13 @@ def table_stage(name, does, **arguments):
     if not cases:
         return
     layouts = typeset(names)
-    outputs = {"tables": list(map(in_report, files))}
-    if layouts:
-        outputs["latex"] = [f"{TABLES}/{paper}.tex" for paper in layouts]
     stage(
         "tables/all_cases",
         f"{does}, of all cases",
-        outputs,
+        {
+            "tables": list(map(in_report, files)),
+            "latex": [f"{TABLES}/{paper}.tex" for paper in layouts],
+        },
         {
             "of_cases": [
                 path for file in files for path in of_cases(f"tables/{file}.csv", cases)

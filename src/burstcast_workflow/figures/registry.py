@@ -216,10 +216,7 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     # a case and its parts
     "parts": lambda campaign, case: list(_observed(campaign, case)),
 }
-_OF_SEVERAL_CASES = (
-    *("reynolds_cases", "controlled_cases", "aware_cases", "parts"),
-    "encoded_cases",
-)
+_OF_SEVERAL_CASES = ("reynolds_cases", "controlled_cases", "aware_cases", "parts", "encoded_cases")
 
 # Settings that are not in the config, by what follows ``shown.``
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {

@@ -55,7 +55,7 @@ def horizon_search(settings: Settings, summary: str) -> HorizonSearch:
 
 
 def write_point_set(
-    path: str, settings: Settings, ensemble: str, rows: range, spacing: str
+    path: str, settings: Settings, ensemble: str, rows: range, spacing: tuple[str, float]
 ) -> None:
     """Write starting points in kept series of an ensemble (see `write_points`)."""
     states = read_rows(ensemble, "state", rows.start, rows.stop)
@@ -69,7 +69,7 @@ def write_points(
     path: str,
     settings: Settings,
     series: tuple[FloatArray, FloatArray, FloatArray],
-    spacing: str,
+    spacing: tuple[str, float],
     schedules: FloatArray | None = None,
 ) -> None:
     """Write starting points, observed washouts, and the true window summaries.
@@ -82,7 +82,7 @@ def write_points(
         What the points lie in: states, what is observed of them, both ``(series, time,
         dimension)``, and the true observable, ``(series, time)``.
     spacing
-        Setting of the distance of two points.
+        Setting of the distance of two points, and its value in Lyapunov times.
     schedules
         Parameters in force in each step, ``(series, time - 1, parameters)``; None: the parameters
         of the case.
@@ -94,13 +94,13 @@ def write_points(
     """
     system, steps = system_of(settings), lyapunov_time(settings)
     states, observed, observable = series
-    boundaries = boundaries_of(settings)
+    (name, spacing_lt), boundaries = spacing, boundaries_of(settings)
     with concerning(CLASSIFICATION):
         found = observed_points(
             observed,
             observable,
             system.observable,
-            spacing=durations.positive_steps(settings[spacing], steps, spacing),
+            spacing=durations.positive_steps(spacing_lt, steps, name),
             washout=durations.positive_steps(settings["washout_lt"], steps, "washout_lt"),
             boundaries=boundaries,
         )

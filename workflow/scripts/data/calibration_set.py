@@ -13,4 +13,5 @@ def calibration_set_of_case(*, ensemble: str, calibration_set: str, settings: Se
     needs = {"training.series": training, "test_series": test}
     check_kept_series(kept, {**needs, "probability.calibration_series": more} if more else needs)
     rows = range(training + test, training + test + more) if more else range(training)
-    write_point_set(calibration_set, settings, ensemble, rows, "probability.start_spacing_lt")
+    spacing = "probability.start_spacing_lt", settings["probability.start_spacing_lt"]
+    write_point_set(calibration_set, settings, ensemble, rows, spacing)

@@ -7,5 +7,5 @@ from burstcast_workflow.jobs.forecasts import test_rows, write_point_set
 @job
 def evaluation_set_of_case(*, ensemble: str, evaluation_set: str, settings: Settings) -> None:
     """Write points in the test series."""
-    rows = test_rows(settings, ensemble)
-    write_point_set(evaluation_set, settings, ensemble, rows, "classification.start_spacing_lt")
+    spacing = "classification.start_spacing_lt", settings["classification.start_spacing_lt"]
+    write_point_set(evaluation_set, settings, ensemble, test_rows(settings, ensemble), spacing)

@@ -19,6 +19,6 @@ def switched_evaluation_set_of_case(
         evaluation_set,
         settings,
         (series.states, observed, observable),
-        "classification.start_spacing_lt",
+        ("classification.start_spacing_lt", settings["classification.start_spacing_lt"]),
         series.schedules,
     )

@@ -10,5 +10,6 @@ def training_set_of_case(*, ensemble: str, training_set: str, settings: Settings
     """Write points in the training series."""
     training = settings["case.training.series"]
     check_kept_series(kept_series(ensemble), {"training.series": training})
-    spacing = "forecasters.classifiers.start_spacing_lt"
+    spacing_lt = settings["forecasters.classifiers.start_spacing_lt"]
+    spacing = "forecasters.classifiers.start_spacing_lt", spacing_lt
     write_point_set(training_set, settings, ensemble, range(training), spacing)

@@ -1,6 +1,5 @@
 """Put the tables of all cases below one another, and typeset tables for papers."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from burstcast.files.tables import read_table
@@ -11,9 +10,7 @@ from burstcast_workflow.harness.job import Settings, job, write_text
 
 
 @job
-def join(
-    *, of_cases: list[str], tables: list[str], latex: Sequence[str] = (), settings: Settings
-) -> None:
+def join(*, of_cases: list[str], tables: list[str], latex: list[str], settings: Settings) -> None:
     """Write the rows of all cases, and the LaTeX that is made of them."""
     files = {Path(table).stem: table for table in tables}
     for name, text in joined_tables(of_cases, settings["columns"]).items():
