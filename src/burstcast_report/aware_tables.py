@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from burstcast_report.control_tables import chosen_runs, condition, strategy
+from burstcast_report.control_tables import STRATEGY, chosen_runs, condition, strategy
 from burstcast_report.results_tables import (
     SCORED,
     Tables,
@@ -119,13 +119,13 @@ def targets(tables: Tables) -> str:
             rows.append(
                 [
                     f"{target.case}, {condition(run.keys)}",
-                    strategy(run.keys),
+                    *strategy(run.keys),
                     f"{100 * target.left:g} at {100 * target.acting:g}",
                     f"{percent_with_ends(left)} at {percent_with_ends(acting)}",
                     "yes" if met else "no",
                 ]
             )
-    head = ["case, condition", "strategy, settings as chosen", "to reach [%]", "reached [%]"]
+    head = ["case, condition", *STRATEGY, "to reach [%]", "reached [%]"]
     return markdown([*head, "met"], rows)
 
 

@@ -1,6 +1,6 @@
 """Markdown tables of strategies of control at their best, for docs/results.md."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,11 +8,12 @@ import pandas as pd
 
 from burstcast_report.results_tables import (
     Tables,
-    forecaster_in,
+    controller_in,
     markdown,
-    option_text,
     percent_with_ends,
     significant,
+    strategy_in_words,
+    with_telling_seeds,
 )
 
 
@@ -32,7 +33,8 @@ class ChosenRun:
     scores: dict[str, dict[Any, Any]]
 
 
-_SHOWN_SETTINGS = ("level", "horizon_lt", "margin", "probability")
+_TOLD = ("strength", "delay_lt", "noise", "observed", "span_lt")
+"""Columns that the column of the condition tells, or the page for all rows."""
 _RESULTS = ("metric", "value", "low", "high")
 
 
@@ -41,13 +43,13 @@ def chosen_runs(tables: Tables, **wanted: Any) -> Iterator[ChosenRun]:
     found = tables.rows("control_choices", **wanted)
     if found.empty:
         return
-    observed = found.get("observed", pd.Series("", found.index)).fillna("")
+    observed = found.get("observed", pd.Series("", found.index)).astype(object).fillna("")
     order = found.assign(observed=observed).sort_values(
         ["observed", "noise", "strength", "delay_lt"],
         ascending=[True, True, False, True],
         kind="stable",
     )
-    found = found.loc[order.index]
+    found = with_telling_seeds(found.loc[order.index])
     keys = [str(name) for name in found if name not in _RESULTS]
     for _, part in found.groupby(keys, dropna=False, sort=False):
         records = part.to_dict("records")
@@ -63,7 +65,7 @@ def choices(tables: Tables, case: str) -> str:
     rows = [
         [
             condition(run.keys),
-            strategy(run.keys),
+            *strategy(run.keys),
             percent_with_ends(run.scores["relative_exceedance"]),
             percent_with_ends(run.scores["control_fraction"]),
             *([significant(1000 * effort["value"], 2)] if effort else []),
@@ -71,7 +73,7 @@ def choices(tables: Tables, case: str) -> str:
         for run in chosen_runs(tables, case=case)
         for effort in [run.scores.get("effort")]
     ]
-    head = ["condition", "strategy, settings as chosen", "left [%]", "time under actuation [%]"]
+    head = ["condition", *STRATEGY, "left [%]", "time under actuation [%]"]
     return markdown([*head, "effort [1e-3]"][: len(rows[0])], rows) if rows else ""
 
 
@@ -89,16 +91,10 @@ def condition(keys: dict[str, Any]) -> str:
     return ", ".join(parts) or "in time"
 
 
-def strategy(keys: dict[str, Any]) -> str:
-    """Strategy of a run, its forecaster and the chosen settings, in words."""
-    name = str(keys["strategy"]).replace("_", " ")
-    if keys["forecaster"] != "none":
-        name += f" by {forecaster_in(keys)}"
-    settings = [
-        f"{key.removesuffix('_lt')} {keys[key]:g}"
-        for key in _SHOWN_SETTINGS
-        if key in keys and pd.notna(keys[key])
-    ]
-    if isinstance(keys.get("options"), str):
-        settings.append(option_text(keys["options"]))
-    return f"{name} ({', '.join(settings)})" if settings else name
+STRATEGY = ("strategy, settings as chosen", "forecaster")
+"""Heads of the cells of `strategy`."""
+
+
+def strategy(keys: Mapping[str, Any]) -> tuple[str, str]:
+    """Cells of a run that `condition` stands beside: strategy with settings, and forecaster."""
+    return strategy_in_words(keys, _TOLD), controller_in(keys)

@@ -7,13 +7,15 @@ import pandas as pd
 
 from burstcast.probability.ranking import ONSET
 from burstcast.tables.ranked import SAME_EVERYWHERE, shown_once
-from burstcast_report.control_tables import chosen_runs, strategy
+from burstcast_report.control_tables import chosen_runs
 from burstcast_report.results_tables import (
     Tables,
+    controller_in,
     markdown,
     name_of,
     percent_with_ends,
     significant,
+    strategy_in_words,
     with_ends,
 )
 
@@ -103,7 +105,8 @@ def _control(tables: Tables) -> list[list[str]]:
                 f"exceedance left under control {name}, at a tenth of the time at most",
                 "1 % at most",
                 f"{percent_with_ends(left)} % at {percent_with_ends(time)} % of the time: "
-                f"{strategy(best.keys)} of `{best.keys['case']}`",
+                f"{strategy_in_words(best.keys, ['span_lt'])}, by "
+                f"{controller_in(best.keys) or 'no forecaster'}, in `{best.keys['case']}`",
                 _reached(left["value"] <= _MOST_LEFT),
             ]
         )

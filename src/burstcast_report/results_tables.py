@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast.control.setting_names import options_in
+from burstcast.control.setting_names import option_words
 from burstcast.data.training_realisations import realisation_of
 from burstcast.files.tables import read_table
 from burstcast.tables.published import intervals_of_control, published_percentiles
@@ -247,11 +247,6 @@ def forecaster_in(row: Mapping[Any, Any]) -> str:
     return name_of(**{key: row[key] for key in SCORED if pd.notna(row[key])})
 
 
-def option_text(options: str) -> str:
-    """Options of a strategy in words, from the column of that name."""
-    return " ".join(f"{name} {value}" for name, value in options_in(options).items())
-
-
 # -- tables of the page ----------------------------------------------------------------------------
 
 TIMES_LT = (1.0, 2.0, 3.0, 4.0, 5.0)
@@ -479,15 +474,15 @@ def strategies(
     found = tables.rows("control_strategies", case=case, **conditions)
     if found.empty:
         return ""
-    found = found[found["forecaster"] != "random"]
+    found = with_telling_seeds(found[found["forecaster"] != "random"])
     settings = [name for name in map(str, found) if name not in _NO_SETTINGS]
     rows = []
     for _, part in found.groupby(settings, dropna=False, sort=False):
         setting = dict(zip(settings, part[settings].to_numpy()[0], strict=True))
         values = {row["metric"]: row for row in part.to_dict("records")}
         row = [
-            _setting(setting, conditions),
-            _who(setting),
+            strategy_in_words(setting, conditions),
+            controller_in(setting),
             percent_with_ends(values["relative_exceedance"]),
             percent_with_ends(values["control_fraction"]),
             fixed(values["switchings_per_lyapunov_time"]["value"]),
@@ -503,8 +498,10 @@ def strategies(
 
 _HAZARDS = ("laminarisation_hazard_controlled", "laminarisation_hazard_uncontrolled")
 
-
-_NO_SETTINGS = ("case", "reynolds", "metric", "value", "low", "high")
+_NO_SETTINGS = (
+    *("case", "reynolds", "metric", "value", "low", "high"),
+    *("candidates", "scored_flows"),
+)
 _USUAL = {"delay_lt": 0, "strength": 1, "noise": 0.01, "span_lt": 20, "starts": "quiet"}
 _TOLD_ELSEWHERE = (
     *("strategy", "forecaster", "neurons", "validation", "seed"),
@@ -512,31 +509,48 @@ _TOLD_ELSEWHERE = (
 )
 
 
-def _setting(setting: dict[str, Any], conditions: dict[str, Any]) -> str:
-    """Strategy and settings in words, without what is usual or what the conditions say."""
+def strategy_in_words(keys: Mapping[str, Any], told: Iterable[str] = ()) -> str:
+    """Strategy and settings of a run of control, without the usual ones.
+
+    Parameters
+    ----------
+    keys
+        Columns of the run that are not results, and their values.
+    told
+        Columns that the page tells elsewhere.
+    """
+    left_out = {*_NO_SETTINGS, *_TOLD_ELSEWHERE, *told}
     parts = [
         _words(name, value)
-        for name, value in setting.items()
-        if name not in (*_TOLD_ELSEWHERE, *conditions)
-        and pd.notna(value)
-        and value != _USUAL.get(name)
+        for name, value in keys.items()
+        if name not in left_out and pd.notna(value) and value != _USUAL.get(name)
     ]
-    return ", ".join([str(setting["strategy"]).replace("_", " "), *parts])
+    return ", ".join([str(keys["strategy"]).replace("_", " "), *parts])
 
 
 def _words(name: str, value: Any) -> str:
     text = name.removesuffix("_lt").replace("_", " ")
     if name == "options":
-        return option_text(value)
+        return option_words(value)
     if isinstance(value, str):
         return f"{text} {value.replace('_', ' ')}"
     return f"{text} {value:g}" + (" LT" if name.endswith("_lt") else "")
 
 
-def _who(setting: dict[str, Any]) -> str:
-    if setting["strategy"] in ("reactive", "random_decisions"):
+def controller_in(keys: Mapping[str, Any]) -> str:
+    """Forecaster of a run of control, with its seed if the run has one; "" for none."""
+    if keys["forecaster"] == "none":
         return ""
-    return forecaster_in(setting)
+    seed = keys.get("seed")
+    return forecaster_in(keys) + ("" if pd.isna(seed) else f", seed {seed:g}")
+
+
+def with_telling_seeds(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs of control whose seeds are left empty where a forecaster has only one."""
+    if "seed" not in runs:
+        return runs
+    seeds = runs.groupby([*SCORED], dropna=False)["seed"].transform("nunique")
+    return runs.assign(seed=runs["seed"].where(seeds > 1))
 
 
 def percent_with_ends(row: dict[Any, Any]) -> str:

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from burstcast_report import aware_tables, control_tables
-from burstcast_report.results_tables import Tables
+from burstcast_report.results_tables import Tables, strategies
 
 
 def run(case, forecaster, left, acting, **conditions):
@@ -12,7 +12,8 @@ def run(case, forecaster, left, acting, **conditions):
     keys = {
         **{"case": case, "reynolds": 400, "forecaster": forecaster, "neurons": None},
         **{"validation": None, "strategy": "planned", "delay_lt": 0, "horizon_lt": 3, "margin": 0},
-        **{"noise": 0.01, "strength": 1, "observed": None, **conditions},
+        **{"noise": 0.01, "strength": 1, "observed": None, "seed": None, "options": None},
+        **{"vote_share": None, "span_lt": 20, "candidates": 2, "scored_flows": 9, **conditions},
     }
     values = {"relative_exceedance": left, "control_fraction": acting, "effort": 0.001}
     return [
@@ -21,12 +22,19 @@ def run(case, forecaster, left, acting, **conditions):
     ]
 
 
+NETWORK = {"neurons": 1000, "validation": "RV", "seed": 0}
+REACTIVE = {
+    **{"strategy": "reactive", "horizon_lt": None, "margin": None, "level": 0.3},
+    "options": "watch=a1 reversible=False",
+}
+
+
 @pytest.fixture
 def tables(tmp_path):
     rows = [
-        *run("Re400", "esn_aware", 0.0, 0.019, neurons=1000, validation="RV"),
-        *run("Re400", "esn_aware", 0.0, 0.021, neurons=1000, validation="RV", strength=0.25),
-        *run("Re400", "none", 0.5, 0.1, strategy="reactive", level=0.3, observed="modes_4"),
+        *run("Re400", "esn_aware", 0.0, 0.019, **NETWORK),
+        *run("Re400", "esn_aware", 0.0, 0.021, **NETWORK, strength=0.25),
+        *run("Re400", "none", 0.5, 0.1, **REACTIVE, observed="modes_4"),
         *run("Re800", "quadratic_aware_filtered", 0.02, 0.01, delay_lt=1),
     ]
     pd.DataFrame(rows).to_csv(tmp_path / "control_choices.csv", index=False)
@@ -75,9 +83,32 @@ def test_targets_of_forecasts_are_differences_of_scores(tables):
 def test_choices_name_conditions_and_settings(tables):
     rows = cells(control_tables.choices(tables, "Re400"))
     assert [row[0] for row in rows] == ["in time", "strength 0.25", "observed: modes 4"]
-    assert rows[0][1] == "planned by aware network, 1000 neurons, RV (horizon 3, margin 0)"
-    assert rows[0][2:] == ["0 (0 to 0)", "1.9 (0.95 to 3.8)", "1"]
+    assert rows[0][1:3] == ["planned, horizon 3 LT, margin 0", "aware network, 1000 neurons, RV"]
+    assert rows[0][3:] == ["0 (0 to 0)", "1.9 (0.95 to 3.8)", "1"]
+    assert rows[2][1:3] == ["reactive, on a1, level 0.3", ""]
     assert control_tables.choices(tables, "Re999") == ""
+
+
+def test_settings_have_one_style_and_networks_of_several_seeds_their_seeds(tmp_path):
+    rows = [
+        *run("Re400", "esn", 0.1, 0.02, **NETWORK, vote_share=0.5, delay_lt=1),
+        *run("Re400", "esn", 0.2, 0.02, **{**NETWORK, "seed": 1}, vote_share=0.25, delay_lt=1),
+        *run("Re400", "esn", 0.3, 0.02, **{**NETWORK, "neurons": 500}, delay_lt=1),
+        *run("Re400", "none", 0.4, 0.1, **REACTIVE, delay_lt=1),
+    ]
+    found = pd.DataFrame(rows)
+    switchings = found[found["metric"] == "effort"].assign(metric="switchings_per_lyapunov_time")
+    found.to_csv(tmp_path / "control_choices.csv", index=False)
+    pd.concat([found, switchings]).to_csv(tmp_path / "control_strategies.csv", index=False)
+    tables = Tables(tmp_path)
+    chosen = [row[1:4] for row in cells(control_tables.choices(tables, "Re400"))]
+    assert [row[:3] for row in cells(strategies(tables, "Re400", delay_lt=1))] == chosen
+    assert [row[:2] for row in chosen] == [
+        ["planned, horizon 3 LT, margin 0, vote share 0.5", "1000 neurons, RV, seed 0"],
+        ["planned, horizon 3 LT, margin 0, vote share 0.25", "1000 neurons, RV, seed 1"],
+        ["planned, horizon 3 LT, margin 0", "500 neurons, RV"],
+        ["reactive, on a1, level 0.3", ""],
+    ]
 
 
 def test_scores_stand_by_reynolds_number_with_unseen_ones_in_bold(tables):

@@ -43,7 +43,7 @@ def test_the_least_that_control_leaves_at_a_tenth_of_the_time(tmp_path):
     pd.DataFrame(ranks).to_csv(tmp_path / "ranking.csv", index=False)
     by_truth, by_sensors = ranking_tables.targets(Tables(tmp_path)).splitlines()[-2:]
     assert by_truth.endswith(
-        "reactive by equations, from the true state of `turbulence` | reached |"
+        "reactive, by equations, from the true state, in `turbulence` | reached |"
     )
     assert "0.5 (0.25 to 1) % at 4 (2 to 8) % of the time" in by_truth.replace("**", "")
     assert by_sensors.endswith("reactive by equations, filtered of `turbulence` | not reached |")

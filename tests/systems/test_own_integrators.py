@@ -9,7 +9,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from burstcast.arrays import FloatArray
-from burstcast.control.actuation import actuated_system
+from burstcast.control.actuation import (
+    ActuatorShare,
+    ForcedSystem,
+    actuated_system,
+    forced_system,
+    reversed_actuation,
+    takes_force,
+)
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.compiled import compiled_steps
 from burstcast.systems.differentiation import derivative, derivative_method, jacobian
@@ -268,6 +275,79 @@ def test_the_exponential_scheme_is_exact_where_all_is_linear() -> None:
     start = np.array([[1.0], [2.0], [3.0]])
     found = integrate(Decay(), start, 0.5, 1)[-1]
     np.testing.assert_allclose(found[:, 0], start[:, 0] * np.exp([0.15, -0.5, -200.0]), rtol=1e-13)
+
+
+# -- a force under integrators of the system's own -------------------------------------------------
+
+
+@dataclass(frozen=True)
+class DrivenTriad(DampedTriad):
+    """The triad with a constant input to the strongly damped mode among its parameters."""
+
+    input: float = 0.0
+
+    def nonlinear(self, state: FloatArray) -> FloatArray:
+        x, y, z = state
+        return np.stack([y * z - x * x * x, x * z + x, -2.0 * x * y + self.input])
+
+
+def test_a_force_on_a_semilinear_system_is_the_same_input_as_a_parameter() -> None:
+    start = np.random.default_rng(6).normal(size=(3, 5))
+    forced = actuated_system(DampedTriad(), {}, [0.0, 0.0, 300.0], strength=0.5)
+    for steps in (1, 40):
+        found = integrate(forced, start, 0.02, steps, steps)
+        expected = integrate(DrivenTriad(input=150.0), start, 0.02, steps, steps)
+        np.testing.assert_array_equal(found, expected)
+    assert not np.allclose(found, integrate(DampedTriad(), start, 0.02, 40, 40), atol=0.1)
+    system, share = DampedTriad(), ActuatorShare.of(DampedTriad(), {}, [0.0, 0.0, 300.0])
+    for one in (share.system([0.5]), reversed_actuation(system, [0.0, 0.0, -300.0], 0.5)):
+        np.testing.assert_array_equal(integrate(one, start, 0.02, 40, 40), found)
+
+
+@pytest.mark.parametrize(("system", "steps"), [(DampedTriad(), 400), (VanDerPol(), 2)])
+def test_forces_on_stiff_systems_against_scipy(system, steps) -> None:
+    force = np.linspace(2.0, -1.0, system.dimension)
+    start = np.linspace(1.0, 0.2, system.dimension)
+    found, free = (
+        integrate(one, start[:, np.newaxis], 2.0 / steps, steps, steps)[-1, :, 0]
+        for one in (actuated_system(system, {}, list(force)), system)
+    )
+    expected = solve_ivp(
+        lambda _, y: system.right_hand_side(y) + force,
+        (0.0, 2.0),
+        start,
+        method="LSODA",
+        rtol=1e-10,
+        atol=1e-12,
+    ).y[:, -1]
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)
+    assert not np.allclose(found, free, atol=1e-3)
+
+
+def test_a_forced_stiff_system_keeps_its_scheme() -> None:
+    class Coarse(VanDerPol):
+        method = "LSODA"
+        relative_tolerance, absolute_tolerance = 1e-3, 1e-4
+
+    start = np.array([[1.0, -2.0], [0.5, 0.0]])
+    found = integrate(actuated_system(Coarse(), {}, [0.0, 0.0]), start, 0.5, 1)
+    # but for rounding: its Jacobian is found by complex steps
+    np.testing.assert_allclose(found, integrate(Coarse(), start, 0.5, 1), rtol=1e-9)
+    assert not np.allclose(found, integrate(VanDerPol(), start, 0.5, 1), rtol=1e-7)
+
+
+def test_a_force_is_refused_where_a_class_replaces_the_scheme() -> None:
+    class Frozen(DampedTriad):
+        def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
+            return state
+
+    assert takes_force(DampedTriad())
+    assert not takes_force(Frozen())
+    for make in (ForcedSystem, forced_system):
+        with pytest.raises(ValueError, match="Frozen has an integrator of its own"):
+            make(Frozen(), [1.0, 0.0, 0.0])
+    with pytest.raises(ValueError, match="DampedTriad has an integrator of its own"):
+        ForcedSystem(DampedTriad(), [1.0, 0.0, 0.0])  # of the Runge-Kutta scheme
 
 
 # -- the pair of FitzHugh-Nagumo units -------------------------------------------------------------

@@ -13,8 +13,10 @@ import numpy as np
 from burstcast import durations
 from burstcast.arrays import BoolArray, ByteArray, FloatArray
 from burstcast.control.timing import Timing
-from burstcast.systems.base import DynamicalSystem, EnergyBudget, has_own
+from burstcast.systems.base import DynamicalSystem, EnergyBudget
+from burstcast.systems.exponential import SemilinearSystem
 from burstcast.systems.parameters import SHARE, Parameters
+from burstcast.systems.stiff import StiffSystem
 
 REVERSED = 2
 """Number of the reversed actuation: 0 is none, 1 the actuation."""
@@ -200,7 +202,7 @@ def reversed_actuation(
     system: DynamicalSystem, force: Sequence[float], strength: float = 1.0
 ) -> DynamicalSystem:
     """Equations under the opposite force (parameters as of `actuated_system`)."""
-    return ForcedSystem(system, [-strength * component for component in force])
+    return forced_system(system, [-strength * component for component in force])
 
 
 def _under_share(
@@ -214,11 +216,44 @@ def _under_share(
     changed = _with_parameters(system, parameters, share) if parameters else system
     if force is None:
         return changed
-    return ForcedSystem(changed, [share * component for component in force])
+    return forced_system(changed, [share * component for component in force])
+
+
+def forced_system(system: DynamicalSystem, force: Sequence[float]) -> "ForcedSystem":
+    """A system with a constant force on its right-hand side, integrated by the system's scheme.
+
+    Parameters
+    ----------
+    system
+        The system without the force.
+    force
+        One number per component.
+
+    Raises
+    ------
+    ValueError
+        If the force is not finite or has the wrong length, or the system takes no force.
+    """
+    return _forced_class(system)(system, force)
+
+
+def takes_force(system: DynamicalSystem) -> bool:
+    """Whether a force can be added to a system.
+
+    The Runge-Kutta scheme and the schemes of `SemilinearSystem` and `StiffSystem` integrate systems
+    with a force; a `flow_map` that a class defines in place of them does not.
+    """
+    return _forced_class(system).flow_map is type(system).flow_map
+
+
+def _forced_class(system: DynamicalSystem) -> "type[ForcedSystem]":
+    if isinstance(system, SemilinearSystem):
+        return _ForcedSemilinearSystem
+    return _ForcedStiffSystem if isinstance(system, StiffSystem) else ForcedSystem
 
 
 class ForcedSystem(DynamicalSystem):
-    """A system with a constant force added to its right-hand side.
+    """A system with a constant force added to its right-hand side (see `forced_system`).
 
     It is not a dataclass: the force is a vector over the components, and an array among the fields
     of a system would be taken for a parameter that differs between the trajectories of a batch.
@@ -233,15 +268,14 @@ class ForcedSystem(DynamicalSystem):
     Raises
     ------
     ValueError
-        If the force is not finite or has the wrong length, or the system has an integrator of its
-        own, to which a force cannot be added.
+        If the force is not finite or has the wrong length, or another scheme integrates the system.
     """
 
     def __init__(self, system: DynamicalSystem, force: Sequence[float]) -> None:
         vector = np.asarray(force, dtype=np.float64)
         if vector.shape != (system.dimension,) or not np.isfinite(vector).all():
             raise ValueError(f"a force needs {system.dimension} finite components, not {force}")
-        if has_own(system, "flow_map"):
+        if type(self).flow_map is not type(system).flow_map:
             raise ValueError(
                 f"a force is added to a right-hand side, but {type(system).__name__} has an "
                 "integrator of its own: let the actuation change a parameter"
@@ -255,8 +289,10 @@ class ForcedSystem(DynamicalSystem):
 
     def right_hand_side(self, state: FloatArray) -> FloatArray:
         """Time derivative of the state with the force (see `DynamicalSystem.right_hand_side`)."""
-        force = self._force.reshape((-1,) + (1,) * (state.ndim - 1))
-        return self._system.right_hand_side(state) + force
+        return self._with_force(self._system.right_hand_side(state))
+
+    def _with_force(self, slope: FloatArray) -> FloatArray:
+        return slope + self._force.reshape((-1,) + (1,) * (slope.ndim - 1))
 
     def jacobian(self, state: FloatArray) -> FloatArray:
         """Jacobian of the right-hand side, which the force does not change."""
@@ -275,3 +311,26 @@ class ForcedSystem(DynamicalSystem):
         for component, row in zip(self._force, state, strict=True):
             work = work + component * row
         return EnergyBudget(work, budget.dissipation)
+
+
+class _ForcedSemilinearSystem(ForcedSystem, SemilinearSystem):
+    """A semilinear system with a force, which its scheme treats as a part of `nonlinear`."""
+
+    _system: SemilinearSystem
+
+    def linear_rates(self) -> FloatArray:
+        """Linear rates of the system, which the force does not change."""
+        return self._system.linear_rates()
+
+    def nonlinear(self, state: FloatArray) -> FloatArray:
+        """All that is not linear, the force included, ``(dimension, ...)``."""
+        return self._with_force(self._system.nonlinear(state))
+
+
+class _ForcedStiffSystem(ForcedSystem, StiffSystem):
+    """A stiff system with a force, by the implicit scheme and the tolerances of the system."""
+
+    def __init__(self, system: StiffSystem, force: Sequence[float]) -> None:
+        super().__init__(system, force)
+        for name in ("method", "relative_tolerance", "absolute_tolerance"):
+            object.__setattr__(self, name, getattr(system, name))

@@ -50,6 +50,27 @@ def options_in(column: str) -> dict[str, str]:
     return {name: _unnamed(value) for name, _, value in pairs}
 
 
+_OPTION_VERBS = {"watch": "on"}
+
+
+def option_words(column: str) -> str:
+    """Words for options of a strategy, from the column ``options`` of `as_columns`.
+
+    Examples
+    --------
+    >>> option_words("watch=a1 push=a2"), option_words("aware=True reversible=False")
+    ('on a1, push a2', 'aware')
+    >>> option_words("watch=-modulus_5f1_5f0")
+    'on -modulus_1_0'
+    """
+    words = []
+    for name, value in options_in(column).items():
+        text = _OPTION_VERBS.get(name, name.replace("_", " "))
+        if value != "False":
+            words.append(text if value == "True" else f"{text} {value}")
+    return ", ".join(words)
+
+
 def _unnamed(name: str) -> str:
     """Text whose characters `named` has replaced."""
     return re.sub(r"_([0-9a-f]{2})", lambda found: chr(int(found[1], 16)), name)

@@ -465,41 +465,40 @@ def treatment_of(data: Mapping[str, Any], step: float) -> Treatment:
 
 
 def problems_of_known(data: Mapping[str, Any], columns: Sequence[str]) -> Iterator[str]:
-    """Mistakes in the setting ``known`` of a case's records.
+    """Mistakes in the columns that a case's records have as known in advance.
 
     Parameters
     ----------
     data
-        The section ``data`` of the case.
+        What the records are, by the names that `recorded_series` reads.
     columns
-        Columns of its first file; empty where that cannot be read.
+        Columns of the first file; empty where that cannot be read.
 
-    Raises
+    Yields
     ------
-    ValueError
-        If there is no such column.
+    Messages that begin with the name in ``data`` that is wrong: "known has rho twice".
     """
     channels = list(map(Quantity, [*data["components"], data["observable"]]))
     taken = {text for one in channels for text in (one.name, one.source)}
     calendar, names = calendar_names(data["known"]), []
     if calendar and not data["time_unit"]:
         yield (
-            f"data.known has {calendar[0]}, a wave of the calendar, which takes dates: data.time "
-            f"and data.time_unit"
+            f"known has {calendar[0]}, a wave of the calendar, which takes dates: give time and "
+            f"time_unit"
         )
     for one in map(Quantity, data["known"]):
         if {one.name, one.source} & taken:
             yield (
-                f"data.known has {one.declaration}, which forecasters see and forecast as a "
+                f"known has {one.declaration}, which forecasters see and forecast as a "
                 f"component or the observable: leave it out there, or here"
             )
         elif one.name in names:
-            yield f"data.known has {one.name} twice"
+            yield f"known has {one.name} twice"
         elif columns:
             try:
                 one.columns([*columns, *calendar, *filter(None, [data["time"]])])
             except ValueError as error:
-                raise ValueError(f"data.known: {error}") from None
+                yield f"known: {error}"
         names.append(one.name)
 
 
@@ -515,21 +514,24 @@ _TOGETHER = {
 
 
 def problems_of_treatment(data: Mapping[str, Any]) -> Iterator[str]:
-    """Mistakes in the treatment of a case's records that its settings show."""
+    """Mistakes in the treatment of a case's records that its settings show.
+
+    Parameters and messages are as of `problems_of_known`.
+    """
     for key, other in _TOGETHER.items():
         if data[key] and not data[other]:
-            yield f"data.{key} needs data.{other}"
+            yield f"{key} needs {other} beside it"
     zone, step = data["time_zone"], data["time_step"]
     if zone is not None and zone not in available_timezones():
         near = suggestion(zone, available_timezones())
-        yield f"data.time_zone is {zone}, which is no time zone on this machine{near}"
+        yield f"time_zone is {zone}, which is no time zone on this machine{near}"
     try:
         cycle = treatment_of(data, step).cycle
     except ValueError as error:
-        yield f"data.cycle.period: {error}"
+        yield f"cycle.period: {error}"
         return
     if cycle is not None and cycle.period <= 2 * cycle.harmonics * step:
         yield (
-            f"data.cycle: {cycle.harmonics} harmonics of the period {cycle.period:g} take more "
+            f"cycle: {cycle.harmonics} harmonics of the period {cycle.period:g} take more "
             f"than {2 * cycle.harmonics} samples in it, at the time step {step:g}"
         )

@@ -24,7 +24,7 @@ from burstcast.discovery import suggestion
 
 Array = npt.NDArray[np.float64]
 Needed = Callable[[Sequence[str]], Sequence[str]]
-"""Returns the required columns of those available; raises `ValueError` if one is missing."""
+"""Selects the required columns from the available ones; raises `ValueError` if one is missing."""
 
 TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet")
 NETCDF = (".nc", ".nc4", ".cdf", ".h5", ".hdf5", ".hdf")
@@ -468,7 +468,7 @@ def _runs_of_netcdf(path: str, data: Mapping[str, Any], needed: Needed) -> list[
 
 
 def _check_complete(path: str) -> None:
-    """Check that a classic NetCDF file has all its bytes: netCDF4 reads zeros for those missing."""
+    """Check that a classic NetCDF file has all its bytes: netCDF4 reads zeros for missing ones."""
     try:
         with netcdf_file(path):
             pass

@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from burstcast.control.setting_names import option_words
 from burstcast.figures.parts.control_runs import (
     curve_style,
     forecasters_in_order,
-    option_words,
     strategies_in_order,
     strategy_look,
 )

@@ -180,7 +180,7 @@ def no_better_than_permanent_alarm(
     if not found:
         return []
     listed = ", ".join(f"{time:g} LT {score:.2f} ({other:.2f})" for time, score, other in found)
-    text = f"F-scores no better than those of a permanent alarm, in brackets: {listed}"
+    text = f"F-scores no better than the F-scores of a permanent alarm, in brackets: {listed}"
     return [Finding("no_better_than_permanent_alarm", text)]
 
 

@@ -150,7 +150,7 @@ def _unknown(name: str) -> str:
     available = available_systems()
     return (
         f"unknown system {name!r}{suggestion(name, available)}; the available systems are "
-        f"{', '.join(available)}, and those of your own are named <module>:<class>"
+        f"{', '.join(available)}; a class in a module of yours is named <module>:<class>"
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from pydantic import ValidationError
 
+from burstcast.control.actuation import takes_force
 from burstcast.forecasters.registry import kind_class, learns_parameters
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class, system_module
@@ -131,7 +132,7 @@ def _system(name: str, case: Simulated) -> Iterator[str]:
         make_system(case.system, {**parameters, **actuation.parameters})
     except ValueError as error:
         yield f"actuation.parameters: {error}"
-    if actuation.force is not None and has_own(system, "flow_map"):
+    if actuation.force is not None and not takes_force(system):
         yield (
             f"actuation.force: {of_system} has an integrator of its own, to which no force can be "
             "added; let the actuation change a parameter"

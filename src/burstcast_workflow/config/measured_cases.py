@@ -284,8 +284,8 @@ def problems_of_data(case: Measured) -> Iterator[str]:
         appended = of_present.dimension > len(names)
         if data.case is None:
             data_files(data)
-            yield from problems_of_treatment(data.dump())
-            yield from problems_of_known(data.dump(), _in_header(data) if data.known else [])
+            known = problems_of_known(data.dump(), _in_header(data) if data.known else [])
+            yield from (f"data.{one}" for one in (*problems_of_treatment(data.dump()), *known))
         else:
             for text in [*data.components, *([data.observable] if appended else [])]:
                 Quantity(text).columns([*data.columns, OBSERVABLE])

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from burstcast.arrays import FloatArray
-from burstcast.control.setting_names import options_in
+from burstcast.control.setting_names import option_words
 from burstcast.figures.parts.linear_below import linear_below
 from burstcast.figures.parts.style import (
     BLACK,
@@ -69,8 +69,6 @@ _OTHER_SETTINGS = {
     "window_lt": "window of {} LT",
     "vote_share": "{} of the votes",
 }
-
-_OPTIONS = {"watch": "on", "push": "push"}
 
 # Colours and fillings of forecasters: full, open, half.
 _FORECASTERS = {
@@ -217,27 +215,6 @@ def _setting_words(name: str, value: Any, text: str) -> str:
     if name == "options":
         return option_words(value)
     return text.format(value.replace("_", " ") if isinstance(value, str) else f"{value:g}")
-
-
-def option_words(options: str) -> str:
-    """Words for options of a strategy, such as ``watch=a1``.
-
-    Examples
-    --------
-    >>> option_words("watch=a1 push=a2"), option_words("aware=True reversible=False")
-    ('on a1, push a2', 'aware')
-    >>> option_words("watch=-modulus_5f1_5f0")
-    'on -modulus_1_0'
-    """
-    words = []
-    for name, value in options_in(options).items():
-        if name in _OPTIONS:
-            words.append(f"{_OPTIONS[name]} {value}")
-        elif value == "True":
-            words.append(name.replace("_", " "))
-        elif value != "False":
-            words.append(f"{name.replace('_', ' ')} {value}")
-    return ", ".join(words)
 
 
 # -- drawing ---------------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ ADVICE = {
     "ill_conditioned_readout": "leave out the smallest values of search.tikhonov",
     "exponents_differ": "raise lyapunov.series, check lyapunov.saturation and perturbation; set "
     "lyapunov.time_unit to computed where the published exponent is of something else",
-    "own_exponents_differ": "if the statistics of these forecasters are those of the data "
+    "own_exponents_differ": "if these forecasters reproduce the statistics of the data "
     "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.published_exponent",
     "no_chaos_learnt": "more neurons, longer series, or another sampling of them; their exponent "
     "is no unit of time",
