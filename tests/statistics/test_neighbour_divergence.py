@@ -5,7 +5,11 @@ import pytest
 
 from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.statistics import neighbour_divergence as module
-from burstcast.statistics.neighbour_divergence import correlation_steps, neighbour_divergence
+from burstcast.statistics.neighbour_divergence import (
+    NoExponentError,
+    correlation_steps,
+    neighbour_divergence,
+)
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -179,5 +183,7 @@ def test_what_does_not_part_has_no_exponent() -> None:
     time = 0.05 * np.arange(2000)
     phases = np.linspace(0, 1, 5)[:, None]
     circles = np.stack([np.cos(time + phases), np.sin(time + phases)], axis=2)
-    with pytest.raises(ValueError, match="no exponent can be seen in these series"):
+    with pytest.raises(NoExponentError, match="no exponent can be seen in these series"):
         estimate(circles, 0.05)
+    with pytest.raises(NoExponentError, match="no state has a neighbour"):
+        estimate(lorenz(series=1, steps=8), 0.02)

@@ -15,7 +15,6 @@ from burstcast.control.actuation import (
     actuated_system,
     forced_system,
     reversed_actuation,
-    takes_force,
 )
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.compiled import compiled_steps
@@ -341,8 +340,6 @@ def test_a_force_is_refused_where_a_class_replaces_the_scheme() -> None:
         def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
             return state
 
-    assert takes_force(DampedTriad())
-    assert not takes_force(Frozen())
     for make in (ForcedSystem, forced_system):
         with pytest.raises(ValueError, match="Frozen has an integrator of its own"):
             make(Frozen(), [1.0, 0.0, 0.0])

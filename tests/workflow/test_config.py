@@ -439,8 +439,8 @@ def test_a_force_needs_a_right_hand_side(config, monkeypatch):
     monkeypatch.setattr(Lorenz63, "flow_map", lambda self, state, time_step: state)
     a_lorenz_case(config, actuation={"force": [1, 0, 0]})
     assert only_problem(config) == (
-        "case lorenz: actuation.force: the system lorenz63 has an integrator of its own, to which "
-        "no force can be added; let the actuation change a parameter"
+        "case lorenz: actuation.force: a force is added to a right-hand side, but Lorenz63 has an "
+        "integrator of its own: let the actuation change a parameter"
     )
 
 
@@ -656,7 +656,7 @@ def test_all_mistakes_are_told_at_once(config):
         ("case_defaults.lyapunov.orthonormalisation_interval", 0.3, ["is 0.3", "multiple"]),
         ("case_defaults.laminarisation_threshold", 0.1, ["event_threshold is 0.1", "below"]),
         ("case_defaults.controlled_density.range", [1, 1], ["controlled_density.range", "below"]),
-        ("case_defaults.actuation.force", [0, 1], ["actuation.force has 2", "needs 9"]),
+        ("case_defaults.actuation.force", [0, 1], ["actuation.force", "needs 9 finite"]),
         ("case_defaults.actuation.parameters", {"rho": 1}, ["actuation.parameters", "'rho'"]),
         ("case_defaults.actuation.start_lt", -1.5, ["control.prediction_times_lt has 1", "alarm"]),
         (

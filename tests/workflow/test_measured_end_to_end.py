@@ -249,3 +249,44 @@ def test_figures_of_measured_series(project):
     outcome = project.snakemake(*paths)
     assert outcome.status == 0, outcome.text[-3000:]
     assert all((project.directory / path).stat().st_size > 5000 for path in paths)
+
+
+def test_series_without_an_exponent(tmp_path, job_server):
+    """Neighbours that never part leave the exponent empty; as the unit of time it is missed."""
+    project = Project.create(tmp_path / "project", job_server, "circles.yaml")
+    angle = 0.1 * np.arange(400)
+    for number in range(8):
+        circle = np.stack([np.cos(angle + 0.7 * number), np.sin(angle + 0.7 * number)], axis=1)
+        path = project.directory / f"circle_{number}.csv"
+        np.savetxt(path, circle, delimiter=",", header="x,y", comments="", fmt="%.17g")
+    case = {
+        **{"event_threshold": 0.9, "test_series": 5, "training": {"series": 3}},
+        **{"recycle_validation": {"series": 2}, "lyapunov": {"published_exponent": 1.0}},
+        "data": {"files": ["circle_*.csv"], "observable": "x", "time_step": 0.05},
+    }
+    config = campaign("circles", {"circles": case})
+    config["campaign"][0]["forecasters"] = {"persistence": {}}
+    config["figures"] = {"example_case": "circles"}
+    config |= {"washout_lt": 1, "statistics": {"forecasters": {"esn": None}, "floor_splits": 2}}
+    (project.directory / "circles.yaml").write_text(yaml.safe_dump(config))
+    tables = "results/circles/circles/tables"
+    outcome = project.snakemake(*(f"{tables}/{name}.csv" for name in ("dataset", "warnings")))
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert "no Lyapunov exponent is estimated: no exponent can be seen" in outcome.text
+    exponents = read_json(project.directory / "results/circles/circles/lyapunov.json")
+    assert exponents["leading"] == {"mean": None, "low": None, "high": None}
+    assert "do not part within 133 steps" in exponents["no_estimate"]
+    (dataset,) = read_table(project.directory / f"{tables}/dataset.csv").to_dict("records")
+    assert np.isnan(dataset["lyapunov_exponent"])
+    assert dataset["steps_per_lyapunov_time"] == 20
+    warnings = read_table(project.directory / f"{tables}/warnings.csv")["warning"].tolist()
+    assert "no_exponent" in warnings
+    assert "exponents_differ" not in warnings
+    case["lyapunov"] = {}
+    (project.directory / "circles.yaml").write_text(yaml.safe_dump(config))
+    outcome = project.snakemake(f"{tables}/dataset.csv")
+    assert outcome.status == 1
+    message = (
+        "a third of a series; give the unit of time (lyapunov.published_exponent, its inverse)"
+    )
+    assert message in outcome.text

@@ -94,6 +94,7 @@ stage(
     settings="STEPS random_seed bootstrap case.training.series",
     cost="data",
     constraints={"case": MEASURED},
+    sets_time_unit=of_case(Campaign.estimates_time_unit),
 )
 EVALUATION_SET = {"evaluation_set": f"{CASE}/evaluation_set.nc"}
 EVALUATED = (

@@ -110,11 +110,8 @@ table_stage(
         # where the unit of time is an estimate that it may contradict
         "lyapunov_spectrum": stages.file_of_case(
             "tables/lyapunov_spectrum.csv",
-            [
-                case
-                for case in cases_of(campaign, "lyapunov_spectrum")
-                if campaign.estimates_time_unit(case)
-            ],
+            set(cases_of(campaign, "lyapunov_spectrum"))
+            & set(filter(campaign.estimates_time_unit, campaign.case_names)),
         ),
     },
     settings="KEYS SYSTEM case.event_threshold case.training.series case.training.noise "

@@ -222,6 +222,9 @@ def _under_share(
 def forced_system(system: DynamicalSystem, force: Sequence[float]) -> "ForcedSystem":
     """A system with a constant force on its right-hand side, integrated by the system's scheme.
 
+    The Runge-Kutta scheme and the schemes of `SemilinearSystem` and `StiffSystem` integrate systems
+    with a force; a `flow_map` that a class defines in place of them does not.
+
     Parameters
     ----------
     system
@@ -235,15 +238,6 @@ def forced_system(system: DynamicalSystem, force: Sequence[float]) -> "ForcedSys
         If the force is not finite or has the wrong length, or the system takes no force.
     """
     return _forced_class(system)(system, force)
-
-
-def takes_force(system: DynamicalSystem) -> bool:
-    """Whether a force can be added to a system.
-
-    The Runge-Kutta scheme and the schemes of `SemilinearSystem` and `StiffSystem` integrate systems
-    with a force; a `flow_map` that a class defines in place of them does not.
-    """
-    return _forced_class(system).flow_map is type(system).flow_map
 
 
 def _forced_class(system: DynamicalSystem) -> "type[ForcedSystem]":

@@ -67,11 +67,21 @@ REFERENCES = 4000
 DELAYS = {1: 5, 2: 3}
 """Copies, each a correlation time later, that stand for a state of so many components."""
 
+_METHOD = "divergence of nearest neighbours in the training series"
 _RANDOM_PAIRS = 20000
 _FIRST_STEPS = 16
 _MOST_CANDIDATES = 1024
 _LEAST_STEPS = 4
 _FAINT = 20.0
+
+
+class NoExponentError(ValueError):
+    """Series that show no Lyapunov exponent: neighbours do not part, or there are none."""
+
+    def record(self) -> dict[str, Any]:
+        """Contents of a file of Lyapunov exponents without an estimate."""
+        none = dict.fromkeys(("mean", "low", "high"))
+        return {"leading": none, "method": _METHOD, "no_estimate": str(self)}
 
 
 @dataclass(frozen=True)
@@ -102,7 +112,7 @@ class NeighbourDivergence:
         """Lists and numbers that a file of Lyapunov exponents has."""
         return {
             "leading": {"mean": self.exponent, "low": self.low, "high": self.high},
-            "method": "divergence of nearest neighbours in the training series",
+            "method": _METHOD,
             "log_distance": self.log_distance.tolist(),
             "fitted_steps": list(self.fitted),
             "theiler_window": self.theiler_window,
@@ -136,7 +146,7 @@ def neighbour_divergence(
 
     Raises
     ------
-    ValueError
+    NoExponentError
         If distances do not grow, or the series are too short to see it.
 
     Examples
@@ -168,7 +178,7 @@ def neighbour_divergence(
         steps *= 2
     ends = [int(np.argmax(mean > level)) for level in levels if mean[0] < level < mean.max()]
     if not ends:
-        raise ValueError(
+        raise NoExponentError(
             "no exponent can be seen in these series: neighbouring states do not part within "
             f"{least} steps, a third of a series"
         )
@@ -284,7 +294,7 @@ class _Neighbours:
             waiting, count = waiting[~has], 4 * count
         known = neighbour >= 0
         if not known.any():
-            raise ValueError("no state has a neighbour: the series are too short")
+            raise NoExponentError("no state has a neighbour: the series are too short")
         series, step = np.divmod(chosen[known], starts)
         other_series, other_step = np.divmod(neighbour[known], starts)
         distance = np.empty((len(series), steps + 1))
@@ -324,6 +334,6 @@ def _embedded(states: FloatArray, copies: int, lag: int) -> FloatArray:
     """Delay coordinates of series, ``(series, time, copies * component)``."""
     length = states.shape[1] - (copies - 1) * lag
     if length < 1:
-        raise ValueError("the series are shorter than their own correlation time")
+        raise NoExponentError("the series are shorter than their own correlation time")
     parts = [states[:, copy * lag : copy * lag + length] for copy in range(copies)]
     return np.concatenate(parts, axis=2)

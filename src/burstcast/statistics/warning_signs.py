@@ -245,6 +245,23 @@ def exponents_differ(
     return found
 
 
+def no_exponent(estimated: float) -> list[Finding]:
+    """No Lyapunov exponent that could be estimated from series.
+
+    Parameters
+    ----------
+    estimated
+        Leading Lyapunov exponent; NaN where the series show none.
+    """
+    if not np.isnan(estimated):
+        return []
+    text = (
+        "the training series show no Lyapunov exponent: neighbouring states do not part, or none "
+        "are found; scores count in the published Lyapunov time"
+    )
+    return [Finding("no_exponent", text)]
+
+
 def own_exponents_differ(
     estimated: tuple[float, float, float], own: Sequence[float]
 ) -> list[Finding]:

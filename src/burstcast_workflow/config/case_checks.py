@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from pydantic import ValidationError
 
-from burstcast.control.actuation import takes_force
+from burstcast.control.actuation import forced_system
 from burstcast.forecasters.registry import kind_class, learns_parameters
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class, system_module
@@ -132,13 +132,11 @@ def _system(name: str, case: Simulated) -> Iterator[str]:
         make_system(case.system, {**parameters, **actuation.parameters})
     except ValueError as error:
         yield f"actuation.parameters: {error}"
-    if actuation.force is not None and not takes_force(system):
-        yield (
-            f"actuation.force: {of_system} has an integrator of its own, to which no force can be "
-            "added; let the actuation change a parameter"
-        )
-    if actuation.force is not None and len(actuation.force) != dimension:
-        yield f"actuation.force has {len(actuation.force)} numbers; it needs {dimension}"
+    if actuation.force is not None:
+        try:
+            forced_system(system, actuation.force)
+        except ValueError as error:
+            yield f"actuation.force: {error}"
 
 
 def _counts_of_series(config: Configuration, case: Simulated) -> Iterator[str]:

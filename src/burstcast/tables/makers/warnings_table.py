@@ -54,6 +54,8 @@ ADVICE = {
     "lyapunov.time_unit to computed where the published exponent is of something else",
     "own_exponents_differ": "if these forecasters reproduce the statistics of the data "
     "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.published_exponent",
+    "no_exponent": "read no_estimate in lyapunov.json; longer series, or more components of the "
+    "state; check lyapunov.published_exponent by other means",
     "no_chaos_learnt": "more neurons, longer series, or another sampling of them; their exponent "
     "is no unit of time",
     "outside_bins": "widen density.range",
@@ -150,6 +152,7 @@ def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator
     # left out of tables without any value
     (row,) = dataset.to_dict("records")
     published = row.get("lyapunov_exponent_paper")
+    yield from warning_signs.no_exponent(_leading(dataset, "lyapunov_exponent")[0])
     yield from warning_signs.exponents_differ(
         _leading(dataset, "lyapunov_exponent"),
         _leading(dataset, "lyapunov_exponent_by_growth"),
