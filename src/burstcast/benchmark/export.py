@@ -7,7 +7,7 @@ from textwrap import fill
 
 import numpy as np
 
-from burstcast.benchmark.task import TaskData
+from burstcast.benchmark.task import KnownColumns, TaskData
 from burstcast.files.atomic_files import atomic
 from burstcast.files.netcdf import Variable, write_netcdf
 from burstcast.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE, TIME
@@ -72,6 +72,7 @@ def case_variables(data: TaskData) -> dict[str, Variable]:
         ),
         **of_points,
         **of_horizon,
+        **(_known_variables(data.known) if data.known is not None else {}),
         "prediction_time_lt": Variable(
             ("prediction_time",),
             data.task.prediction_times_lt,
@@ -87,6 +88,30 @@ def case_variables(data: TaskData) -> dict[str, Variable]:
             )
             for place, end in enumerate(("first", "last"))
         },
+    }
+
+
+def _known_variables(known: KnownColumns) -> dict[str, Variable]:
+    """Variables of the columns that are known in advance."""
+    meaning = "columns that are known in advance, in the sample after each step of"
+    horizon = f"{meaning} a horizon point's washout and forecast; NaN after the end of the series"
+    return {
+        f"{name}known": Variable((*dimensions, "known_column"), values, None, text)
+        for name, dimensions, values, text in (
+            (
+                "training_",
+                ("training_series", "training_step"),
+                known.training,
+                f"{meaning} the training series",
+            ),
+            (
+                "",
+                ("point", "known_step"),
+                known.points,
+                f"{meaning} a point's washout and forecast",
+            ),
+            ("horizon_", ("horizon_point", "horizon_known_step"), known.horizon, horizon),
+        )
     }
 
 
@@ -157,6 +182,7 @@ def page(found: Sequence[TaskData], scoring: str, file: str = "") -> str:
         file=file or f"{first.task.case}.nc",
         version=first.task.version,
         observables=_observables(found),
+        known=_KNOWN if any(data.known is not None for data in found) else "",
         threshold=_listed(f"{data.event_threshold:g}" for data in found),
         window=_listed(f"{data.task.window_lt:g}" for data in found),
         times=_listed(
@@ -168,6 +194,21 @@ def page(found: Sequence[TaskData], scoring: str, file: str = "") -> str:
         components=_named(component_names(first.task.space)),
         scoring=scoring,
     )
+
+
+_KNOWN = """
+
+## What is known in advance
+
+Columns of the record that are known in advance may be used over the whole of a forecast. They are
+in the order of the setting `data.known` along the dimension `known_column`. Along the steps, each
+entry holds the values in the sample after the step:
+
+| variable | dimensions | steps |
+|---|---|---|
+| `training_known` | training_series, training_step, known_column | from each sample to the next |
+| `known` | point, known_step, known_column | those of the washout, then those of the forecast: the last `forecast_steps` entries are for its steps |
+| `horizon_known` | horizon_point, horizon_known_step, known_column | the same for the prediction horizon; NaN where the series has ended |"""  # noqa: E501
 
 
 def _observables(found: Sequence[TaskData]) -> str:

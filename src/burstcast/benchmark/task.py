@@ -68,6 +68,35 @@ class ForecastTask:
 
 
 @dataclass(frozen=True)
+class KnownColumns:
+    """Values of a record's columns that are known in advance.
+
+    The entry of a step holds the values in the sample after it: with those of the washout's steps
+    come those of the forecast's.
+
+    Attributes
+    ----------
+    training
+        Of the training series, ``(series, time - 1, columns)``.
+    points
+        Of the starting points, ``(points, washout - 1 + forecast steps, columns)``.
+    horizon
+        Of the starting points of the prediction horizon, ``(points, washout - 1 + horizon steps,
+        columns)``; NaN where the series has ended.
+    """
+
+    training: FloatArray
+    points: FloatArray
+    horizon: FloatArray
+
+    def arrays(self) -> tuple[FloatArray, ...]:
+        """All values, in units of each column's standard deviation in the training series."""
+        scale = self.training.std(axis=(0, 1))
+        scale = np.where(scale > 0, scale, 1.0)
+        return self.training / scale, self.points / scale, self.horizon / scale
+
+
+@dataclass(frozen=True)
 class TaskData:
     """Observed data of a task: all that a forecaster may know.
 
@@ -96,6 +125,8 @@ class TaskData:
         How prediction horizons are looked for.
     tolerance
         Error that the search allows, in distances of the threshold from the mean observable.
+    known
+        Columns that are known in advance; None where there are none.
     """
 
     task: ForecastTask
@@ -109,6 +140,7 @@ class TaskData:
     sampling_interval: float
     search: HorizonSearch
     tolerance: float
+    known: KnownColumns | None = None
 
     @property
     def window_steps(self) -> list[tuple[int, int]]:
@@ -119,7 +151,8 @@ class TaskData:
     @property
     def digest(self) -> str:
         """Digest of the data (`data_digest`)."""
-        return data_digest([self.training, self.washouts, self.horizon_washouts])
+        known = self.known.arrays() if self.known is not None else ()
+        return data_digest([self.training, self.washouts, self.horizon_washouts, *known])
 
 
 def campaign_task(
@@ -137,6 +170,8 @@ def campaign_task(
     events: SeriesPoints,
     before_events: FloatArray,
     search: HorizonSearch,
+    known: FloatArray | None = None,
+    known_of_points: FloatArray | None = None,
     **facts: float,
 ) -> TaskData:
     """Task of a case of a campaign, whose version is a digest of its data.
@@ -151,14 +186,31 @@ def campaign_task(
     events, before_events
         Events whose prediction horizon is measured, and what is observed up to each of them,
         ``(events, steps, component)``.
+    known
+        Columns that are known in advance, in the sample after each step of all kept series,
+        ``(series, time - 1, columns)``; None where there are none.
+    known_of_points
+        Likewise over the washouts and forecasts of the points (`KnownColumns.points`).
     """
     starts = horizon_starts(events, search, horizon_stream(seed, case))
     horizon = before_horizon(before_events, starts, search.washout)
+    columns = None
+    if known is not None and known_of_points is not None:
+        columns = KnownColumns(
+            training=known[: len(training)],
+            points=known_of_points,
+            horizon=_known_of_horizon(known, events, starts, search),
+        )
     # whatever the units are
     scale = component_scales(training).standard_deviation
     task = ForecastTask(
         case=case,
-        version=data_digest([part / scale for part in (training, washouts, horizon)]),
+        version=data_digest(
+            [
+                *(part / scale for part in (training, washouts, horizon)),
+                *(columns.arrays() if columns is not None else ()),
+            ]
+        ),
         seed=seed,
         space=space,
         points=len(points),
@@ -170,7 +222,28 @@ def campaign_task(
         horizon_steps=search.longest_lead_time,
     )
     about = f"The case {case} of a campaign."
-    return TaskData(task, about, training, points, washouts, horizon, search=search, **facts)
+    return TaskData(
+        task, about, training, points, washouts, horizon, search=search, known=columns, **facts
+    )
+
+
+def _known_of_horizon(
+    known: FloatArray,
+    events: SeriesPoints,
+    starts: tuple[IntArray, IntArray],
+    search: HorizonSearch,
+) -> FloatArray:
+    """Known columns over the washouts and the longest forecasts of `horizon_starts`.
+
+    They go on beyond the event, so that they do not tell how far it is.
+    """
+    event, step = starts
+    steps = search.longest_lead_time
+    points = SeriesPoints(
+        events.series[event], events.step[event] - search.steps_before_event + step
+    )
+    padded = np.pad(known, ((0, 0), (0, steps), (0, 0)), constant_values=np.nan)
+    return segments(padded, points, search.washout - 1, steps - 1)
 
 
 def horizon_stream(seed: int, case: str) -> np.random.Generator:

@@ -4,7 +4,7 @@ from burstcast.benchmark.task import TaskData, campaign_task
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import observed_rows, training_states
+from burstcast_workflow.jobs.data import kept_series, known_rows, observed_rows, training_states
 from burstcast_workflow.jobs.forecasts import boundaries_of, horizon_search
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import sampling_interval
@@ -14,6 +14,8 @@ def task_data(
     settings: Settings, ensemble: str, evaluation_set: str, events: str, summary: str
 ) -> TaskData:
     """Observed data of the case; the settings are ``TASK`` of the rules, and ``noise``."""
+    known = known_rows(ensemble, 0, kept_series(ensemble))
+    in_force = {} if known is None else read_netcdf(evaluation_set, "parameter")
     found = read_netcdf(evaluation_set, "series", "step", "washout")
     before = read_netcdf(events, "series", "step", "observed")
     return campaign_task(
@@ -30,6 +32,8 @@ def task_data(
         events=SeriesPoints(before["series"], before["step"]),
         before_events=before["observed"],
         search=horizon_search(settings, summary),
+        known=known,
+        known_of_points=in_force.get("parameter"),
         noise=settings["noise"],
         event_threshold=settings["case.event_threshold"],
         sampling_interval=sampling_interval(settings),

@@ -2,7 +2,7 @@
 
 from burstcast import durations
 from burstcast.files.netcdf import read_netcdf
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import Settings, concerning
 
 
 def sampling_interval(settings: Settings) -> float:
@@ -32,10 +32,5 @@ def lyapunov_time(settings: Settings) -> int:
     if known is not None:
         return durations.steps_per_lyapunov_time(known, interval)
     assert settings.computed_exponent is not None
-    try:
+    with concerning("the computed exponent (lyapunov.published_exponent, lyapunov.time_unit)"):
         return durations.steps_per_lyapunov_time(settings.computed_exponent, interval)
-    except ValueError as error:
-        raise ValueError(
-            f"the computed Lyapunov exponent cannot be the unit of time: {error} "
-            f"(lyapunov.published_exponent, lyapunov.time_unit)"
-        ) from error
