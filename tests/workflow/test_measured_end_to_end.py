@@ -275,7 +275,7 @@ def test_series_without_an_exponent(tmp_path, job_server):
     assert "no Lyapunov exponent is estimated: no exponent can be seen" in outcome.text
     exponents = read_json(project.directory / "results/circles/circles/lyapunov.json")
     assert exponents["leading"] == {"mean": None, "low": None, "high": None}
-    assert "do not part within 133 steps" in exponents["no_estimate"]
+    assert "do not part within 125 steps" in exponents["no_estimate"]
     (dataset,) = read_table(project.directory / f"{tables}/dataset.csv").to_dict("records")
     assert np.isnan(dataset["lyapunov_exponent"])
     assert dataset["steps_per_lyapunov_time"] == 20
