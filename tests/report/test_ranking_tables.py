@@ -46,4 +46,6 @@ def test_the_least_that_control_leaves_at_a_tenth_of_the_time(tmp_path):
         "reactive, by equations, from the true state, in `turbulence` | reached |"
     )
     assert "0.5 (0.25 to 1) % at 4 (2 to 8) % of the time" in by_truth.replace("**", "")
-    assert by_sensors.endswith("reactive by equations, filtered of `turbulence` | not reached |")
+    assert by_sensors.endswith(
+        "reactive, observed sensors, by equations, filtered, in `turbulence` | not reached |"
+    )
