@@ -229,7 +229,7 @@ class Data:
         self.config = campaign.config.dump()
         self.case = campaign.cases[CASE].dump()
         self.system = make_system(self.case["system"], self.case["parameters"])
-        self.lyapunov_time = campaign.steps_per_lyapunov_time(CASE)
+        self.lyapunov_time = campaign.cases[CASE].steps_per_lyapunov_time
         self.states = np.concatenate([kept.states for kept in self.ensemble(series)])
         self.truth = self.system.observable(np.moveaxis(self.states, -1, 0))
         training = self.states[: self.case["training"]["series"]]

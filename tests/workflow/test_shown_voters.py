@@ -5,7 +5,6 @@ from pathlib import Path
 import yaml
 from snakemake.utils import update_config
 
-from burstcast_workflow.campaign.alarm_sources import shown_voters
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
 
@@ -23,7 +22,7 @@ def campaign(**forecasters) -> Campaign:
 def test_figures_show_committees_of_the_example_and_of_filters():
     found = campaign(quadratic_filtered={}, analogues={})
     found.config.figures.example_forecaster = "esn-N2000-RV-seed0"
-    assert [one.name.identifier for one in shown_voters(found, "Re400")] == [
+    assert [one.name.identifier for one in found.shown_voters("Re400")] == [
         *("esn-N2000-RV-seed0", "esn-N2000-RV-seed1", "quadratic_filtered"),
     ]
 
@@ -32,4 +31,4 @@ def test_a_single_network_is_no_committee():
     networks = {"neurons": [2000], "validation": ["RV"], "seeds": 1}
     found = campaign(quadratic={}, equations={}, esn=networks)
     found.config.figures.example_forecaster = "esn-N2000-RV-seed0"
-    assert shown_voters(found, "Re400") == []
+    assert found.shown_voters("Re400") == []
