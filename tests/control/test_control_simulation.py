@@ -1,5 +1,6 @@
 """The one simulation of control, under both ways to look at flows."""
 
+import re
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from typing import Any
@@ -20,6 +21,7 @@ from test_control_flows import FLOW, RAISED
 from test_control_flows import SHORT as WINDOWED
 
 from burstcast.control import simulation as simulation_module
+from burstcast.control.actuation import ForcedSystem
 from burstcast.control.monitors.base import Monitor
 from burstcast.control.monitors.forecast import ForecastMonitor
 from burstcast.control.simulation import ControlSimulation
@@ -139,3 +141,20 @@ def test_wrong_shapes_are_refused() -> None:
         run_sampled(FLOW, washouts, monitor, RAISED.system, SAMPLED, 0.1, noise=noise)
     with pytest.raises(ValueError, match="another dimension"):
         run_sampled(FLOW, washouts, monitor, Rotor(1.0), SAMPLED, 0.1)
+
+
+def test_a_flow_that_actuation_takes_out_of_the_range_of_numbers(way: Any) -> None:
+    """The message tells which flow, after how much time, and what to change."""
+    run, actuation, timing, _ = way
+    pushed = ForcedSystem(FLOW, [1e200] * 9)
+    violent = pushed if timing is SAMPLED else actuation._replace(system=pushed)
+    table = np.zeros((3, timing.most_forecasts), dtype=bool)
+    table[1, 1] = True
+    with pytest.raises(FloatingPointError) as caught:
+        run(turbulent_washouts(FLOW, 3, timing), table_monitor(table), violent, timing, 10.0)
+    assert re.match(
+        "controlled flow 1 left the range of floating-point numbers under actuation: at most "
+        r"(5 time units after it was first actuated, 5|20 .*, 20) of them under actuation\. The "
+        "actuated equations need a shorter ensemble.time_step than 0.25, or a weaker actuation",
+        str(caught.value),
+    ), caught.value

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from burstcast.data.dataset import component_scales, observed_series
-from burstcast.encoders.channels import StateChannels, channel_names, encoding_case
+from burstcast.encoders.channels import StateChannels, channel_names, check_encoding, encoding_case
 from burstcast.systems.integration import integrate
 from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.lorenz63 import Lorenz63
@@ -89,8 +89,26 @@ def test_invariants_from_sensors_are_those_of_the_estimate(training):
         (FLOW, "pod", GRID, {"modes": 121}, "modes must be a number from 1 to 120"),
         (FLOW, "state_estimate", None, {}, "there is nothing to estimate"),
         (FLOW, "expressions", None, {"expressions": ["a_9_9"]}, "'a_9_9' names a_9_9"),
+        (FLOW, "invariants", None, {"modes": 3}, "encoder.modes is no option of the encoder inv"),
+        (FLOW, "identity", GRID, {"expressions": ["a_0_1"]}, "encoder.expressions is no option"),
+        (FLOW, "pod", None, {"modes": 3, "expressions": ["a_0_1"]}, "encoder.expressions is no"),
+        (KolmogorovFlow(), "pod", None, {"modes": 181}, "modes is 181; .* have 180 snapshots"),
+        # sin(2 y) vanishes at multiples of pi / 2, and 4 sensors see 4 y as they see 0
+        (
+            FLOW,
+            "identity",
+            {"points": [4, 4], "offset": [0.1, 0.0]},
+            {},
+            "no sensor sees a_0_2, a_0_4: the velocity",
+        ),
     ],
 )
 def test_what_cannot_be_encoded(space, kind, sensors, options, message):
     with pytest.raises(ValueError, match=message):
-        channel_names(kind, encoding_case(space, sensors, options))
+        check_encoding(kind, encoding_case(space, sensors, options), 0.01, 180)
+
+
+def test_sensors_take_noise():
+    with pytest.raises(ValueError, match=r"training.noise is 0, but an estimate of the state"):
+        check_encoding("identity", encoding_case(FLOW, GRID, {}), 0.0, 180)
+    check_encoding("identity", encoding_case(FLOW, None, {}), 0.0, 180)

@@ -42,15 +42,15 @@ def case(name, **changes):
     return {"cases": {name: changes}}
 
 
-def controlled(strategy, kind, **settings):
+def controlled(strategy, kind, observed="invariants", conditions=None, **settings):
     """Control of the flow by forecasters of its invariants."""
     block = {
         "strategy": strategy,
         "settings": {"decision_interval_lt": [0.5], **settings},
-        "observed": ["invariants"],
+        "observed": [observed],
         "forecasters": {kind: {}},
     }
-    return {"control": {"strategies": [block]}}
+    return {"control": {"strategies": [block | (conditions or {})]}}
 
 
 @pytest.mark.parametrize(
@@ -107,6 +107,79 @@ def controlled(strategy, kind, **settings):
                 "probability_triggered", "precursor", probability=[0.2], hold_lt=[1], windows=[4]
             ),
             ["control.strategies[0].settings.windows: classifiers have 3"],
+        ),
+        (
+            case("sensors", sensors={"points": [8, 8], "offset": [0, 0]}),
+            ["case sensors: sensors, encoder: no sensor sees a_0_4,", "sensors.offset [0.0, 0.0]"],
+        ),
+        (case("sensors", sensors={"points": [8, 101]}), ["points[1] is 101", "not above 100"]),
+        (
+            case("invariants", encoder={"modes": 5}),
+            ["encoder.modes is no option of the encoder invariants"],
+        ),
+        (
+            case("sensors_pod", encoder={"expressions": ["a_1_0"]}),
+            ["encoder.expressions is no option of the encoder pod"],
+        ),
+        (
+            {
+                "cases": {
+                    "turbulence": {"parameters": {"largest_wavenumber": 10}},
+                    "sensors_pod": {"encoder": {"modes": 364}},
+                },
+            },
+            ["case sensors_pod: sensors, encoder: encoder.modes is 364", "have 363 snapshots"],
+        ),
+        (
+            case("sensors", training={"noise": 0}),
+            ["case sensors: sensors, encoder: training.noise"],
+        ),
+        (
+            case("turbulence", parameters={"largest_wavenumber": 3.5}),
+            ["case turbulence: system or parameters: largest_wavenumber must be a positive whole"],
+        ),
+        (
+            case("turbulence", actuation={"parameters": {"largest_wavenumber": 5}}),
+            ["actuation: an actuation must leave the number of components", "80, not make it 120"],
+        ),
+        (
+            controlled(
+                "receding_horizon",
+                "equations_filtered",
+                "sensors",
+                {"strength": [1, 3]},
+                horizon_lt=[1],
+            ),
+            ["case turbulence: actuation: at a strength of 3, reynolds must be positive"],
+        ),
+        (
+            controlled("probability_triggered", "precursor", probability=[0.2]),
+            ["control.strategies[0].settings: strategy", "needs the setting 'hold_lt'"],
+        ),
+        (
+            controlled("receding_horizon", "equations_filtered", horizon_lt=[1]),
+            ["strategies[0].forecasters: the campaign has no equations_filtered for invariants"],
+        ),
+        (
+            {
+                **controlled("receding_horizon", "equations_filtered", "sensors", horizon_lt=[1]),
+                **case("turbulence", actuation=None),
+            },
+            ["strategies[0].observed: sensors is a part of turbulence, which this block does not"],
+        ),
+        ({"forecasters": {"filter": {"members": 5}}}, ["is 5; it must be an even number above 0"]),
+        (case("sensors", ensemble={"series": 10}), ["case sensors: ensemble means nothing for"]),
+        (
+            case("sensors", actuation={"parameters": {"reynolds": 20}}),
+            ["case sensors: actuation means nothing for measured series"],
+        ),
+        (
+            {
+                "campaign": [{"cases": ["turbulence"], "forecasters": {"persistence": {}}}],
+                "control": {"strategies": []},
+                **case("turbulence", data={"known": ["a_1_0"]}),
+            },
+            ["case turbulence: data needs files: [...], or else the name of another case"],
         ),
     ],
 )

@@ -82,7 +82,8 @@ def actuated_system(
     Raises
     ------
     ValueError
-        If the system has no such parameter, nothing is changed, or the strength is not positive.
+        If the system has no such parameter, or not with such a value, nothing is changed, the
+        number of components changes, or the strength is not positive.
 
     Examples
     --------
@@ -96,7 +97,13 @@ def actuated_system(
         raise ValueError("an actuation changes a parameter of the equations or adds a force")
     if not strength > 0:
         raise ValueError(f"the strength of an actuator must be positive, not {strength}")
-    return _under_share(system, parameters, force, strength)
+    changed = _under_share(system, parameters, force, strength)
+    if changed.dimension != system.dimension:
+        raise ValueError(
+            f"an actuation must leave the number of components of a state as it is, "
+            f"{system.dimension}, not make it {changed.dimension}"
+        )
+    return changed
 
 
 def _with_parameters(
@@ -115,7 +122,10 @@ def _with_parameters(
     for name, value in parameters.items():
         own = getattr(system, name)
         changed[name] = value if strength == 1 else own + strength * (value - own)
-    return dataclasses.replace(system, **changed)
+    try:
+        return dataclasses.replace(system, **changed)
+    except ValueError as error:
+        raise ValueError(f"at a strength of {strength:g}, {error}") from error
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from burstcast.control.cost import ActuationCost, actuation_cost
 from burstcast.control.monitors.base import Decision, Monitor
 from burstcast.control.timing import Clock
 from burstcast.systems.base import DynamicalSystem, EnergyBudget
-from burstcast.systems.integration import integrate, integrate_switched
+from burstcast.systems.integration import LostTrajectoryError, integrate, integrate_switched
 
 FLOWS_PER_BATCH = 1024
 """Flows that are simulated side by side: bounds the memory, changes no result."""
@@ -228,12 +228,23 @@ class RunningFlows:
         self.judged = {name: np.zeros(entries, dtype=bool) for name in stepper.judgements}
 
     def run(self, rows: IntArray, noise: FloatArray | None) -> None:
-        """Simulate the flows to their ends; ``rows`` are theirs among the given flows."""
+        """Simulate the flows to their ends; ``rows`` are theirs among the given flows.
+
+        Raises
+        ------
+        FloatingPointError
+            If a flow leaves the range of floating-point numbers.
+        """
         while (moving := self._moving()).size:
             due = np.flatnonzero((self.clock == self._stop) & (self.clock <= self._last_look))
             if due.size:
                 self._look(due, rows[due], noise)
-            self._advance(moving)
+            try:
+                self._advance(moving)
+            except LostTrajectoryError as error:
+                flow = int(moving[error.trajectory])
+                told = self._lost_under_actuation(flow, int(rows[flow]))
+                raise (FloatingPointError(told) if told else error) from error
 
     def _moving(self) -> IntArray:
         return np.flatnonzero((self.clock < self._stop) | (self.clock <= self._last_look))
@@ -288,6 +299,23 @@ class RunningFlows:
         # flows that are monitored no longer move on to the last step that counts
         over = (self.clock == self._stop) & (self.clock > self._last_look)
         self._stop[over] = np.maximum(self.clock[over], self.stepper.timing.counted_until)
+
+    def _lost_under_actuation(self, flow: int, row: int) -> str:
+        """Describe how actuation took a flow out of the range of numbers; "" if it was free."""
+        timing, stride = self.stepper.timing, self._stride
+        end = int(self.clock[flow] + self._shortest) * stride
+        acted = np.flatnonzero(self.acting[flow, :end])
+        if not acted.size:
+            return ""
+        since, under = (steps * timing.time_step for steps in (end - acted[0], acted.size))
+        return (
+            f"controlled flow {row} left the range of floating-point numbers under actuation: at "
+            f"most {since:g} time units after it was first actuated, {under:g} of them under "
+            f"actuation. The actuated equations need a shorter ensemble.time_step than "
+            f"{timing.time_step:g}, or a weaker actuation: smaller changes of "
+            "actuation.parameters, a smaller actuation.force, or a smaller strength of the block "
+            "of control.strategies"
+        )
 
     def actuation(self) -> ByteArray:
         """Actuation under which flows came to each step, ``(flows, timing.length)``."""

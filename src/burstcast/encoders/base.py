@@ -62,6 +62,9 @@ class Encoder(abc.ABC):
     decodes: ClassVar[bool] = False
     """Whether `decode` leads back to what was encoded."""
 
+    option_names: ClassVar[tuple[str, ...]] = ()
+    """Names of its options."""
+
     @classmethod
     @abc.abstractmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:

@@ -15,7 +15,7 @@ from burstcast.encoders.state_estimate import StateEstimateEncoder
 from burstcast.encoders.state_maps import StateMaps
 from burstcast.observation.velocity_sensors import PlaneFlow, VelocitySensors
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.state_space import StateSpace
+from burstcast.systems.state_space import StateSpace, component_names
 
 IDENTITY, ESTIMATE = "identity", "state_estimate"
 """Kinds of encoders that are given what is observed, also where sensors see the state."""
@@ -190,7 +190,8 @@ def encoding_case(
     Raises
     ------
     ValueError
-        If the sensors are outside of the domain, or the states are no flow in a plane.
+        If the sensors are outside of the domain or none of them sees one of the components, or the
+        states are no flow in a plane.
     """
     if sensors is None:
         return EncodingCase(space, options)
@@ -199,7 +200,16 @@ def encoding_case(
             f"sensors measure the velocity in a plane, which {type(space).__name__} has not"
         )
     points, offset = tuple(sensors["points"]), tuple(sensors["offset"])
-    return EncodingCase(space, options, VelocitySensors(space, points, offset))
+    observation = VelocitySensors(space, points, offset)
+    if unseen := observation.unseen:
+        names = component_names(space)
+        raise ValueError(
+            f"no sensor sees {', '.join(names[number] for number in unseen)}: the velocity of "
+            f"these components vanishes at all {points[0]} x {points[1]} sensors with "
+            f"sensors.offset {list(offset)}; take an offset between their zeros, such as the "
+            "default"
+        )
+    return EncodingCase(space, options, observation)
 
 
 def channel_names(kind: str, case: EncodingCase) -> tuple[str, ...]:
@@ -218,6 +228,39 @@ def channel_names(kind: str, case: EncodingCase) -> tuple[str, ...]:
     if kind not in (IDENTITY, ESTIMATE):
         case = replace(case, observation=None)
     return encoder_class(kind).channel_names(case)
+
+
+def check_encoding(kind: str, case: EncodingCase, noise: float, snapshots: int) -> None:
+    """Check the settings of an encoded case against what is known before there are data.
+
+    Parameters
+    ----------
+    kind, case
+        As for `StateChannels.fit`.
+    noise
+        Level of the observation noise, ``training.noise``.
+    snapshots
+        States in the training series.
+
+    Raises
+    ------
+    ValueError
+        If an option is out of bounds or of another encoder, or the states have no such encoding.
+    """
+    known = encoder_class(kind).option_names
+    for name, value in case.options.items():
+        if value not in (None, []) and name not in known:
+            raise ValueError(f"encoder.{name} is no option of the encoder {kind}: leave it out")
+    channel_names(kind, case)
+    if case.observation is not None and not noise:
+        raise ValueError(
+            "training.noise is 0, but an estimate of the state from sensors takes a noise above 0"
+        )
+    modes = case.options.get("modes") or 0
+    if modes > snapshots:
+        raise ValueError(
+            f"encoder.modes is {modes}; the training series have {snapshots} snapshots, no more"
+        )
 
 
 def _affine(

@@ -1,7 +1,7 @@
 """Channels that are arithmetic expressions of observed components."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -21,6 +21,8 @@ class ExpressionsEncoder(Encoder):
     expressions
         Their expressions.
     """
+
+    option_names: ClassVar[tuple[str, ...]] = ("expressions",)
 
     components: tuple[str, ...]
     expressions: tuple[Expression, ...]

@@ -37,6 +37,7 @@ class PodEncoder(Encoder):
     """
 
     decodes: ClassVar[bool] = True
+    option_names: ClassVar[tuple[str, ...]] = ("modes", "variance", "symmetrised")
 
     mean: FloatArray
     modes: FloatArray

@@ -9,6 +9,9 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.observation.base import Observation
 
+_UNSEEN = 1e-9
+"""Largest reading of a component that no sensor sees, as a share of the largest of all."""
+
 
 @runtime_checkable
 class PlaneFlow(Protocol):
@@ -93,3 +96,9 @@ class VelocitySensors(Observation):
         """Velocities of each component of a state, ``(2 * sensors, dimension)``: u, then v."""
         units = np.eye(self.flow.dimension)
         return self.flow.velocity(units, self.coordinates).reshape(-1, self.flow.dimension)
+
+    @property
+    def unseen(self) -> list[int]:
+        """Components of a state of which no sensor measures anything, counted from 0."""
+        largest = np.abs(self.matrix).max(axis=0)
+        return np.flatnonzero(largest <= _UNSEEN * largest.max()).tolist()

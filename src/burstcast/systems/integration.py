@@ -41,6 +41,26 @@ class ObservedTrajectories:
     largest_observable: FloatArray
 
 
+class LostTrajectoryError(FloatingPointError):
+    """A trajectory left the range of floating-point numbers.
+
+    Parameters
+    ----------
+    trajectory
+        Its number in the batch.
+    time_step
+        Step of the scheme.
+    """
+
+    def __init__(self, trajectory: int, time_step: float) -> None:
+        super().__init__(
+            f"trajectory {trajectory} left the range of floating-point numbers: the time step "
+            f"{time_step} (ensemble.time_step) is too long, or the system has no bounded solution "
+            "there"
+        )
+        self.trajectory = trajectory
+
+
 def integrate(
     system: DynamicalSystem,
     state: FloatArray,
@@ -306,7 +326,4 @@ def _check_finite(state: FloatArray, time_step: float) -> None:
     # or NaN stays so.
     finite = np.isfinite(state).all(axis=0)
     if not finite.all():
-        raise FloatingPointError(
-            f"trajectory {np.argmin(finite)} left the range of floating-point numbers: "
-            f"the time step {time_step} is too long, or the system has no bounded solution there"
-        )
+        raise LostTrajectoryError(int(np.argmin(finite)), time_step)

@@ -15,7 +15,7 @@ from burstcast.systems.registry import make_system
 from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.config.cases import blocks_of, campaign_cases, case_of, data_of
 from burstcast_workflow.config.messages import suggestion
-from burstcast_workflow.config.model import Configuration, Simulated
+from burstcast_workflow.config.model import Case, Configuration, Simulated
 
 
 def problems_of_parameters(config: Configuration, name: str, case: Simulated) -> Iterator[str]:
@@ -29,7 +29,7 @@ def problems_of_parameters(config: Configuration, name: str, case: Simulated) ->
             )
             return
     try:
-        cases = [_simulated(config, source) for source in sources]
+        cases = [case_of(config, source) for source in sources]
         factors = _factors(config, cases)
     except ValidationError:
         return  # told with the case
@@ -70,9 +70,9 @@ def extrapolations(config: Configuration) -> Iterator[str]:
         kinds = [kind for block in blocks_of(config, name) for kind in block.forecasters.kinds]
         if not any(map(learns_parameters, kinds)) or data_of(config, name) is not None:
             continue
-        case = _simulated(config, name)
+        case = case_of(config, name)
         sources = case.training.trained_on or [name]
-        factors = _factors(config, [_simulated(config, source) for source in sources])
+        factors = _factors(config, [case_of(config, source) for source in sources])
         strengths = sorted(
             {
                 sign * plan.strength
@@ -90,13 +90,7 @@ def extrapolations(config: Configuration) -> Iterator[str]:
                 yield f"{name}: {message}"
 
 
-def _simulated(config: Configuration, name: str) -> Simulated:
-    case = case_of(config, name)
-    assert isinstance(case, Simulated)
-    return case
-
-
-def _factors(config: Configuration, cases: Sequence[Simulated]) -> ParameterFactors:
+def _factors(config: Configuration, cases: Sequence[Case]) -> ParameterFactors:
     """Factors scaled by the values in training on the series of some cases."""
     aware = config.forecasters.aware
     found = []
@@ -108,7 +102,7 @@ def _factors(config: Configuration, cases: Sequence[Simulated]) -> ParameterFact
     return ParameterFactors.of(names, np.array(found), aware.transform, degree)
 
 
-def _values(config: Configuration, case: Simulated, strength: float) -> tuple[float, ...]:
+def _values(config: Configuration, case: Case, strength: float) -> tuple[float, ...]:
     """Values of the parameters in a case, under a share of its actuation.
 
     Raises

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from pydantic import ValidationError
 
-from burstcast.control.actuation import forced_system
+from burstcast.control.actuation import actuated_system
 from burstcast.forecasters.registry import kind_class, learns_parameters
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class, system_module
@@ -13,10 +13,10 @@ from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.cases import (
     blocks_of,
     campaign_cases,
-    case_of,
     case_record,
     data_of,
     reynolds_in,
+    sound_case,
 )
 from burstcast_workflow.config.external_files import problems_of_external
 from burstcast_workflow.config.lengths import lag_misfits, misfits, room_misfits
@@ -68,7 +68,7 @@ def _simulated(config: Configuration, name: str) -> Iterator[str]:
     if is_encoded(case):
         yield ONLY_ENCODED
     yield from out_of_bounds(case)
-    yield from _system(name, case)
+    yield from _system(config, name, case)
     if any(kind_class(kind).has_filter for kind in kinds):
         yield from _filter(config.forecasters.filter, case, f"the system {case.system}")
     yield from _counts_of_series(config, case)
@@ -97,7 +97,7 @@ def _files(system: str, files: list[str]) -> Iterator[str]:
             yield f"files: there is no file {', '.join(missing)} in {module.parent}"
 
 
-def _system(name: str, case: Simulated) -> Iterator[str]:
+def _system(config: Configuration, name: str, case: Simulated) -> Iterator[str]:
     parameters, ensemble, actuation = case.parameters, case.ensemble, case.actuation
     reynolds = parameters.get("reynolds")
     if reynolds_in(name) not in (None, reynolds):
@@ -128,15 +128,13 @@ def _system(name: str, case: Simulated) -> Iterator[str]:
         )
     if actuation is None:
         return
+    blocks = [one for one in config.control.strategies if name in (one.cases or [name])]
     try:
         make_system(case.system, {**parameters, **actuation.parameters})
+        for strength in (1.0, *(value for block in blocks for value in block.strength)):
+            actuated_system(system, actuation.parameters, actuation.force, strength)
     except ValueError as error:
-        yield f"actuation.parameters: {error}"
-    if actuation.force is not None:
-        try:
-            forced_system(system, actuation.force)
-        except ValueError as error:
-            yield f"actuation.force: {error}"
+        yield f"actuation: {error}"
 
 
 def _counts_of_series(config: Configuration, case: Simulated) -> Iterator[str]:
@@ -182,11 +180,10 @@ def _kinds(config: Configuration, name: str) -> list[str]:
 
 def _filter(settings: Filter, case: Case, whose: str) -> Iterator[str]:
     members, space = settings.members, space_of(case)
-    # without a space, the error is reported with the case
-    if space is not None and (members % 2 or members < 2 * space.dimension):
+    if space is not None and members < 2 * space.dimension:
         yield (
-            f"forecasters.filter.members is {members}; it must be even, and at least twice the "
-            f"components of a state: {2 * space.dimension} for {whose}"
+            f"forecasters.filter.members is {members}; it must be at least twice the components "
+            f"of a state: {2 * space.dimension} for {whose}"
         )
 
 
@@ -230,7 +227,7 @@ def _measured(config: Configuration, name: str) -> Iterator[str]:
     yield from out_of_bounds(case)
     yield from problems_of_data(case)
     if source is not None and is_encoded(case):
-        yield from problems_of_encoding(case, case_of(config, source))
+        yield from problems_of_encoding(case, sound_case(config, source))
     kinds = _kinds(config, name)
     needing = [kind for kind in kinds if kind_class(kind).needs_equations]
     if needing and not is_encoded(case):

@@ -8,8 +8,8 @@ from burstcast.data.training_realisations import realisation_of
 from burstcast.statistics.densities import SETTLED
 from burstcast.systems.base import has_own
 from burstcast.systems.mfe_modes import flow_modes
-from burstcast.systems.registry import make_system, system_class, system_module
-from burstcast_workflow.config.measured_cases import measured_record
+from burstcast.systems.registry import system_class, system_module
+from burstcast_workflow.config.measured_cases import measured_record, space_of
 from burstcast_workflow.config.model import Block, Case, Configuration, Data, Measured, Simulated
 from burstcast_workflow.stages.canonical import canonical
 
@@ -88,6 +88,14 @@ def case_of(config: Configuration, name: str) -> Case:
     return kind.model_validate(case_record(config, name))
 
 
+def sound_case(config: Configuration, name: str) -> Case | None:
+    """A case (`case_of`); None if it is invalid, which is reported with the case."""
+    try:
+        return case_of(config, name)
+    except (ValueError, TypeError):
+        return None
+
+
 def data_of(config: Configuration, name: str) -> Data | None:
     """Section ``data`` of a case's entry in ``cases``; None without measured series."""
     own = config.cases.get(realisation_of(name)[0])
@@ -129,12 +137,8 @@ def case_record(config: Configuration, name: str) -> Config:
 
 def is_flow(case: Case) -> bool:
     """Whether a case is a flow: its state, the amplitudes of velocity modes."""
-    if not isinstance(case, Simulated):
-        return False
-    try:
-        return flow_modes(make_system(case.system, case.parameters)) is not None
-    except (ValueError, TypeError):  # told with the case
-        return False
+    space = space_of(case) if isinstance(case, Simulated) else None
+    return space is not None and flow_modes(space) is not None
 
 
 WITHOUT_UNITS: Any = {

@@ -23,17 +23,17 @@ from burstcast_workflow.config.cases import (
     blocks_of,
     campaign_cases,
     case_name,
-    case_of,
     data_of,
     event_shares_of,
     is_flow,
     said_by_class,
+    sound_case,
 )
 from burstcast_workflow.config.kinds import Quantile
+from burstcast_workflow.config.measured_cases import is_encoded
 from burstcast_workflow.config.messages import model_problems, suggestion
 from burstcast_workflow.config.model import (
     Block,
-    Case,
     CasePart,
     Configuration,
     NetworkChoice,
@@ -89,14 +89,6 @@ def _class_defaults(config: Configuration) -> Iterator[str]:
             yield f"case_defaults of the class {name} (system {system}): {'; '.join(problems)}"
 
 
-def _sound_case(config: Configuration, name: str) -> Case | None:
-    """A case; None if it is invalid, which is reported with the case."""
-    try:
-        return case_of(config, name)
-    except (ValueError, TypeError):
-        return None
-
-
 def _campaign(config: Configuration) -> Iterator[str]:
     if config.case_defaults.data is not None:
         yield "case_defaults.data must be null: each case has data of its own, in cases.<name>.data"
@@ -140,7 +132,7 @@ def _campaign(config: Configuration) -> Iterator[str]:
 
 def _realisations(config: Configuration, place: str, block: Block, name: str) -> Iterator[str]:
     """Whether an ensemble may have as many choices of training series as are wanted."""
-    case, shares = _sound_case(config, name), block.event_shares
+    case, shares = sound_case(config, name), block.event_shares
     if shares and block.realisations > 1:
         yield f"{place} has realisations and event_shares; take one of them"
     if shares and name not in campaign_cases(config):
@@ -234,12 +226,23 @@ def _without_trajectories(config: Configuration) -> Iterator[str]:
 def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterator[str]:
     """Mistakes in the parts of the state that a block of strategies observes."""
     used = campaign_cases(config)
-    parts = [case for case in used if (data := data_of(config, case)) and data.case]
+    parts = {case: data for case in used if (data := data_of(config, case)) and data.case}
     for part in block.observed:
         if part not in parts:
             yield f"{place}.observed: {part} is no part of another case; {suggestion(part, parts)}"
-        elif (data := data_of(config, part)) and data.delays:
+            continue
+        delays, source = parts[part].delays, str(parts[part].case)
+        if delays and not is_encoded(config.cases[realisation_of(part)[0]]):
             yield f"{place}.observed: {part} has past values (data.delays), which control has not"
+        whole = sound_case(config, source)
+        if whole and (not whole.actuation or source not in (block.cases or [source])):
+            yield (
+                f"{place}.observed: {part} is a part of {source}, which this block does not "
+                f"control: give {source} an actuation, and name it in cases or leave cases out"
+            )
+        there = {kind for one in blocks_of(config, part) for kind in one.forecasters.kinds}
+        if block.kinds and there.isdisjoint(block.kinds):
+            yield f"{place}.forecasters: the campaign has no {', '.join(block.kinds)} for {part}"
 
 
 def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
@@ -290,7 +293,7 @@ def _figures(config: Configuration) -> Iterator[str]:
             f"the example network of the figures ({name}, {example.identifier}) is not part of the "
             "campaign: change figures.example_case or figures.example_forecaster"
         )
-    case, peak = _sound_case(config, name), figures.flow_event.peak
+    case, peak = sound_case(config, name), figures.flow_event.peak
     threshold = case.event_threshold if isinstance(case, Simulated) else None
     if isinstance(threshold, float) and peak <= threshold and case and is_flow(case):
         yield (

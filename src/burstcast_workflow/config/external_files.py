@@ -24,10 +24,10 @@ def paths_of(said: ExternalFiles, case: str) -> list[str]:
 
 def problems_of_external(config: Configuration, case: str) -> Iterator[str]:
     """Mistakes in the files of a case that their first lines show."""
-    known: dict[str, ExternalFiles] = {}
+    known = external_forecasts(config, case)
     for block in blocks_of(config, case):
         for name, said in (block.forecasters.external or {}).items():
-            if known.setdefault(name, said) != said:
+            if known[name] != said:
                 yield f"campaign.forecasters.external.{name} is said twice, with other files"
     for name, said in known.items():
         place = f"campaign.forecasters.external.{name}.files"

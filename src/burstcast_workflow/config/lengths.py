@@ -22,7 +22,7 @@ from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast_workflow.campaign.control_plans import block_plans
-from burstcast_workflow.config.cases import campaign_cases, case_of
+from burstcast_workflow.config.cases import campaign_cases, case_of, sound_case
 from burstcast_workflow.config.measured_cases import space_of
 from burstcast_workflow.config.model import Case, Configuration, Ensemble, Simulated
 from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, LONG_RUNS, VALIDATION
@@ -172,24 +172,26 @@ def _control(
     for index, block in enumerate(config.control.strategies):
         if case.actuation is None or (block.cases and name not in block.cases):
             continue
-        for plan_of_control in block_plans(block):
-            seen = case_of(config, plan_of_control.observed) if plan_of_control.observed else case
-            if seen is not case and (seen.data is None or seen.data.case != name):
+        for plan in block_plans(block):
+            seen = sound_case(config, plan.observed) if plan.observed else case
+            if seen is None or (plan.observed and not (seen.data and seen.data.case == name)):
+                continue
+            try:
+                strategy = make_control_strategy(plan.strategy, dict(plan.settings))
+            except ValueError:  # told with the block
                 continue
             with telling(f"control.strategies[{index}]"):
                 schedule = Schedule(
                     washout=max(1, durations.steps(config.washout_lt, steps)),
-                    quiet_lt=plan_of_control.quiet_lt,
-                    span_lt=plan_of_control.span_lt or config.control.span_lt,
-                    delay_lt=plan_of_control.delay_lt,
+                    quiet_lt=plan.quiet_lt,
+                    span_lt=plan.span_lt or config.control.span_lt,
+                    delay_lt=plan.delay_lt,
                     actuation_start_lt=case.actuation.start_lt,
                     actuation_duration_lt=case.actuation.duration_lt,
                     steps_per_lyapunov_time=steps,
                     sampling_stride=ensemble.sampling_stride,
                     time_step=ensemble.time_step,
                 )
-                settings = dict(plan_of_control.settings)
-                strategy = make_control_strategy(plan_of_control.strategy, settings)
                 strategy.check(schedule)
                 if (space := space_of(seen)) is not None:
                     strategy.check_system(space, case.actuation.force is not None)

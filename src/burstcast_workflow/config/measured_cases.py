@@ -13,7 +13,7 @@ from burstcast.data.measured_data import Quantity
 from burstcast.data.records import problems_of_known, problems_of_treatment
 from burstcast.data.series_files import column_names
 from burstcast.encoders.base import EncodingCase
-from burstcast.encoders.channels import IDENTITY, channel_names, encoding_case
+from burstcast.encoders.channels import IDENTITY, channel_names, check_encoding, encoding_case
 from burstcast.encoders.registry import encoder_class
 from burstcast.natural_order import natural_order
 from burstcast.systems.registry import make_space
@@ -146,7 +146,7 @@ def _channels(own: Case, source: Mapping[str, Any]) -> list[str]:
 def _in_header(data: Data) -> list[str]:
     """Columns that the first file has by its header; none where that cannot be read."""
     try:
-        return header(data) if data.case is None else []
+        return header(data) if data.files else []
     except (ValueError, OSError):  # told by `own_problems`
         return []
 
@@ -222,15 +222,14 @@ def data_files(data: Data) -> list[str]:
 
 def own_problems(own: Case) -> Iterator[str]:
     """Forbidden and required settings of measured series in ``cases``."""
-    said = own.dump()
-    for key in _MEANINGLESS:
-        if said.get(key) is not None:
-            yield f"{key} means nothing for measured series (data): leave it out"
-    data = own.data
+    said, data = own.dump(), own.data
     assert data is not None
     if bool(data.files) == (data.case is not None):
         yield "data needs files: [...], or else the name of another case of the campaign (case)"
         return
+    for key in _MEANINGLESS:
+        if said.get(key) is not None:
+            yield f"{key} means nothing for measured series (data): leave it out"
     if data.case is None:
         if is_encoded(own):
             yield ONLY_ENCODED
@@ -260,12 +259,14 @@ def own_problems(own: Case) -> Iterator[str]:
                 yield f"data.{key} means nothing where the series come from another case"
 
 
-def problems_of_encoding(case: Measured, source: Case) -> Iterator[str]:
-    """Mistakes in the sensors and the encoder of a case."""
-    if case.sensors is not None and case.encoder is not None and not case.training.noise:
-        yield "training.noise is 0, but an estimate of the state from sensors takes a noise above 0"
+def problems_of_encoding(case: Measured, source: Case | None) -> Iterator[str]:
+    """Mistakes in the sensors and the encoder of a case; none if its source is invalid."""
+    if source is None or space_of(source) is None:
+        return
+    steps, training = case.ensemble, case.training
+    snapshots = training.series * (round((steps.duration or 0.0) / steps.sampling_interval) + 1)
     try:
-        channel_names(*encoding_of(case, source.dump()))
+        check_encoding(*encoding_of(case, source.dump()), training.noise, snapshots)
     except (ValueError, TypeError) as error:
         yield f"sensors, encoder: {error}"
 

@@ -458,8 +458,8 @@ class Data(Section):
 class Sensors(Section):
     """Probes of the velocity at the points of a regular grid, in place of the whole state."""
 
-    points: Annotated[list[Count], Field(min_length=2, max_length=2)] = setting(
-        "number of probes along x and y", default=[8, 8]
+    points: Annotated[list[Annotated[Count, Field(le=100)]], Field(min_length=2, max_length=2)] = (
+        setting("number of probes along x and y", default=[8, 8])
     )
     offset: Annotated[list[float], Field(min_length=2, max_length=2)] = setting(
         "coordinates of the first probe; from 0 to the distance of two probes",
@@ -598,8 +598,8 @@ class Observation(Section):
 class Filter(Section):
     """The filter of `equations_filtered` and `quadratic_filtered`."""
 
-    members: Whole = setting(
-        "size of the ensemble: an even number, at least twice the components of a state", ge=2
+    members: Annotated[Whole, Field(multiple_of=2), Words("an even number above 0")] = setting(
+        "size of the ensemble: at least twice the components of a wholly observed state", ge=2
     )
     inflation: float = setting("factor of the ensemble's scatter before each observation", ge=1)
 
