@@ -179,7 +179,7 @@ def test_the_state_estimate_is_the_best_linear_one(training):
 def test_expressions_and_no_encoding():
     case = EncodingCase(Lorenz63(), {"expressions": ["x", "x**2 + z"]})
     states = np.arange(24.0).reshape(3, 4, 2)
-    encoder = encoder_class("expressions").fit(states, case)
+    encoder = encoder_class("expressions").fit(states.T, case)
     assert encoder.channel_names(case) == ("x", "x**2 + z")
     assert np.array_equal(encoder.encode(states)[1], states[0] ** 2 + states[2])
     identity = encoder_class("identity").fit(states, case)
@@ -221,6 +221,11 @@ def test_channels_are_named_and_decoded_where_the_kind_can(kind, training):
         ("state_estimate", EncodingCase(FLOW, {}, SENSORS), "with noise"),
         ("expressions", EncodingCase(FLOW), "one expression at least"),
         ("expressions", EncodingCase(FLOW, {"expressions": ["a9"]}), "'a9' names a9"),
+        (
+            "expressions",
+            EncodingCase(FLOW, {"expressions": ["a_0_1", "1 / (a_1_0 - a_1_0)"]}),
+            r"'1 / \(a_1_0 - a_1_0\)' is not finite for some states",
+        ),
         ("podd", EncodingCase(FLOW), "did you mean 'pod'"),
     ],
 )

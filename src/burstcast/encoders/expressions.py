@@ -29,8 +29,17 @@ class ExpressionsEncoder(Encoder):
 
     @classmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
-        """Read the expressions; nothing is fitted."""
-        return cls(case.components, _expressions(case))
+        """Read the expressions, and check that they are finite on the training series."""
+        encoder = cls(case.components, _expressions(case))
+        values = encoder.encode_series(training)
+        for number, one in enumerate(encoder.expressions):
+            if not np.isfinite(values[..., number]).all():
+                raise ValueError(
+                    f"encoder.expressions: {one.text!r} is not finite for some states of the "
+                    "training series; divide by nothing that may vanish, and take roots and "
+                    "logarithms of positive numbers"
+                )
+        return encoder
 
     @classmethod
     def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
