@@ -15,7 +15,7 @@ BUDGET = {
     "src/burstcast_workflow": 214,
     "src/burstcast_workflow/campaign": 1226,
     "src/burstcast_workflow/commands": 1228,
-    "src/burstcast_workflow/config": 3337,
+    "src/burstcast_workflow/config": 3338,
     "src/burstcast_workflow/costs": 566,
     "src/burstcast_workflow/figures": 513,
     "src/burstcast_workflow/harness": 635,

@@ -29,7 +29,7 @@ def problems_of_parameters(config: Configuration, name: str, case: Simulated) ->
             )
             return
     try:
-        cases = [case_of(config, source) for source in sources]
+        cases = [one for source in sources if isinstance(one := case_of(config, source), Simulated)]
         factors = _factors(config, cases)
     except ValidationError:
         return  # told with the case
