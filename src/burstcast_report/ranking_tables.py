@@ -25,9 +25,12 @@ _MOST_LEFT, _MOST_TIME = 0.01, 0.1
 _KEYS = ["case", "alarm", "forecaster", "neurons", "validation"]
 
 
-def average_precision(tables: Tables, event: str) -> str:
-    """Average precision of all that rank starting points, with intervals over test series."""
-    rows = _rows(tables, event)
+def average_precision(tables: Tables, event: str, source: str) -> str:
+    """Average precision of all that rank starting points, with intervals over test series.
+
+    Only the case ``source`` and what is observed of it have the same test series.
+    """
+    rows = _rows(tables, event, source)
     times = sorted(rows["prediction_time_lt"].unique())
     shown = []
     for (case, alarm, *forecaster), part in rows.groupby(_KEYS, dropna=False, sort=False):
@@ -37,9 +40,9 @@ def average_precision(tables: Tables, event: str) -> str:
     return markdown(["case", "", *(f"{time:g} LT" for time in times)], shown)
 
 
-def targets(tables: Tables) -> str:
-    """Attainable and attained average precision of onsets."""
-    rows = _rows(tables, ONSET)
+def targets(tables: Tables, source: str) -> str:
+    """Attainable and attained average precision of onsets, of a case and what is observed of it."""
+    rows = _rows(tables, ONSET, source)
     learnt = rows[
         ~rows["forecaster"].str.startswith("equations") & ~rows["alarm"].isin(SAME_EVERYWHERE)
     ]
@@ -113,9 +116,16 @@ def _control(tables: Tables) -> list[list[str]]:
     return shown
 
 
-def _rows(tables: Tables, event: str) -> pd.DataFrame:
+def _rows(tables: Tables, event: str, source: str) -> pd.DataFrame:
     """Rows of an event: committees in place of their members, each alarm once."""
-    return shown_once(tables.rows("ranking", event=event, metric=_METRIC))
+    rows = tables.rows("ranking", event=event, metric=_METRIC)
+    return shown_once(rows[rows["case"].isin(_of_same_series(tables, source))])
+
+
+def _of_same_series(tables: Tables, source: str) -> set[str]:
+    """Cases that have the series of a case: as many, with the same mean of the observable."""
+    cases = tables.rows("dataset").set_index("case")[["series_kept", "mean_observable"]]
+    return {*cases.index[(cases == cases.loc[source]).all(axis=1)]}
 
 
 def _name(alarm: Any, forecaster: Any, neurons: Any, validation: Any) -> str:

@@ -53,7 +53,7 @@ class Recorded:
 
 def test_noise_is_added_before_the_encoder():
     squares = ExpressionsEncoder.fit(
-        np.empty(0), EncodingCase(FLOW, {"expressions": ["a1**2", "a2 - a3"]})
+        np.zeros((1, 1, 9)), EncodingCase(FLOW, {"expressions": ["a1**2", "a2 - a3"]})
     )
     given = dataclasses.replace(experiment(2), sensor=encoded(squares, ["one", "two"]))
     strategy = ProbabilityTriggered(decision_interval_lt=1.0, probability=0.5, hold_lt=1.0)

@@ -276,13 +276,14 @@ def table_stage(name, does, **arguments):
     if not cases:
         return
     layouts = typeset(names)
+    outputs, values = {"tables": list(map(in_report, files))}, {}
+    if layouts:
+        outputs["latex"] = [f"{TABLES}/{paper}.tex" for paper in layouts]
+        values["latex"] = layouts
     stage(
-        "tables/all_cases",
+        "tables/all_cases_latex" if layouts else "tables/all_cases",
         f"{does}, of all cases",
-        {
-            "tables": list(map(in_report, files)),
-            "latex": [f"{TABLES}/{paper}.tex" for paper in layouts],
-        },
+        outputs,
         {
             "of_cases": [
                 path for file in files for path in of_cases(f"tables/{file}.csv", cases)
@@ -290,7 +291,7 @@ def table_stage(name, does, **arguments):
         },
         rule_name=f"all_{name}",
         columns=joined(files, campaign.unused_columns),
-        latex=layouts,
+        **values,
     )
 
 

@@ -239,12 +239,7 @@ class RunningFlows:
             due = np.flatnonzero((self.clock == self._stop) & (self.clock <= self._last_look))
             if due.size:
                 self._look(due, rows[due], noise)
-            try:
-                self._advance(moving)
-            except LostTrajectoryError as error:
-                flow = int(moving[error.trajectory])
-                told = self._lost_under_actuation(flow, int(rows[flow]))
-                raise (FloatingPointError(told) if told else error) from error
+            self._advance_or_tell(moving, rows)
 
     def _moving(self) -> IntArray:
         return np.flatnonzero((self.clock < self._stop) | (self.clock <= self._last_look))
@@ -281,6 +276,15 @@ class RunningFlows:
         last = (now + pending) * self._stride - 1
         behind = ending_at(self.acting, due, last, steps * self._stride)
         return np.asarray(behind[:, self._stride - 1 :: self._stride].T)
+
+    def _advance_or_tell(self, flows: IntArray, rows: IntArray) -> None:
+        """Move flows on, or say which one actuation took out of the range of numbers."""
+        try:
+            self._advance(flows)
+        except LostTrajectoryError as error:
+            flow = int(flows[error.trajectory])
+            told = self._lost_under_actuation(flow, int(rows[flow]))
+            raise (FloatingPointError(told) if told else error) from error
 
     def _advance(self, flows: IntArray) -> None:
         """Move flows on by the shortest pause, each up to its next stop at most."""

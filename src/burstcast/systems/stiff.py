@@ -7,7 +7,6 @@ milliseconds for each step and trajectory: let the time step be as long as the s
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from burstcast.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem, has_own
@@ -32,6 +31,9 @@ class StiffSystem(DynamicalSystem):
         FloatingPointError
             If the scheme cannot go on.
         """
+        # jobs of other systems would pay for this import
+        from scipy.integrate import solve_ivp
+
         columns = np.asarray(state, dtype=np.float64).reshape(self.dimension, -1)
         advanced = np.empty_like(columns)
         options: dict[str, Any] = {

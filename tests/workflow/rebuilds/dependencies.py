@@ -186,7 +186,15 @@ TABLES_OF_CASES = (
     *("probability_scores", "probability_diagrams", "lead_times", "threshold_sweep"),
 )
 COMES_FROM |= {f"all_{table}": table for table in TABLES_OF_CASES}
-JOINING = dict.fromkeys((f"all_{table}" for table in TABLES_OF_CASES), "all_cases")
+# Those that are typeset, too, by another script.
+JOINING = dict.fromkeys((f"all_{table}" for table in TABLES_OF_CASES), "all_cases_latex")
+JOINING |= dict.fromkeys(
+    (
+        *("all_control_density_table", "all_warnings_table", "all_probability_diagrams"),
+        *("all_lead_times", "all_threshold_sweep"),
+    ),
+    "all_cases",
+)
 
 ALL = {*READS, *COMES_FROM}
 

@@ -42,7 +42,11 @@ def test_an_edit_of_the_config_during_a_campaign_counts_at_its_next_run(project)
 
 
 def test_an_edit_of_the_code_during_a_campaign_fails_the_job(project):
-    project.edit("workflow/scripts/data/events.py", "import numpy as np", "import numpy as np; a=1")
+    project.edit(
+        "workflow/scripts/data/events.py",
+        "from burstcast import durations",
+        "from burstcast import durations; a=1",
+    )
     outcome = project.snakemake(*ON_A_NODE, **run_of(project))
     assert outcome.status == 1
     assert "events.py changed after the workflow was planned" in outcome.text

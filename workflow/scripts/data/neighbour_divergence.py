@@ -13,9 +13,14 @@ def estimated_exponent(*, ensemble: str, exponents: str, settings: Settings) -> 
     series, interval = training_states(settings, ensemble), sampling_interval(settings)
     seed, is_time_unit = settings["random_seed"], settings["sets_time_unit"]
     stream = random_streams.stream(seed, "neighbour divergence", settings["case"])
-    how = {name: settings[f"bootstrap.{name}"] for name in ("resamples", "confidence")}
     try:
-        record = neighbour_divergence(series, interval, stream, **how).record()
+        record = neighbour_divergence(
+            series,
+            interval,
+            stream,
+            resamples=settings["bootstrap.resamples"],
+            confidence=settings["bootstrap.confidence"],
+        ).record()
     except NoExponentError as error:
         if is_time_unit:
             advice = "give the unit of time (lyapunov.published_exponent, its inverse)"

@@ -1,22 +1,14 @@
-"""Put the tables of all cases below one another, and typeset tables for papers."""
+"""Put the tables of all cases below one another."""
 
 from pathlib import Path
 
-from burstcast.files.tables import read_table
-from burstcast.forecasters._names import KEYS
 from burstcast.tables.joined import joined_tables
-from burstcast.tables.wide import typeset
 from burstcast_workflow.harness.job import Settings, job, write_text
 
 
 @job
-def join(*, of_cases: list[str], tables: list[str], latex: list[str], settings: Settings) -> None:
-    """Write the rows of all cases, and the LaTeX that is made of them."""
+def join(*, of_cases: list[str], tables: list[str], settings: Settings) -> None:
+    """Write the rows of all cases."""
     files = {Path(table).stem: table for table in tables}
     for name, text in joined_tables(of_cases, settings["columns"]).items():
         write_text(files[name], text)
-    layouts = settings["latex"]
-    for path in latex:
-        layout = layouts[Path(path).stem]
-        rows = read_table(files[layout["source"]])
-        write_text(path, typeset(Path(path).stem, rows, layout, KEYS))
