@@ -38,6 +38,7 @@ from helpers_figures import (
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from sklearn.decomposition import PCA
 
 from burstcast.encoders.base import EncodingCase
@@ -72,6 +73,7 @@ from burstcast.figures.parts.percentile_curves import (
 )
 from burstcast.figures.parts.style import (
     BLUE,
+    columns_that_fit,
     ordered_validations,
     render,
     true_runs,
@@ -784,3 +786,13 @@ def test_burst_forecast_decodes_channels_and_finds_the_true_state_in_its_series(
     np.testing.assert_allclose(forecast, true, atol=1e-12)
     corner = flow.vorticity(states[2, 4], np.zeros((1, 2)))[0]
     assert true[0, 0, 0] == pytest.approx(corner)
+
+
+def test_a_legend_has_as_many_columns_as_have_room():
+    def handles(*lengths):
+        return [Line2D([], [], label="x" * length) for length in lengths]
+
+    assert columns_that_fit(handles(10, 10, 10), 3) == 3
+    assert columns_that_fit(handles(60, 60, 60), 3) == 2
+    assert columns_that_fit(handles(60, 60, 10, 10, 10, 10), 3) == 3  # short ones beside long ones
+    assert columns_that_fit(handles(90, 90, 90), 3) == 1

@@ -44,6 +44,7 @@ from burstcast.figures.parts.style import (
     DOUBLE_COLUMN,
     GREY,
     bar_handle,
+    columns_that_fit,
     letter_panels,
     new_figure,
     styled,
@@ -128,14 +129,15 @@ def control_frontier(
     linestyles = linestyles_of(runs)
     comparing = runs["strategy"].isin(COMPARING)
     groups = [rows for rows in (runs[~comparing], runs[comparing]) if not rows.empty]
-    figure = new_figure(DOUBLE_COLUMN, 3.6)
+    kinds = kind_handles(runs, linestyles)
+    columns = columns_that_fit(kinds, 3)
+    figure = new_figure(DOUBLE_COLUMN, 3.6 + 0.14 * max(0, -(-len(kinds) // columns) - 3))
     panels = list(figure.subplots(1, len(groups), sharey=True, squeeze=False)[0])
     for axes, rows in zip(panels, groups, strict=True):
         _draw_frontier(axes, rows, linestyles)
     colours = [*forecaster_handles(runs), bar_handle("interval over flows")]
     figure.legend(handles=colours, loc="outside upper center", ncols=4)
-    kinds = kind_handles(runs, linestyles)
-    figure.legend(handles=kinds, loc="outside lower center", ncols=3)
+    figure.legend(handles=kinds, loc="outside lower center", ncols=columns)
     panels[0].set_ylabel(left_label(symbol))
     logarithmic_with_nothing(panels, runs)
     letter_panels(panels)
