@@ -19,7 +19,7 @@ BUDGET = {
     "src/burstcast_workflow/costs": 566,
     "src/burstcast_workflow/figures": 513,
     "src/burstcast_workflow/harness": 635,
-    "src/burstcast_workflow/jobs": 1163,
+    "src/burstcast_workflow/jobs": 1160,
     "src/burstcast_workflow/stages": 351,
     "src/burstcast_workflow/tables": 226,
     "src/snakemake_logger_plugin_burstcast": 242,

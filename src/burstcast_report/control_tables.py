@@ -96,5 +96,5 @@ STRATEGY = ("strategy, settings as chosen", "forecaster")
 
 
 def strategy(keys: Mapping[str, Any]) -> tuple[str, str]:
-    """Cells of a run that `condition` stands beside: strategy with settings, and forecaster."""
+    """Two cells of a run: its strategy with the settings, and its forecaster."""
     return strategy_in_words(keys, _TOLD), controller_in(keys)

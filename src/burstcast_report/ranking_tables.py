@@ -11,8 +11,8 @@ from burstcast_report.control_tables import chosen_runs
 from burstcast_report.results_tables import (
     Tables,
     controller_in,
+    forecaster_in,
     markdown,
-    name_of,
     percent_with_ends,
     significant,
     strategy_in_words,
@@ -33,10 +33,11 @@ def average_precision(tables: Tables, event: str, source: str) -> str:
     rows = _rows(tables, event, source)
     times = sorted(rows["prediction_time_lt"].unique())
     shown = []
-    for (case, alarm, *forecaster), part in rows.groupby(_KEYS, dropna=False, sort=False):
-        cells = {row["prediction_time_lt"]: with_ends(row) for row in part.to_dict("records")}
-        of = "" if alarm in SAME_EVERYWHERE else f"`{case}`"
-        shown.append([of, _name(alarm, *forecaster), *(cells.get(time, "") for time in times)])
+    for _, part in rows.groupby(_KEYS, dropna=False, sort=False):
+        first, *_ = records = part.to_dict("records")
+        cells = {row["prediction_time_lt"]: with_ends(row) for row in records}
+        of = "" if first["alarm"] in SAME_EVERYWHERE else f"`{first['case']}`"
+        shown.append([of, _name(first), *(cells.get(time, "") for time in times)])
     return markdown(["case", "", *(f"{time:g} LT" for time in times)], shown)
 
 
@@ -128,10 +129,10 @@ def _of_same_series(tables: Tables, source: str) -> set[str]:
     return {*cases.index[(cases == cases.loc[source]).all(axis=1)]}
 
 
-def _name(alarm: Any, forecaster: Any, neurons: Any, validation: Any) -> str:
-    if alarm in SAME_EVERYWHERE:
-        return str(forecaster).replace("_", " ")
-    return name_of(forecaster, *(None if pd.isna(one) else one for one in (neurons, validation)))
+def _name(row: Mapping[Any, Any]) -> str:
+    if row["alarm"] in SAME_EVERYWHERE:
+        return str(row["forecaster"]).replace("_", " ")
+    return forecaster_in(row)
 
 
 def _best(rows: pd.DataFrame) -> dict[Any, Any]:
@@ -139,7 +140,7 @@ def _best(rows: pd.DataFrame) -> dict[Any, Any]:
 
 
 def _said(row: Mapping[Any, Any]) -> str:
-    return f"{_name(*(row[key] for key in _KEYS[1:]))} on `{row['case']}`"
+    return f"{_name(row)} on `{row['case']}`"
 
 
 def _reached(yes: bool) -> str:

@@ -95,23 +95,23 @@ def _known_variables(known: KnownColumns) -> dict[str, Variable]:
     """Variables of the columns that are known in advance."""
     meaning = "columns that are known in advance, in the sample after each step of"
     horizon = f"{meaning} a horizon point's washout and forecast; NaN after the end of the series"
+    column = "known_column"
     return {
-        f"{name}known": Variable((*dimensions, "known_column"), values, None, text)
-        for name, dimensions, values, text in (
-            (
-                "training_",
-                ("training_series", "training_step"),
-                known.training,
-                f"{meaning} the training series",
-            ),
-            (
-                "",
-                ("point", "known_step"),
-                known.points,
-                f"{meaning} a point's washout and forecast",
-            ),
-            ("horizon_", ("horizon_point", "horizon_known_step"), known.horizon, horizon),
-        )
+        "training_known": Variable(
+            ("training_series", "training_step", column),
+            known.training,
+            None,
+            f"{meaning} the training series",
+        ),
+        "known": Variable(
+            ("point", "known_step", column),
+            known.points,
+            None,
+            f"{meaning} a point's washout and forecast",
+        ),
+        "horizon_known": Variable(
+            ("horizon_point", "horizon_known_step", column), known.horizon, None, horizon
+        ),
     }
 
 
@@ -207,7 +207,7 @@ entry holds the values in the sample after the step:
 | variable | dimensions | steps |
 |---|---|---|
 | `training_known` | training_series, training_step, known_column | from each sample to the next |
-| `known` | point, known_step, known_column | those of the washout, then those of the forecast: the last `forecast_steps` entries are for its steps |
+| `known` | point, known_step, known_column | the steps of the washout, then the steps of the forecast: the last `forecast_steps` entries |
 | `horizon_known` | horizon_point, horizon_known_step, known_column | the same for the prediction horizon; NaN where the series has ended |"""  # noqa: E501
 
 

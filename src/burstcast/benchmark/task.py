@@ -71,8 +71,8 @@ class ForecastTask:
 class KnownColumns:
     """Values of a record's columns that are known in advance.
 
-    The entry of a step holds the values in the sample after it: with those of the washout's steps
-    come those of the forecast's.
+    The entry of a step holds the values in the sample after it. Steps of the forecast follow steps
+    of the washout.
 
     Attributes
     ----------

@@ -190,8 +190,7 @@ def encoding_case(
     Raises
     ------
     ValueError
-        If the sensors are outside of the domain or none of them sees one of the components, or the
-        states are no flow in a plane.
+        If the sensors are outside of the domain, or the states are no flow in a plane.
     """
     if sensors is None:
         return EncodingCase(space, options)
@@ -200,16 +199,7 @@ def encoding_case(
             f"sensors measure the velocity in a plane, which {type(space).__name__} has not"
         )
     points, offset = tuple(sensors["points"]), tuple(sensors["offset"])
-    observation = VelocitySensors(space, points, offset)
-    if unseen := observation.unseen:
-        names = component_names(space)
-        raise ValueError(
-            f"no sensor sees {', '.join(names[number] for number in unseen)}: the velocity of "
-            f"these components vanishes at all {points[0]} x {points[1]} sensors with "
-            f"sensors.offset {list(offset)}; take an offset between their zeros, such as the "
-            "default"
-        )
-    return EncodingCase(space, options, observation)
+    return EncodingCase(space, options, VelocitySensors(space, points, offset))
 
 
 def channel_names(kind: str, case: EncodingCase) -> tuple[str, ...]:
@@ -245,13 +235,16 @@ def check_encoding(kind: str, case: EncodingCase, noise: float, snapshots: int) 
     Raises
     ------
     ValueError
-        If an option is out of bounds or of another encoder, or the states have no such encoding.
+        If an option is out of bounds or of another encoder, the states have no such encoding, or
+        no sensor sees one of their components.
     """
     known = encoder_class(kind).option_names
     for name, value in case.options.items():
         if value not in (None, []) and name not in known:
             raise ValueError(f"encoder.{name} is no option of the encoder {kind}: leave it out")
     channel_names(kind, case)
+    if isinstance(case.observation, VelocitySensors):
+        _check_grid(case.space, case.observation)
     if case.observation is not None and not noise:
         raise ValueError(
             "training.noise is 0, but an estimate of the state from sensors takes a noise above 0"
@@ -260,6 +253,18 @@ def check_encoding(kind: str, case: EncodingCase, noise: float, snapshots: int) 
     if modes > snapshots:
         raise ValueError(
             f"encoder.modes is {modes}; the training series have {snapshots} snapshots, no more"
+        )
+
+
+def _check_grid(space: StateSpace, sensors: VelocitySensors) -> None:
+    """Check that sensors see all components of a state."""
+    if unseen := sensors.unseen:
+        names, (along_x, along_y) = component_names(space), sensors.points
+        raise ValueError(
+            f"no sensor sees {', '.join(names[number] for number in unseen)}: the velocity of "
+            f"these components vanishes at all {along_x} x {along_y} sensors with "
+            f"sensors.offset {list(sensors.offset)}; take an offset between their zeros, such as "
+            "the default"
         )
 
 

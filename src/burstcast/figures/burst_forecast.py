@@ -1,8 +1,8 @@
 """Forecast of an event of a plane flow beside the truth: (a) the observable, with the event
-threshold, the start of the forecast and the times of the fields; then the true vorticity (middle)
-and the forecast one (bottom) at these times: the last calm moment, the rise, the peak and the end.
-Forecast fields are decoded from the forecaster's channels, sensor readings or modes. All fields
-share one colour scale; red turns anticlockwise.
+threshold and the times of the fields; the forecast starts at time 0. Then the true vorticity
+(middle) and the forecast one (bottom) at these times: the last calm moment, the rise, the peak and
+the end. Forecast fields are decoded from the forecaster's channels, sensor readings or modes.
+All fields share one colour scale; red turns anticlockwise.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,15 +14,15 @@ from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast.figures.parts.planes import draw_periodic_field, vorticity_fields
+from burstcast.figures.parts.planes import (
+    draw_periodic_field,
+    evolution_above_fields,
+    vorticity_fields,
+)
 from burstcast.figures.parts.style import (
-    DOUBLE_COLUMN,
     NETWORK,
     TRUTH,
-    WINDOW,
-    draw_threshold,
     letter_panels,
-    new_figure,
     observable_label,
     styled,
 )
@@ -135,20 +135,17 @@ def burst_forecast(
     forecast_label
         Label of the forecast observable.
     """
-    figure = new_figure(DOUBLE_COLUMN, 5.4)
-    grid = figure.add_gridspec(2, 1, height_ratios=[1.0, 2.3])
-    upper, lower = (figure.add_subfigure(grid[row]) for row in range(2))
-    evolution: Axes = upper.subplots()
-    evolution.plot(time_lt, observable["true"], label="truth", **TRUTH)
-    evolution.plot(time_lt, observable["forecast"], label=forecast_label, **NETWORK)
-    draw_threshold(evolution, threshold, "event threshold", at_left=True)
-    for time in times_lt:
-        evolution.axvline(time, **WINDOW)
-    evolution.set_xlim(time_lt[0], time_lt[-1])
-    evolution.set_xlabel("Time after the start of the forecast [LT]")
-    evolution.set_ylabel(label)
+    curves = [
+        (observable["true"], {"label": "truth", **TRUTH}),
+        (observable["forecast"], {"label": forecast_label, **NETWORK}),
+    ]
+    labels = "Time after the start of the forecast [LT]", label
+    figure, evolution, lower = evolution_above_fields(
+        5.4, 2.3, time_lt, curves, times_lt, threshold, labels
+    )
     evolution.legend(loc="upper right")
     panels: list[list[Axes]] = lower.subplots(2, len(times_lt), sharex=True, sharey=True).tolist()
+    all_panels = [axes for row in panels for axes in row]
     largest = float(np.nanmax(np.abs(np.stack([*fields.values()]))))
     for name, row in zip(fields, panels, strict=True):
         for axes, field, time in zip(row, fields[name], times_lt, strict=True):
@@ -156,8 +153,6 @@ def burst_forecast(
             axes.set_xlabel("" if row is panels[0] else "$x$")
             axes.set_title(f"${time:+.1f}$ LT", loc="right")
         row[0].set_ylabel(f"{'truth' if name == 'true' else name}, $y$")
-    lower.colorbar(
-        drawn, ax=[axes for row in panels for axes in row], label="Vorticity", shrink=0.7
-    )
-    letter_panels([evolution, *(axes for row in panels for axes in row)])
+    lower.colorbar(drawn, ax=all_panels, label="Vorticity", shrink=0.7)
+    letter_panels([evolution, *all_panels])
     return figure

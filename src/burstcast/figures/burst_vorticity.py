@@ -11,17 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.parts.planes import draw_periodic_field, vorticity_fields
-from burstcast.figures.parts.style import (
-    DOUBLE_COLUMN,
-    TRUTH,
-    WINDOW,
-    draw_threshold,
-    letter_panels,
-    new_figure,
-    observable_label,
-    styled,
+from burstcast.figures.parts.planes import (
+    draw_periodic_field,
+    evolution_above_fields,
+    vorticity_fields,
 )
+from burstcast.figures.parts.style import TRUTH, letter_panels, observable_label, styled
 from burstcast.figures.parts.time_axis import samples_per_lyapunov_time
 from burstcast.figures.registry import Declaration
 from burstcast.systems.registry import make_system
@@ -133,17 +128,10 @@ def burst_vorticity(
     label
         Label of the observable's axis.
     """
-    figure = new_figure(DOUBLE_COLUMN, 3.6)
-    grid = figure.add_gridspec(2, 1, height_ratios=[1.0, 1.15])
-    upper, lower = (figure.add_subfigure(grid[row]) for row in range(2))
-    evolution: Axes = upper.subplots()
-    evolution.plot(time_lt, observable, **TRUTH)
-    draw_threshold(evolution, threshold, "event threshold", at_left=True)
-    for time in times_lt:
-        evolution.axvline(time, **WINDOW)
-    evolution.set_xlim(time_lt[0], time_lt[-1])
-    evolution.set_xlabel("Time from the peak [LT]")
-    evolution.set_ylabel(label)
+    labels = "Time from the peak [LT]", label
+    figure, evolution, lower = evolution_above_fields(
+        3.6, 1.15, time_lt, [(observable, TRUTH)], times_lt, threshold, labels
+    )
     panels: list[Axes] = list(lower.subplots(1, len(fields), sharey=True))
     largest = float(np.abs(fields).max())
     for axes, field, time in zip(panels, fields, times_lt, strict=True):

@@ -9,6 +9,7 @@ forecasters. One network is shown, and the committee of all networks of its size
 control_conditions has other conditions.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -131,7 +132,7 @@ def control_frontier(
     groups = [rows for rows in (runs[~comparing], runs[comparing]) if not rows.empty]
     kinds = kind_handles(runs, linestyles)
     columns = columns_that_fit(kinds, 3)
-    figure = new_figure(DOUBLE_COLUMN, 3.6 + 0.14 * max(0, -(-len(kinds) // columns) - 3))
+    figure = new_figure(DOUBLE_COLUMN, 3.6 + 0.14 * max(0, math.ceil(len(kinds) / columns) - 3))
     panels = list(figure.subplots(1, len(groups), sharey=True, squeeze=False)[0])
     for axes, rows in zip(panels, groups, strict=True):
         _draw_frontier(axes, rows, linestyles)

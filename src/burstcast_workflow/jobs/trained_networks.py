@@ -26,18 +26,15 @@ def trained_networks(
     networks: Any = kind_of(settings["forecaster"])
     seed = reservoir_seed(settings, settings["forecaster"])
     series = training_series(settings, ensemble, scheduled)
+    reservoir, backend = seed.reservoir(series.dimension), settings["forecasters.esn.backend"]
+    washout = durations.steps(settings["washout_lt"], lyapunov_time(settings))
     told = knowledge(settings, scheduled)
     for point in points:
         yield networks.trained(
-            Dynamics(
-                seed.reservoir(series.dimension),
-                point["spectral_radius"],
-                point["input_scaling"],
-                settings["forecasters.esn.backend"],
-            ),
+            Dynamics(reservoir, point["spectral_radius"], point["input_scaling"], backend),
             seed,
             series,
-            washout=durations.steps(settings["washout_lt"], lyapunov_time(settings)),
+            washout=washout,
             tikhonov=point["tikhonov"],
             divergence_bound=divergence_bound,
             **told,

@@ -1,18 +1,25 @@
 """Colour maps of a quantity over a plane of the flow, below the observable at their times."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.image import AxesImage
 from matplotlib.ticker import MaxNLocator
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.parts.style import BLUE, draw_threshold, observable_label
+from burstcast.figures.parts.style import (
+    BLUE,
+    DOUBLE_COLUMN,
+    WINDOW,
+    draw_threshold,
+    new_figure,
+    observable_label,
+)
 
 
 def draw_plane(
@@ -44,6 +51,49 @@ def draw_plane(
     axes.get_xticklabels()[0].set_horizontalalignment("left")
     axes.get_xticklabels()[-1].set_horizontalalignment("right")
     return mesh
+
+
+def evolution_above_fields(
+    height: float,
+    fields_share: float,
+    time_lt: FloatArray,
+    curves: Sequence[tuple[FloatArray, Mapping[str, Any]]],
+    times_lt: Sequence[float],
+    threshold: float,
+    labels: tuple[str, str],
+) -> tuple[Figure, Axes, SubFigure]:
+    """Draw an observable with the event threshold and the times of fields, and leave room for them.
+
+    Parameters
+    ----------
+    height, fields_share
+        Height of the figure in inches, and of the part for the fields in heights of the panel.
+    time_lt, curves
+        Lyapunov times ``(time,)``, and each observable ``(time,)`` with the style of its line.
+    times_lt
+        Times of the fields.
+    threshold
+        Event threshold.
+    labels
+        Of the time and of the observable.
+
+    Returns
+    -------
+    The figure, the panel of the observable, and the part below it.
+    """
+    figure = new_figure(DOUBLE_COLUMN, height)
+    grid = figure.add_gridspec(2, 1, height_ratios=[1.0, fields_share])
+    upper, lower = (figure.add_subfigure(grid[row]) for row in range(2))
+    evolution: Axes = upper.subplots()
+    for observable, style in curves:
+        evolution.plot(time_lt, observable, **style)
+    draw_threshold(evolution, threshold, "event threshold", at_left=True)
+    for time in times_lt:
+        evolution.axvline(time, **WINDOW)
+    evolution.set_xlim(time_lt[0], time_lt[-1])
+    evolution.set_xlabel(labels[0])
+    evolution.set_ylabel(labels[1])
+    return figure, evolution, lower
 
 
 def vorticity_fields(flow: Any, states: FloatArray, points: int = 96) -> FloatArray:
