@@ -40,23 +40,7 @@ _NEVER_WRITTEN = (9.969e36, 9.970e36)
 def float_array(data: Any, what: str) -> FloatArray:
     """Convert the input of a user to float64.
 
-    Parameters
-    ----------
-    data
-        An array, or nested lists.
-    what
-        Name of the input in messages.
-
-    Returns
-    -------
-    An array of the same shape, ``data`` itself where nothing has to be converted.
-
-    Raises
-    ------
-    TypeError
-        If the entries are not real numbers: complex numbers, text, dates, objects.
-    ValueError
-        If an entry is masked: what lies below a mask is not a value.
+    Returns an array of the same shape, ``data`` itself where nothing has to be converted.
     """
     try:
         array = np.asanyarray(data)

@@ -37,15 +37,6 @@ def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[t
     """Concrete subclasses that a module of a package itself defines (not those it imports).
 
     A class whose name begins with an underscore is the module's own and is not found.
-
-    Parameters
-    ----------
-    package
-        The package.
-    name
-        Name of a module of the package (`module_names`).
-    base
-        Abstract class that they are subclasses of.
     """
     module = imported(f"{package.__name__}.{name}")
     return [found for found in classes_in(module, base) if not inspect.isabstract(found)]
@@ -64,13 +55,7 @@ def classes_in(module: ModuleType, base: type[Base]) -> list[type[Base]]:
 
 
 def imported(name: str) -> ModuleType:
-    """Import a module by its name.
-
-    Raises
-    ------
-    ValueError
-        If there is no such module, or it has a mistake: the message says which, and where.
-    """
+    """Import a module by its name."""
     try:
         return importlib.import_module(name)
     except Exception as error:  # whatever the module's code raises
@@ -107,28 +92,9 @@ def suggestion(name: str, candidates: Iterable[str]) -> str:
 def checked_values(what: str, part: str, owner: type, values: Mapping[str, Any]) -> dict[str, Any]:
     """Check the values of the fields of a dataclass.
 
-    Parameters
-    ----------
-    what
-        What is made, for messages: "system 'mfe'".
-    part
-        What its fields are called there: "parameter".
-    owner
-        The class. Its fields are annotated as ``bool``, ``str``, ``tuple[float, ...]``; all others
-        are numbers.
-    values
-        By the names of its fields; those with a default may be left out.
-
-    Returns
-    -------
-    The values: numbers as floats, sequences as tuples of floats.
-
-    Raises
-    ------
-    ValueError
-        If a field is unknown or missing, or a value is not of its field's type; numbers are finite.
-    TypeError
-        If the class is no dataclass.
+    ``owner``: The class. Its fields are annotated as ``bool``, ``str``, ``tuple[float, ...]``; all
+    others are numbers. ``values``: By the names of its fields; those with a default may be left
+    out. Returns the values: numbers as floats, sequences as tuples of floats.
     """
     if not dataclasses.is_dataclass(owner):
         raise TypeError(f"{owner.__name__} must be a dataclass of its {part}s")

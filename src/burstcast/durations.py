@@ -6,19 +6,9 @@ import math
 def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
     """Whole network steps in one Lyapunov time, floor(1 / (exponent * sampling_interval)).
 
-    Parameters
-    ----------
-    exponent
-        Leading Lyapunov exponent, in inverse time units; positive.
-    sampling_interval
-        Time between two steps of the network, in time units; positive.
-
-    A quotient that misses a whole number by rounding error only counts as that whole number.
-
-    Raises
-    ------
-    ValueError
-        If either is not positive and finite, or if a Lyapunov time is shorter than one step.
+    ``exponent``: Leading Lyapunov exponent, in inverse time units; positive. ``sampling_interval``:
+    Time between two steps of the network, in time units; positive. A quotient that misses a whole
+    number by rounding error only counts as that whole number.
 
     Examples
     --------
@@ -40,15 +30,7 @@ def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
 
 
 def known_exponent(time_unit: str, published: float | None) -> float | None:
-    """Published Lyapunov exponent that sets the unit of time; None where it is computed.
-
-    Parameters
-    ----------
-    time_unit
-        "published" or "computed".
-    published
-        None if there is none.
-    """
+    """Published Lyapunov exponent that sets the unit of time; None where it is computed."""
     return published if time_unit == "published" else None
 
 
@@ -68,13 +50,7 @@ def steps(duration_lt: float, steps_per_lyapunov_time: int) -> int:
 
 
 def positive_steps(duration_lt: float, steps_per_lyapunov_time: int, name: str) -> int:
-    """Whole network steps in a duration that must have one at least (see `steps`).
-
-    Raises
-    ------
-    ValueError
-        If it is shorter than one step; the message calls it ``name``.
-    """
+    """Whole network steps in a duration that must have one at least (see `steps`)."""
     count = steps(duration_lt, steps_per_lyapunov_time)
     if count < 1:
         raise ValueError(

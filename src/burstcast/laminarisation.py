@@ -37,18 +37,8 @@ def is_laminar(observable: FloatArray, threshold: float | None) -> BoolArray:
 def first_laminar_step(observable: FloatArray, threshold: float | None, axis: int = -1) -> IntArray:
     """Find the first step at which each series is laminar (see `is_laminar`).
 
-    Parameters
-    ----------
-    observable
-        Observable of any shape.
-    threshold
-        The laminarisation threshold; None: no series is ever laminar.
-    axis
-        Axis of time.
-
-    Returns
-    -------
-    Steps from 0, of the observable's shape without ``axis``; -1 where no step is laminar.
+    ``threshold``: The laminarisation threshold; None: no series is ever laminar. Returns steps from
+    0, of the observable's shape without ``axis``; -1 where no step is laminar.
     """
     laminar = is_laminar(observable, threshold)
     return np.where(laminar.any(axis=axis), laminar.argmax(axis=axis), -1)

@@ -13,19 +13,8 @@ import numpy as np
 def seed_sequence(root_seed: int, *names: str | int) -> np.random.SeedSequence:
     """Seed sequence of the stream called ``names`` under ``root_seed``.
 
-    Parameters
-    ----------
-    root_seed
-        The campaign's one seed; a non-negative integer.
-    names
-        What the numbers are for, from the general to the particular: ``"noise", "Re400", 3``.
-
-    Raises
-    ------
-    ValueError
-        If the root seed is negative or no name is given.
-    TypeError
-        If a name is neither text nor a whole number.
+    ``names``: What the numbers are for, from the general to the particular: ``"noise", "Re400",
+    3``.
     """
     if root_seed < 0:
         raise ValueError(f"the root seed must not be negative, not {root_seed}")

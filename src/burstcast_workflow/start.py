@@ -34,15 +34,7 @@ class RefusedError(WorkflowError):  # type: ignore[misc]
 
 
 def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Started:
-    """Check the code and the config, and make Snakemake plan by records and claim the results.
-
-    Raises
-    ------
-    ConfigError
-        If the config has a mistake.
-    UnlikeCodeError, OvertakenError
-        As in `snaketrust.start.start`.
-    """
+    """Check the code and the config, and make Snakemake plan by records and claim the results."""
     # Planning makes millions of objects and keeps them: looking through them for garbage all the
     # time takes a tenth of it; doing so once more when the process ends is as useless.
     gc.set_threshold(200_000, 50, 1000)
@@ -77,13 +69,7 @@ def tell_what_is_off(campaign: Campaign) -> None:
 
 
 def names_of_rules(workflow: Any) -> Mapping[str, Any]:
-    """Names that the rules of burstcast know, also where another workflow has them as a module.
-
-    Raises
-    ------
-    SystemExit
-        With status 2 if the workflow has no such rules.
-    """
+    """Names that the rules of burstcast know, also where another workflow has them as a module."""
     for rule in workflow.rules if workflow else ():
         names: Mapping[str, Any] = rule.module_globals
         if "campaign" in names and "run" in names:

@@ -113,7 +113,6 @@ class TerminalHandler(LogHandlerBase):
     needs_rulegraph = False
 
     def __post_init__(self) -> None:
-        """Begin without a plan; Snakemake reads config files next."""
         if Path(sys.argv[0]).stem == "snakemake" and (wrong := unreadable_config(sys.argv[1:])):
             raise SystemExit(wrong)
         self.setFormatter(DefaultFormatter(self.common_settings.quiet, False))

@@ -27,88 +27,68 @@ SEED = 2026
 
 @dataclass(frozen=True)
 class BenchmarkCase:
-    """One case of the benchmark; durations in Lyapunov times end in ``_lt``.
+    """One case of the benchmark; durations in Lyapunov times end in ``_lt``."""
 
-    Attributes
-    ----------
-    name, version
-        What forecasts call it.
-    about
-        One sentence for the page of an export.
-    ensemble_name
-        Name of the ensemble in streams of random numbers: cases that share it share their true
-        series.
-    system
-        The equations; for a record, what was measured.
-    observed
-        Names of the components of the state, or of the readings of the sensors, that are observed.
-        The observable is observed too, as a component of its own, where it cannot be computed from
-        them.
-    noise
-        Standard deviation of the observation noise, in standard deviations of each component.
-    event_threshold, laminarisation_threshold
-        Event threshold and laminarisation threshold in units of the observable.
-    initial_state, perturbed_component, perturbation
-        Initial conditions (`burstcast.data.dataset.initial_states`). Without an initial state, the
-        system draws them.
-    series, training_series, test_series
-        Generated series; how many of the series that do not laminarise are for training and
-        for the test.
-    time_step, sampling_stride, transient, duration
-        Time step, sampling stride, transient and duration of the integration, in time units; the
-        stride counts integration steps in a sample.
-    lyapunov_exponent
-        Sets the Lyapunov time, in inverse time units. For a record, which has no exponent that is
-        known, any unit of time.
-    washout_lt, start_spacing_lt
-        Length of the washouts, and distance of two starting points.
-    window_lt, resolution_lt, prediction_times_lt
-        Length of the prediction windows and of the windows that make them up; times from the
-        starting point to the first step of the prediction windows.
-    horizon_events, longest_lead_time_lt, lead_time_step_lt, tolerance
-        Events whose prediction horizon is measured, the lead times that are tried, and the error
-        that is allowed, in units of the distance of the threshold from the mean observable.
-    digest
-        Digest of the data under `SEED`: a machine that makes other numbers is found out. Empty:
-        not checked.
-    sensors
-        Sensors that see the flow; None: the components of the state are observed themselves.
-    record
-        Returns measured series, ``(series, time, component)``, in the order of time; the first are
-        for training. None: series are simulated.
-    """
-
+    #: name, version: what forecasts call it
     name: str
     version: int
-    about: str
+    about: str  #: one sentence for the page of an export
+    #: name of the ensemble in streams of random numbers: cases that share it share their true
+    #: series
     ensemble_name: str
-    system: DynamicalSystem | MeasuredSeries
+    system: DynamicalSystem | MeasuredSeries  #: the equations; for a record, what was measured
+    #: names of the components of the state, or of the readings of the sensors, that are observed.
+    #: The observable is observed too, as a component of its own, where it cannot be computed from
+    #: them.
     observed: tuple[str, ...]
+    #: standard deviation of the observation noise, in standard deviations of each component
     noise: float
+    #: event_threshold, laminarisation_threshold: event threshold and laminarisation threshold in
+    #: units of the observable
     event_threshold: float
     laminarisation_threshold: float | None
+    #: initial_state, perturbed_component, perturbation: initial conditions
+    #: (`burstcast.data.dataset.initial_states`). Without an initial state, the system draws them.
     initial_state: tuple[float, ...] | None
     perturbed_component: int
     perturbation: float
+    #: series, training_series, test_series: generated series; how many of the series that do not
+    #: laminarise are for training and for the test
     series: int
     training_series: int
     test_series: int
+    #: time_step, sampling_stride, transient, duration: time step, sampling stride, transient and
+    #: duration of the integration, in time units; the stride counts integration steps in a sample
     time_step: float
     sampling_stride: int
     transient: float
     duration: float
+    #: sets the Lyapunov time, in inverse time units. For a record, which has no exponent that is
+    #: known, any unit of time.
     lyapunov_exponent: float
+    #: washout_lt, start_spacing_lt: length of the washouts, and distance of two starting points
     washout_lt: float
     start_spacing_lt: float
+    #: window_lt, resolution_lt, prediction_times_lt: length of the prediction windows and of the
+    #: windows that make them up; times from the starting point to the first step of the prediction
+    #: windows
     window_lt: float
     resolution_lt: float
     prediction_times_lt: tuple[float, ...]
+    #: horizon_events, longest_lead_time_lt, lead_time_step_lt, tolerance: events whose prediction
+    #: horizon is measured, the lead times that are tried, and the error that is allowed, in units
+    #: of the distance of the threshold from the mean observable
     horizon_events: int
     longest_lead_time_lt: float
     lead_time_step_lt: float
     tolerance: float
+    #: digest of the data under `SEED`: a machine that makes other numbers is found out. Empty: not
+    #: checked.
     digest: str
+    #: sensors that see the flow; None: the components of the state are observed themselves
     sensors: VelocitySensors | None = None
+    #: returns measured series, ``(series, time, component)``, in the order of time; the first are
+    #: for training. None: series are simulated.
     record: Callable[[], FloatArray] | None = None
 
     @cached_property
@@ -336,13 +316,7 @@ CASES: Mapping[str, BenchmarkCase] = {
 
 
 def case_named(name: str) -> BenchmarkCase:
-    """The case of this name.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
+    """The case of this name."""
     if name not in CASES:
         raise ValueError(
             f"the benchmark has no case {name!r}{suggestion(name, list(CASES))}; its cases are "

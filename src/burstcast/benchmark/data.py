@@ -42,43 +42,24 @@ from burstcast.systems.state_space import component_names
 
 @dataclass(frozen=True)
 class CaseData:
-    """Data of a case under one seed.
-
-    Attributes
-    ----------
-    case, seed
-        Which.
-    training
-        Observed training series, ``(series, time, component)``.
-    test
-        Starting points in the test series, their observed washouts, and the true windows.
-    true_states
-        True states of the system at the starting points of `test`, ``(points, component)``: for
-        bounds alone.
-    observable
-        True observable of the test series, ``(series, time)``.
-    before_events, before_events_true
-        Observed components, and true states of the system, up to each event whose prediction
-        horizon is measured, ``(events, steps, component)``.
-    truth_before_events
-        True observable of the same steps, ``(events, steps)``.
-    event_points
-        Where these events begin in the kept series.
-    mean_observable
-        Over all kept series.
-    """
+    """Data of a case under one seed."""
 
     case: BenchmarkCase
     seed: int
-    training: FloatArray
+    training: FloatArray  #: observed training series, ``(series, time, component)``
+    #: starting points in the test series, their observed washouts, and the true windows
     test: ObservedPoints
+    #: true states of the system at the starting points of `test`, ``(points, component)``: for
+    #: bounds alone
     true_states: FloatArray
-    observable: FloatArray
+    observable: FloatArray  #: true observable of the test series, ``(series, time)``
+    #: before_events, before_events_true: observed components, and true states of the system, up to
+    #: each event whose prediction horizon is measured, ``(events, steps, component)``
     before_events: FloatArray
     before_events_true: FloatArray
-    truth_before_events: FloatArray
-    event_points: SeriesPoints
-    mean_observable: float
+    truth_before_events: FloatArray  #: true observable of the same steps, ``(events, steps)``
+    event_points: SeriesPoints  #: where these events begin in the kept series
+    mean_observable: float  #: over all kept series
 
     @property
     def search(self) -> HorizonSearch:
@@ -138,23 +119,7 @@ class CaseData:
 
 
 def make_case(case: BenchmarkCase, seed: int = SEED) -> CaseData:
-    """Make the data of a case: a second or two; a turbulent flow takes a minute.
-
-    Parameters
-    ----------
-    case
-        The case.
-    seed
-        Root of all its random numbers.
-
-    Raises
-    ------
-    MissingRecordError
-        If the package of a record is not installed.
-    ValueError
-        If too many series laminarise under this seed, or if data under `SEED` differ from the
-        frozen case.
-    """
+    """Make the data of a case: a second or two; a turbulent flow takes a minute."""
     try:
         states = _simulated(case, seed) if case.record is None else case.record()
     except MissingRecordError as error:

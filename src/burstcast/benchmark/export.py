@@ -136,19 +136,7 @@ def case_attributes(data: TaskData) -> dict[str, str | int | float]:
 
 
 def export(directory: Path, found: Sequence[TaskData]) -> list[Path]:
-    """Write cases and the page into a directory, which is made.
-
-    Parameters
-    ----------
-    directory
-        Files of the same names in it are replaced.
-    found
-        Data of the cases.
-
-    Returns
-    -------
-    The files.
-    """
+    """Write cases and the page into a directory, which is made."""
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     for data in found:
@@ -165,14 +153,7 @@ _SCORING = "`burstcast benchmark score persistence.nc` checks and scores the fil
 def page(found: Sequence[TaskData], scoring: str, file: str = "") -> str:
     """The page that explains an export to readers without burstcast.
 
-    Parameters
-    ----------
-    found
-        Data of the cases.
-    scoring
-        How a file of forecasts is scored.
-    file
-        Name of the file of a single case; by default the name of the case.
+    ``file``: Name of the file of a single case; by default the name of the case.
     """
     first = found[0]
     return Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(

@@ -42,48 +42,28 @@ class Facts(NamedTuple):
 
 @dataclass(frozen=True)
 class Forecasts:
-    """Forecasts of one forecaster for one case.
+    """Forecasts of one forecaster for one case."""
 
-    Attributes
-    ----------
-    members
-        Window summaries of the forecasts of each member; none where probabilities were given.
-    probability
-        Probability of an event in each window, ``(points, prediction times)``; None where
-        trajectories were given.
-    horizon
-        Forecast observable from each point of the prediction horizon, ``(points, steps)``; None:
-        it is not scored.
-    """
-
+    #: window summaries of the forecasts of each member; none where probabilities were given
     members: tuple[WindowSummaries, ...]
+    #: probability of an event in each window, ``(points, prediction times)``; None where
+    #: trajectories were given
     probability: FloatArray | None
+    #: forecast observable from each point of the prediction horizon, ``(points, steps)``; None: it
+    #: is not scored
     horizon: FloatArray | None
 
 
 @dataclass(frozen=True)
 class _Form:
-    """A form that forecasts may have.
+    """A form that forecasts may have."""
 
-    Attributes
-    ----------
-    name
-        Name of the variable in NetCDF.
-    axes
-        Dimensions after the dimension of members, with the values that count their entries.
-    columns
-        Names of the values in CSV.
-    components
-        Whether the last dimension in NetCDF counts the components.
-    members
-        Whether there may be several members.
-    """
-
-    name: str
+    name: str  #: name of the variable in NetCDF
+    #: dimensions after the dimension of members, with the values that count their entries
     axes: tuple[tuple[str, FloatArray], ...]
-    columns: tuple[str, ...]
-    components: bool
-    members: bool
+    columns: tuple[str, ...]  #: names of the values in CSV
+    components: bool  #: whether the last dimension in NetCDF counts the components
+    members: bool  #: whether there may be several members
 
     @property
     def of_horizon(self) -> bool:
@@ -113,13 +93,7 @@ def _forms(task: ForecastTask) -> list[_Form]:
 
 
 def facts_of(path: Path) -> Facts:
-    """Read the case that a file of forecasts belongs to, and nothing else.
-
-    Raises
-    ------
-    ForecastFileError
-        If it does not say so, or is of a kind that is not read.
-    """
+    """Read the case that a file of forecasts belongs to, and nothing else."""
     suffix = path.suffix.lower()
     if suffix not in (*CSV, *NETCDF):
         raise ForecastFileError(f"{path}: files of forecasts end in .csv or .nc")
@@ -159,13 +133,7 @@ def _version(value: Any) -> str:
 
 
 def case_of(paths: Sequence[Path]) -> tuple[BenchmarkCase, int]:
-    """Case and seed that files of one forecaster are of.
-
-    Raises
-    ------
-    ForecastFileError
-        If they are of several cases, or of another version.
-    """
+    """Case and seed that files of one forecaster are of."""
     found = [facts_of(path) for path in paths]
     for path, facts in zip(paths, found, strict=True):
         if facts != found[0]:
@@ -183,13 +151,7 @@ def case_of(paths: Sequence[Path]) -> tuple[BenchmarkCase, int]:
 
 
 def check_version(path: Path, facts: Facts, version: str) -> None:
-    """Check that forecasts are of one version of their case.
-
-    Raises
-    ------
-    ForecastFileError
-        If they are of another one.
-    """
+    """Check that forecasts are of one version of their case."""
     if facts.case_version != version:
         raise ForecastFileError(
             f"{path} is of version {facts.case_version} of the case {facts.case}, and version "
@@ -204,17 +166,7 @@ def _told(facts: Facts) -> str:
 def read_forecasts(paths: Sequence[Path], task: ForecastTask) -> Forecasts:
     """Read and check all files of one forecaster.
 
-    Parameters
-    ----------
-    paths
-        Files of forecasts for the windows, and for the prediction horizon.
-    task
-        Task of the forecasts.
-
-    Raises
-    ------
-    ForecastFileError
-        If anything is wrong with them, another version of the case among others.
+    ``paths``: Files of forecasts for the windows, and for the prediction horizon.
     """
     members: tuple[WindowSummaries, ...] = ()
     probability: FloatArray | None = None

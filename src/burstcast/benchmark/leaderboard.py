@@ -64,18 +64,10 @@ def row_of(
 ) -> dict[str, str]:
     """Row of the leaderboard.
 
-    Parameters
-    ----------
-    data
-        Data of the case.
-    scores
-        Scores of `burstcast.benchmark.scores.score_forecasts`.
-    forecaster, about
-        Name of the forecaster, and what it is in one line.
-    alarm_threshold
-        Probability at or above which an alarm was raised.
-    version, commit
-        Version and commit of the burstcast that scored it.
+    ``scores``: Scores of `burstcast.benchmark.scores.score_forecasts`. ``forecaster``, ``about``:
+    Name of the forecaster, and what it is in one line. ``alarm_threshold``: Probability at or above
+    which an alarm was raised. ``version``, ``commit``: Version and commit of the burstcast that
+    scored it.
     """
     by_name = {(score.metric, score.prediction_time_lt): score for score in scores}
     row = {
@@ -96,13 +88,7 @@ def row_of(
 
 
 def read_leaderboard(path: Path = PATH) -> list[Row]:
-    """Rows of a leaderboard.
-
-    Raises
-    ------
-    ValueError
-        If the file is no leaderboard.
-    """
+    """Rows of a leaderboard."""
     with open(path, encoding="utf-8", newline="") as file:
         reader = csv.DictReader(file)
         rows: list[Row] = list(reader)

@@ -35,14 +35,7 @@ def glucose() -> FloatArray:
     The record of 2010 comes with the package ``bokeh-sampledata``. Samples that were written twice
     are left out, gaps cut the record, and what is between them is cut into series of twelve hours.
 
-    Returns
-    -------
-    ``(series, 144, 2)``, in the order of time.
-
-    Raises
-    ------
-    MissingRecordError
-        If the package is not installed.
+    Shape ``(series, 144, 2)``, in the order of time.
     """
     path = _inside("bokeh-sampledata", "bokeh_sampledata/_data/CGM.csv.gz")
     stamp = TimeStamps("minute")

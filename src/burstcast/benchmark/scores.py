@@ -37,20 +37,12 @@ _OF_ALL = ("mean_lead_time_lt", "missed_fraction", "mean_horizon_lt", "median_ho
 
 @dataclass(frozen=True)
 class Score:
-    """A score with its bootstrap interval; NaN where it is not defined.
+    """A score with its bootstrap interval; NaN where it is not defined."""
 
-    Attributes
-    ----------
-    metric
-        Its name, as in the tables of a campaign.
-    prediction_time_lt
-        Prediction time in Lyapunov times; None for a score of all prediction times together.
-    value, low, high
-        The score, and both ends of the interval.
-    """
-
-    metric: str
+    metric: str  #: its name, as in the tables of a campaign
+    #: prediction time in Lyapunov times; None for a score of all prediction times together
     prediction_time_lt: float | None
+    #: value, low, high: the score, and both ends of the interval
     value: float
     low: float
     high: float
@@ -59,9 +51,7 @@ class Score:
 def probabilities(case: BenchmarkCase, forecasts: Forecasts) -> FloatArray:
     """Probability of an event in each window: given, or the share of the members that have one.
 
-    Returns
-    -------
-    ``(points, prediction times)``.
+    Shape ``(points, prediction times)``.
     """
     if forecasts.probability is not None:
         return forecasts.probability
@@ -77,19 +67,7 @@ def probabilities(case: BenchmarkCase, forecasts: Forecasts) -> FloatArray:
 def score_forecasts(
     data: CaseData, forecasts: Forecasts, alarm_threshold: float = 0.5, resamples: int = RESAMPLES
 ) -> list[Score]:
-    """All scores of forecasts.
-
-    Parameters
-    ----------
-    data
-        Data of the case.
-    forecasts
-        Forecasts of its starting points.
-    alarm_threshold
-        Probability at or above which an alarm is raised.
-    resamples
-        Bootstrap samples.
-    """
+    """All scores of forecasts."""
     return [
         *_window_scores(data, forecasts, alarm_threshold, resamples),
         *_horizon_scores(data, forecasts, resamples),

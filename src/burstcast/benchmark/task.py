@@ -23,35 +23,25 @@ as a logarithm in another library, then do not count, and chaos amplifies all la
 
 @dataclass(frozen=True)
 class ForecastTask:
-    """Reference that files of forecasts are compared with.
+    """Reference that files of forecasts are compared with."""
 
-    Attributes
-    ----------
-    case, version, seed
-        Which data the forecasts are of: files of forecasts have the same three facts.
-    space
-        What an observed state is.
-    points
-        Starting points of the windows.
-    boundaries
-        Steps at which windows begin and end (`burstcast.forecast.windows.window_boundaries`).
-    prediction_times_lt
-        Times from a starting point to each prediction window, in Lyapunov times.
-    window_lt, resolution_lt
-        Length of the prediction windows, and of the windows between boundaries.
-    horizon_points, horizon_steps
-        Starting points of the prediction horizon, and steps of their forecasts.
-    """
-
+    #: case, version, seed: which data the forecasts are of: files of forecasts have the same three
+    #: facts
     case: str
     version: str
     seed: int
-    space: StateSpace
-    points: int
+    space: StateSpace  #: what an observed state is
+    points: int  #: starting points of the windows
+    #: steps at which windows begin and end (`burstcast.forecast.windows.window_boundaries`)
     boundaries: tuple[int, ...]
+    #: times from a starting point to each prediction window, in Lyapunov times
     prediction_times_lt: tuple[float, ...]
+    #: window_lt, resolution_lt: length of the prediction windows, and of the windows between
+    #: boundaries
     window_lt: float
     resolution_lt: float
+    #: horizon_points, horizon_steps: starting points of the prediction horizon, and steps of their
+    #: forecasts
     horizon_points: int
     horizon_steps: int
 
@@ -73,20 +63,13 @@ class KnownColumns:
 
     The entry of a step holds the values in the sample after it. Steps of the forecast follow steps
     of the washout.
-
-    Attributes
-    ----------
-    training
-        Of the training series, ``(series, time - 1, columns)``.
-    points
-        Of the starting points, ``(points, washout - 1 + forecast steps, columns)``.
-    horizon
-        Of the starting points of the prediction horizon, ``(points, washout - 1 + horizon steps,
-        columns)``; NaN where the series has ended.
     """
 
-    training: FloatArray
+    training: FloatArray  #: of the training series, ``(series, time - 1, columns)``
+    #: of the starting points, ``(points, washout - 1 + forecast steps, columns)``
     points: FloatArray
+    #: of the starting points of the prediction horizon, ``(points, washout - 1 + horizon steps,
+    #: columns)``; NaN where the series has ended
     horizon: FloatArray
 
     def arrays(self) -> tuple[FloatArray, ...]:
@@ -98,48 +81,24 @@ class KnownColumns:
 
 @dataclass(frozen=True)
 class TaskData:
-    """Observed data of a task: all that a forecaster may know.
+    """Observed data of a task: all that a forecaster may know."""
 
-    Attributes
-    ----------
-    task
-        Task of the forecasts.
-    about
-        One sentence about the case.
-    training
-        Observed training series, ``(series, time, component)``.
-    points, washouts
-        Starting points in the test series, and what is observed up to each of them, ``(points,
-        steps, component)``.
-    horizon_washouts
-        Likewise for the starting points of the prediction horizon.
-    noise
-        Standard deviation of the observation noise, in standard deviations of each component.
-    event_threshold
-        Event threshold in units of the observable.
-    sampling_interval
-        Time between two samples, in time units.
-    steps_per_lyapunov_time
-        Steps of a forecast in a Lyapunov time.
-    search
-        How prediction horizons are looked for.
-    tolerance
-        Error that the search allows, in distances of the threshold from the mean observable.
-    known
-        Columns that are known in advance; None where there are none.
-    """
-
-    task: ForecastTask
-    about: str
-    training: FloatArray
+    task: ForecastTask  #: task of the forecasts
+    about: str  #: one sentence about the case
+    training: FloatArray  #: observed training series, ``(series, time, component)``
+    #: points, washouts: starting points in the test series, and what is observed up to each of
+    #: them, ``(points, steps, component)``
     points: SeriesPoints
     washouts: FloatArray
-    horizon_washouts: FloatArray
+    horizon_washouts: FloatArray  #: likewise for the starting points of the prediction horizon
+    #: standard deviation of the observation noise, in standard deviations of each component
     noise: float
-    event_threshold: float
-    sampling_interval: float
-    search: HorizonSearch
+    event_threshold: float  #: event threshold in units of the observable
+    sampling_interval: float  #: time between two samples, in time units
+    search: HorizonSearch  #: how prediction horizons are looked for
+    #: error that the search allows, in distances of the threshold from the mean observable
     tolerance: float
+    #: columns that are known in advance; None where there are none
     known: KnownColumns | None = None
 
     @property
@@ -176,21 +135,13 @@ def campaign_task(
 ) -> TaskData:
     """Task of a case of a campaign, whose version is a digest of its data.
 
-    Parameters
-    ----------
-    case, seed, space, boundaries, prediction_times_lt, window_lt, resolution_lt
-        Attributes of the `ForecastTask`; the random numbers of the order of horizon points follow
-        from the seed.
-    training, points, washouts, search, facts
-        Attributes of the `TaskData`.
-    events, before_events
-        Events whose prediction horizon is measured, and what is observed up to each of them,
-        ``(events, steps, component)``.
-    known
-        Columns that are known in advance, in the sample after each step of all kept series,
-        ``(series, time - 1, columns)``; None where there are none.
-    known_of_points
-        Likewise over the washouts and forecasts of the points (`KnownColumns.points`).
+    ``case``, ``seed``, ``space``, ``boundaries``, ``prediction_times_lt``, ``window_lt``,
+    ``resolution_lt``: Attributes of the `ForecastTask`; the random numbers of the order of horizon
+    points follow from the seed. ``events``, ``before_events``: Events whose prediction horizon is
+    measured, and what is observed up to each of them, ``(events, steps, component)``. ``known``:
+    Columns that are known in advance, in the sample after each step of all kept series, ``(series,
+    time - 1, columns)``; None where there are none. ``known_of_points``: Likewise over the washouts
+    and forecasts of the points (`KnownColumns.points`).
     """
     starts = horizon_starts(events, search, horizon_stream(seed, case))
     horizon = before_horizon(before_events, starts, search.washout)
@@ -268,14 +219,7 @@ def horizon_starts(
     In a random order, which does not tell how far the event is. Points that are the same step of
     the same series, before two events, are there once.
 
-    Parameters
-    ----------
-    events
-        Where the events begin.
-    search
-        How prediction horizons are looked for; segments have its steps before an event.
-    generator
-        Random numbers of the order.
+    ``search``: How prediction horizons are looked for; segments have its steps before an event.
     """
     leads = np.array([search.steps(lead) for lead in search.lead_times_lt])
     event = np.repeat(np.arange(len(events)), len(leads))

@@ -22,13 +22,7 @@ def compiler_problem() -> str:
 
 
 def usable_backend(wanted: Backend) -> Backend:
-    """Return the wanted implementation, or the one that runs everywhere, with a warning.
-
-    Parameters
-    ----------
-    wanted
-        "compiled" or "scipy".
-    """
+    """Return the wanted implementation, or the one that runs everywhere, with a warning."""
     if wanted == "compiled" and (problem := compiler_problem()):
         warnings.warn(
             f"reservoirs are computed by scipy, which is several times slower: nothing can be "

@@ -21,15 +21,6 @@ class Lanes:
     """Text of a function that works on vectors of ``width`` numbers.
 
     Values are the names that LLVM knows them by (``%v12``), or numbers; integers have 64 bits.
-
-    Parameters
-    ----------
-    width
-        Numbers in a vector, a power of two.
-    name
-        Name of the function.
-    pointers, integers
-        Names of the arguments, the former first.
     """
 
     def __init__(
@@ -167,22 +158,8 @@ class Lanes:
     ) -> list[str]:
         """Write a loop down: ``for index in range(start, stop, step)``.
 
-        Parameters
-        ----------
-        start, stop, step
-            Range of the index.
-        body
-            Writes down what is done; called with the index and the carried values, it returns the
-            latter's next values.
-        carried
-            Values before the first round.
-        kind
-            Type of the carried values; empty: vectors.
-
-        Returns
-        -------
-        list of str
-            The carried values after the last round.
+        ``body``: Writes down what is done; called with the index and the carried values, it returns
+        the latter's next values.
         """
         kind = kind or self.vector
         self._names += 1
@@ -218,18 +195,7 @@ def hexadecimal(number: float) -> str:
 
 
 class MachineCode:
-    """Machine code of a program, for this processor.
-
-    Parameters
-    ----------
-    text
-        The program, in LLVM's language.
-
-    Raises
-    ------
-    RuntimeError
-        If it is no program.
-    """
+    """Machine code of a program, for this processor."""
 
     def __init__(self, text: str) -> None:
         # loaded here only: it takes a moment, and whoever computes nothing does without it

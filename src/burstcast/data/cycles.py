@@ -22,18 +22,10 @@ a wave is fitted to what is elsewhere."""
 
 @dataclass(frozen=True)
 class Cycle:
-    """A cycle: a period with its first harmonics.
+    """A cycle: a period with its first harmonics."""
 
-    Attributes
-    ----------
-    period
-        Period in time units.
-    harmonics
-        Number of waves: of the period, half the period, a third of it, ...
-    """
-
-    period: float
-    harmonics: int
+    period: float  #: period in time units
+    harmonics: int  #: number of waves: of the period, half the period, a third of it,
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -53,17 +45,7 @@ class Cycle:
     def fit(self, time: FloatArray, values: FloatArray) -> FloatArray:
         """Mean and amplitudes of the waves by least squares, ``(1 + 2 harmonics, columns)``.
 
-        Parameters
-        ----------
-        time
-            Times of the samples, ``(samples,)``.
-        values
-            ``(samples, columns)``.
-
-        Raises
-        ------
-        ValueError
-            If a part of the cycle has no samples.
+        ``time``: Times of the samples, ``(samples,)``. ``values``: ``(samples, columns)``.
         """
         parts = PHASES * self.harmonics
         part = np.minimum(np.floor(np.mod(time, self.period) / self.period * parts), parts - 1)
@@ -85,13 +67,7 @@ class Cycle:
 
 
 def with_waves(runs: Sequence[Run], cycle: Cycle, time: str) -> list[Run]:
-    """Runs with the waves of a cycle as further columns.
-
-    Raises
-    ------
-    ValueError
-        If a run has a column of that name already.
-    """
+    """Runs with the waves of a cycle as further columns."""
     return _with_columns(
         runs,
         lambda run: dict(zip(cycle.names, cycle.waves(run.columns[time]).T, strict=True)),
@@ -114,21 +90,7 @@ def calendar_names(texts: Sequence[str]) -> list[str]:
 def with_calendar(runs: Sequence[Run], names: Sequence[str], time: str, unit: str) -> list[Run]:
     """Runs with waves of the calendar as further columns, of phase 0 at 1970-01-01T00:00 UTC.
 
-    Parameters
-    ----------
-    runs
-        Each with a column of times.
-    names
-        The waves, as `calendar_names` finds them.
-    time
-        Name of the column of times.
-    unit
-        Their unit, one of `burstcast.data.time_stamps.SECONDS`.
-
-    Raises
-    ------
-    ValueError
-        If a run has a column of that name already.
+    ``unit``: Their unit, one of `burstcast.data.time_stamps.SECONDS`.
     """
 
     def waves(run: Run) -> dict[str, FloatArray]:
@@ -160,23 +122,8 @@ def without_cycle(
 ) -> list[Run]:
     """Runs with some columns as departures from their cycle, which training samples tell.
 
-    Parameters
-    ----------
-    runs
-        All of them, each with a column of times.
-    cycle
-        What is fitted.
-    time
-        Name of the column of times.
-    names
-        Columns that the cycle is removed from, its mean included.
-    training
-        Rows of a run that belong to training series, for each of the first runs.
-
-    Raises
-    ------
-    ValueError
-        If the training samples do not tell the cycle.
+    ``names``: Columns that the cycle is removed from, its mean included. ``training``: Rows of a
+    run that belong to training series, for each of the first runs.
     """
     of_training = list(zip(runs, training, strict=False))
     times = np.concatenate([run.columns[time][rows] for run, rows in of_training])

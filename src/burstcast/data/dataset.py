@@ -21,21 +21,12 @@ SERIES_PER_BATCH = 1000
 
 @dataclass(frozen=True)
 class KeptSeries:
-    """Series of one batch that did not laminarise.
+    """Series of one batch that did not laminarise."""
 
-    Attributes
-    ----------
-    index
-        Number of each kept series among all that were generated, ``(kept,)``.
-    states
-        Sampled states, ``(kept, time, component)``.
-    lifetimes
-        Sampling steps until each series of the batch, discarded series included, has
-        laminarised; all steps of a kept one. ``(batch,)``.
-    """
-
-    index: IntArray
-    states: FloatArray
+    index: IntArray  #: number of each kept series among all that were generated, ``(kept,)``
+    states: FloatArray  #: sampled states, ``(kept, time, component)``
+    #: sampling steps until each series of the batch, discarded series included, has laminarised;
+    #: all steps of a kept one. ``(batch,)``.
     lifetimes: IntArray
 
 
@@ -48,23 +39,10 @@ def initial_states(
 ) -> FloatArray:
     """Initial conditions of an ensemble: one component is raised by a random amount.
 
-    Parameters
-    ----------
-    initial_state
-        State that all series share, ``(dimension,)``.
-    perturbed_component
-        Index of the perturbed component, from 0.
-    perturbation
-        Largest perturbation; each series draws its own uniformly from [0, perturbation].
-    series
-        Number of series.
-    generator
-        Source of the random numbers; series i takes the i-th number, so that a longer ensemble
-        begins with the shorter one.
-
-    Returns
-    -------
-    Initial states, ``(dimension, series)``.
+    ``initial_state``: State that all series share, ``(dimension,)``. ``perturbation``: Largest
+    perturbation; each series draws its own uniformly from [0, perturbation]. ``generator``: Source
+    of the random numbers; series i takes the i-th number, so that a longer ensemble begins with the
+    shorter one. Returns initial states, ``(dimension, series)``.
     """
     states = np.repeat(np.asarray(initial_state, dtype=np.float64)[:, np.newaxis], series, axis=1)
     states[perturbed_component] += perturbation * generator.random(series)
@@ -83,26 +61,10 @@ def generate_ensemble(
 ) -> Iterator[KeptSeries]:
     """Integrate an ensemble and yield the series that do not laminarise, batch by batch.
 
-    Parameters
-    ----------
-    system
-        The equations.
-    states
-        Initial states, ``(dimension, series)``.
-    time_step
-        Time step of the Runge-Kutta scheme, in time units.
-    sampling_stride
-        Integration steps between two samples.
-    transient_steps, kept_steps
-        Integration steps that are dropped, and kept after them.
-    laminarisation_threshold
-        A series whose observable exceeds it at any kept integration step is discarded; None keeps
-        every series.
-
-    Raises
-    ------
-    FloatingPointError
-        If a series leaves the finite numbers, or its observable is not a number.
+    ``states``: Initial states, ``(dimension, series)``. ``time_step``: Time step of the Runge-Kutta
+    scheme, in time units. ``transient_steps``, ``kept_steps``: Integration steps that are dropped,
+    and kept after them. ``laminarisation_threshold``: A series whose observable exceeds it at any
+    kept integration step is discarded; None keeps every series.
     """
     for start in range(0, states.shape[1], SERIES_PER_BATCH):
         batch = states[:, start : start + SERIES_PER_BATCH]
@@ -130,17 +92,10 @@ def generate_ensemble(
 
 @dataclass(frozen=True)
 class Scales:
-    """Size of each component over the training series.
+    """Size of each component over the training series."""
 
-    Attributes
-    ----------
-    standard_deviation
-        sigma_u, ``(dimension,)``: the unit of the observation noise.
-    range
-        Largest minus smallest value, ``(dimension,)``: what the inputs of a network are divided by.
-    """
-
-    standard_deviation: FloatArray
+    standard_deviation: FloatArray  #: sigma_u, ``(dimension,)``: the unit of the observation noise
+    #: largest minus smallest value, ``(dimension,)``: what the inputs of a network are divided by
     range: FloatArray
 
 
@@ -172,19 +127,10 @@ def network_input_range(
 ) -> FloatArray:
     """Range by which the inputs of a network are divided, ``(dimension,)``.
 
-    Parameters
-    ----------
-    training_states
-        True states of the training series, ``(series, time, dimension)``.
-    series
-        Series that the range is taken over: all training series, or the first one alone, as in the
-        programs of the paper's authors. The bias of the inputs is equal for both, so that it is
-        smaller beside the inputs where their range is smaller.
-
-    Raises
-    ------
-    ValueError
-        If a component is constant over these series.
+    ``training_states``: True states of the training series, ``(series, time, dimension)``.
+    ``series``: Series that the range is taken over: all training series, or the first one alone, as
+    in the programs of the paper's authors. The bias of the inputs is equal for both, so that it is
+    smaller beside the inputs where their range is smaller.
     """
     return component_scales(training_states[:1] if series == "first" else training_states).range
 
@@ -235,11 +181,6 @@ def observed_series(
 ) -> FloatArray:
     """Series of a case as all forecasters see them, in training and in the test (see `observe`).
 
-    Parameters
-    ----------
-    states, first_series, noise, scales, root_seed
-        As in `observe`.
-    case
-        Name of the case; the random stream is called after it.
+    ``case``: Name of the case; the random stream is called after it.
     """
     return observe(states, first_series, noise, scales, root_seed, "noise", case)

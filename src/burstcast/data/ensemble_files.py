@@ -31,19 +31,9 @@ def ensemble_variables(
 ) -> tuple[dict[str, Variable], dict[str, Any]]:
     """Variables of the file of an ensemble, and a summary.
 
-    Parameters
-    ----------
-    states, observable
-        States and observable of the kept series, ``(series, time, component)`` and ``(series,
-        time)``.
-    observable_name
-        What the observable is.
-    index
-        Number of each kept series among all series.
-    lifetimes
-        Steps until each of all series laminarised; all steps of a kept one.
-    sampling_interval
-        Time between two steps, in time units.
+    ``states``, ``observable``: States and observable of the kept series, ``(series, time,
+    component)`` and ``(series, time)``. ``lifetimes``: Steps until each of all series laminarised;
+    all steps of a kept one.
     """
     variables = {
         "series": Variable(("series",), index, NUMBER, "number of the series in the ensemble"),

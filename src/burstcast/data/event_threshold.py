@@ -8,19 +8,8 @@ from burstcast.arrays import FloatArray
 def threshold_at(quantile: float, observable: FloatArray) -> float:
     """Value of the observable that a share ``quantile`` of its samples is below.
 
-    Parameters
-    ----------
-    quantile
-        Between 0 and 1.
-    observable
-        Observable of the training series, of any shape: nothing of the test series may enter.
-
-    Raises
-    ------
-    ValueError
-        If the quantile does not lie between 0 and 1, there are no samples, or one is not finite;
-        or if no sample is above the threshold, as of an observable that is constant where it is
-        largest.
+    ``observable``: Observable of the training series, of any shape: nothing of the test series may
+    enter.
     """
     if not 0 < quantile < 1:
         raise ValueError(f"a quantile lies between 0 and 1, not at {quantile}")

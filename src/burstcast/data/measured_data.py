@@ -20,17 +20,10 @@ from burstcast.systems.measured import MeasuredSeries
 
 @dataclass(frozen=True)
 class Run:
-    """Columns that were measured side by side.
+    """Columns that were measured side by side."""
 
-    Attributes
-    ----------
-    name
-        Origin of the run, for messages: "run_3.csv".
-    columns
-        Numbers by the names of their columns, each ``(time,)``; NaN where there is none.
-    """
-
-    name: str
+    name: str  #: origin of the run, for messages: "run_3.csv"
+    #: numbers by the names of their columns, each ``(time,)``; NaN where there is none
     columns: Mapping[str, FloatArray]
 
 
@@ -39,14 +32,7 @@ def runs_of_states(
 ) -> list[Run]:
     """Runs of series whose states are known: their components, and the column ``observable``.
 
-    Parameters
-    ----------
-    source
-        Origin of the series, for messages.
-    states, observable
-        ``(series, time, component)`` and ``(series, time)``.
-    components
-        Names of the components.
+    ``states``, ``observable``: ``(series, time, component)`` and ``(series, time)``.
     """
     return [
         Run(
@@ -59,14 +45,9 @@ def runs_of_states(
 
 @dataclass(frozen=True)
 class Quantity:
-    """Something that states are made of.
+    """Something that states are made of."""
 
-    Parameters
-    ----------
-    declaration
-        The name of a column, an expression of columns, or ``name = column or expression``.
-    """
-
+    #: the name of a column, an expression of columns, or ``name = column or expression``
     declaration: str
 
     @property
@@ -81,13 +62,7 @@ class Quantity:
         return self.declaration.partition("=")[2].strip() or self.name
 
     def columns(self, known: Sequence[str]) -> tuple[str, ...]:
-        """Columns that it is made of.
-
-        Raises
-        ------
-        ValueError
-            If one of them is unknown.
-        """
+        """Columns that it is made of."""
         if self.source in known:
             return (self.source,)
         try:
@@ -116,18 +91,10 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Blocks:
-    """Lengths by which records are cut into series.
+    """Lengths by which records are cut into series."""
 
-    Attributes
-    ----------
-    samples
-        Number of samples of each block.
-    gap
-        Samples from the last one of a block to the first one of the next, 1 at least.
-    """
-
-    samples: int
-    gap: int
+    samples: int  #: number of samples of each block
+    gap: int  #: samples from the last one of a block to the first one of the next, 1 at least
 
 
 def series_of_runs(
@@ -138,22 +105,8 @@ def series_of_runs(
 ) -> FloatArray:
     """Series of states, ``(series, time, component)``: of each run, one after the other.
 
-    Parameters
-    ----------
-    runs
-        All runs.
-    space
-        What a state is.
-    quantities
-        Components of a state, without the observable where that is a component of its own.
-    blocks
-        How runs are cut; None for one series from each, all of one length.
-
-    Raises
-    ------
-    ValueError
-        If a column is missing, has a gap, or is constant; if lengths are unequal, or a run is
-        shorter than a block.
+    ``quantities``: Components of a state, without the observable where that is a component of its
+    own. ``blocks``: How runs are cut; None for one series from each, all of one length.
     """
     taken = [*quantities, *([Quantity(space.observable_of)] if space.appended else [])]
     found = []
@@ -180,15 +133,7 @@ def series_of_runs(
 
 
 def check_numbers(run: str, what: str, values: FloatArray) -> None:
-    """Check that all values are finite numbers.
-
-    Raises
-    ------
-    TypeError
-        If they are not real numbers.
-    ValueError
-        If one is masked or not finite; the message tells where the first of them is.
-    """
+    """Check that all values are finite numbers."""
     values = float_array(values, f"{run}: {what}")
     bad = ~is_known(values)
     if bad.any():
@@ -202,14 +147,7 @@ def check_numbers(run: str, what: str, values: FloatArray) -> None:
 
 
 def check_equidistant(run: str, column: str, time: FloatArray, time_step: float) -> None:
-    """Check that times follow one another at a distance.
-
-    Raises
-    ------
-    ValueError
-        If two of them do not, by more than a thousandth of the distance and what their own digits
-        leave open.
-    """
+    """Check that times follow one another at a distance."""
     check_numbers(run, f"column {column!r}", time)
     steps = np.diff(time)
     # rounding of written times: half a unit of the last of seven digits at least
@@ -262,22 +200,9 @@ def blocks_of(duration: float, gap: float, time_step: float) -> Blocks:
 def kept_series(observable: FloatArray, threshold: float | None) -> tuple[IntArray, IntArray]:
     """Series that do not exceed the laminarisation threshold, and lifetimes of all series.
 
-    Parameters
-    ----------
-    observable
-        ``(series, time)``.
-    threshold
-        A series whose observable exceeds it is discarded; None keeps all.
-
-    Returns
-    -------
-    Numbers of the kept series, and the steps until each series exceeds it, all steps if it does
-    not (`burstcast.data.dataset.KeptSeries`).
-
-    Raises
-    ------
-    ValueError
-        If none is kept.
+    ``observable``: ``(series, time)``. ``threshold``: A series whose observable exceeds it is
+    discarded; None keeps all. Returns numbers of the kept series, and the steps until each series
+    exceeds it, all steps if it does not (`burstcast.data.dataset.KeptSeries`).
     """
     first = first_laminar_step(observable, threshold)
     index = np.flatnonzero(first < 0)

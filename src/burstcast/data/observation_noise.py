@@ -19,15 +19,7 @@ _ORDER = 8
 def observation_noise(series: FloatArray, known: float | None) -> FloatArray:
     """Standard deviation of the noise in each component of observed series.
 
-    Parameters
-    ----------
-    series
-        Observed series, ``(series, time, dimension)``.
-    known
-        In standard deviations of each component; None: it is estimated (`estimate_noise`).
-
-    Returns
-    -------
+    ``known``: In standard deviations of each component; None: it is estimated (`estimate_noise`).
     In the units of the components, ``(dimension,)``.
     """
     if known is None:
@@ -42,19 +34,7 @@ def estimate_noise(series: FloatArray) -> FloatArray:
     Where the sampling is too coarse for the dynamics, it is too large, never too small: what the
     trajectory itself leaves in the differences counts as noise.
 
-    Parameters
-    ----------
-    series
-        Observed series, ``(series, time, dimension)``.
-
-    Returns
-    -------
     In the units of the components, ``(dimension,)``.
-
-    Raises
-    ------
-    ValueError
-        If the series are too short for the differences.
     """
     if series.shape[1] <= _ORDER:
         raise ValueError(

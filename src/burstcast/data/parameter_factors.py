@@ -29,17 +29,6 @@ class ParameterFactors:
 
     Parameters that are constant in training have no factor: nothing can be learnt of them.
 
-    Attributes
-    ----------
-    names
-        Names of the parameters.
-    low, high
-        Smallest and largest value of each parameter in training, ``(parameters,)``.
-    transform
-        A name in `TRANSFORMS`.
-    degree
-        Highest degree of the factors, at least 1.
-
     Examples
     --------
     >>> trained = np.array([[400.0], [600.0], [1000.0]])
@@ -49,21 +38,14 @@ class ParameterFactors:
            [-1.,  1.]])
     """
 
-    names: tuple[str, ...]
+    names: tuple[str, ...]  #: names of the parameters
+    #: low, high: smallest and largest value of each parameter in training, ``(parameters,)``
     low: FloatArray
     high: FloatArray
-    transform: str
-    degree: int
+    transform: str  #: a name in `TRANSFORMS`
+    degree: int  #: highest degree of the factors, at least 1
 
     def __post_init__(self) -> None:
-        """Check transform and degree.
-
-        Raises
-        ------
-        ValueError
-            If the transform is unknown or not defined for the values, or the degree is not
-            positive.
-        """
         if self.transform not in TRANSFORMS:
             raise ValueError(
                 f"unknown transform of a parameter {self.transform!r}; known are "
@@ -94,11 +76,6 @@ class ParameterFactors:
         """Factors ``(..., factors)`` of values ``(..., parameters)``.
 
         Values beyond those in training are extrapolated, with a warning.
-
-        Raises
-        ------
-        ValueError
-            If a value has no transform.
         """
         self._warn_of_extrapolation(values)
         with np.errstate(divide="ignore"):

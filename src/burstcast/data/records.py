@@ -42,21 +42,12 @@ and beyond it a run ends, so that no run drifts away from them."""
 
 @dataclass(frozen=True)
 class Timing:
-    """When the rows of a record were measured.
+    """When the rows of a record were measured."""
 
-    Attributes
-    ----------
-    step
-        Time between two rows, in time units.
-    column
-        Name of the column of times; None if there is none, and no row is missing.
-    unit
-        What a time unit is called in messages: "minute".
-    """
-
-    step: float
+    step: float  #: time between two rows, in time units
+    #: name of the column of times; None if there is none, and no row is missing
     column: str | None = None
-    unit: str = "time unit"
+    unit: str = "time unit"  #: what a time unit is called in messages: "minute"
 
     def of(self, run: Run) -> FloatArray:
         """Times of the rows of a run."""
@@ -68,10 +59,7 @@ class Timing:
 class Record:
     """Rows of one run, or of several files one after the other.
 
-    Parameters
-    ----------
-    runs
-        The runs, in their order in time, with the same columns.
+    ``runs``: The runs, in their order in time, with the same columns.
     """
 
     def __init__(self, runs: Sequence[Run]) -> None:
@@ -103,13 +91,7 @@ class Record:
 
 
 def check_rising(record: Record, timing: Timing) -> None:
-    """Check that time goes forward from each row of a record to the next.
-
-    Raises
-    ------
-    ValueError
-        If a row has no time, or its time is not after the time of the row before it.
-    """
+    """Check that time goes forward from each row of a record to the next."""
     if timing.column is None:
         return
     time, column = record.columns[timing.column], f"column {timing.column!r}"
@@ -134,24 +116,9 @@ def runs_without_gaps(record: Record, timing: Timing, longest: float = 0.0) -> l
     are a time step apart; if they are several steps apart, there is a gap between them. A time that
     does not fit the regular times of its run by more than `TOLERANCE` begins another run.
 
-    Parameters
-    ----------
-    record
-        With the columns that are needed alone; infinite numbers are errors.
-    timing
-        When its rows were measured.
-    longest
-        Longest time between two complete rows that is filled by linear interpolation, in time
-        units; 0 fills none. Numbers that an incomplete row has are kept.
-
-    Returns
-    -------
-    Runs at regular times, in their order.
-
-    Raises
-    ------
-    ValueError
-        If times do not rise, or a number is infinite.
+    ``record``: With the columns that are needed alone; infinite numbers are errors. ``longest``:
+    Longest time between two complete rows that is filled by linear interpolation, in time units; 0
+    fills none. Numbers that an incomplete row has are kept.
     """
     check_rising(record, timing)
     time = timing.of(record.run())
@@ -213,13 +180,7 @@ def _filled(
 
 
 def long_runs(runs: Sequence[Run], samples: int) -> tuple[list[Run], str]:
-    """Runs that are as long as a block, and a sentence about the others, empty if there is none.
-
-    Raises
-    ------
-    ValueError
-        If none is.
-    """
+    """Runs that are as long as a block, and a sentence about the others, empty if there is none."""
     lengths = [_length(run) for run in runs]
     kept = [run for run, length in zip(runs, lengths, strict=True) if length >= samples]
     if not kept:
@@ -240,36 +201,17 @@ def long_runs(runs: Sequence[Run], samples: int) -> tuple[list[Run], str]:
 
 @dataclass(frozen=True)
 class Treatment:
-    """Treatment of records before they are cut into series.
+    """Treatment of records before they are cut into series."""
 
-    Attributes
-    ----------
-    timing
-        When rows were measured.
-    has_dates
-        Whether times are dates, or numbers in a unit that is stated: they must rise.
-    joined
-        Whether all runs are parts of one record, in their order in time.
-    cut
-        Whether gaps cut a record; otherwise they are errors.
-    longest
-        Longest gap that is filled (`runs_without_gaps`), in time units.
-    cycle
-        A cycle of the records; None if there is none.
-    waves
-        Whether its waves become columns.
-    removed_from
-        Columns that it is removed from.
-    """
-
-    timing: Timing
+    timing: Timing  #: when rows were measured
+    #: whether times are dates, or numbers in a unit that is stated: they must rise
     has_dates: bool = False
-    joined: bool = False
-    cut: bool = False
-    longest: float = 0.0
-    cycle: Cycle | None = None
-    waves: bool = True
-    removed_from: tuple[str, ...] = ()
+    joined: bool = False  #: whether all runs are parts of one record, in their order in time
+    cut: bool = False  #: whether gaps cut a record; otherwise they are errors
+    longest: float = 0.0  #: longest gap that is filled (`runs_without_gaps`), in time units
+    cycle: Cycle | None = None  #: a cycle of the records; None if there is none
+    waves: bool = True  #: whether its waves become columns
+    removed_from: tuple[str, ...] = ()  #: columns that it is removed from
 
     @property
     def wave_names(self) -> tuple[str, ...]:
@@ -290,25 +232,9 @@ class Treatment:
     ) -> tuple[list[Run], str]:
         """Bring records to runs without a break.
 
-        Parameters
-        ----------
-        runs
-            As files have them.
-        needed
-            Selection of columns, the column of times included.
-        blocks
-            How runs are cut into series; None for not at all.
-        training
-            Number of the first series, which tell the cycle.
-
-        Returns
-        -------
-        The runs, and a sentence about what was left out, empty if nothing was.
-
-        Raises
-        ------
-        ValueError
-            If anything is wrong with the records; the message names the file and the row.
+        ``needed``: Selection of columns, the column of times included. ``blocks``: How runs are cut
+        into series; None for not at all. Returns the runs, and a sentence about what was left out,
+        empty if nothing was.
         """
         timing, left_out = self.timing, ""
         taken = [
@@ -366,24 +292,14 @@ def training_rows(lengths: Sequence[int], blocks: Blocks | None, training: int) 
 
 @dataclass(frozen=True)
 class RecordedSeries:
-    """Series of states as they were measured.
+    """Series of states as they were measured."""
 
-    Attributes
-    ----------
-    states
-        ``(series, time, component)``.
-    known
-        Values that are known in advance, ``(series, time, column)``; None where there are none.
-    start
-        Time of the first sample of each series; None where rows are not treated by their times.
-    left_out
-        What was left out, in a sentence; empty if nothing was.
-    """
-
-    states: FloatArray
+    states: FloatArray  #: ``(series, time, component)``
+    #: values that are known in advance, ``(series, time, column)``; None where there are none
     known: FloatArray | None = None
+    #: time of the first sample of each series; None where rows are not treated by their times
     start: FloatArray | None = None
-    left_out: str = ""
+    left_out: str = ""  #: what was left out, in a sentence; empty if nothing was
 
 
 def recorded_series(
@@ -393,26 +309,7 @@ def recorded_series(
     step: float,
     training: int,
 ) -> RecordedSeries:
-    """Read the series of a case from its files, checked.
-
-    Parameters
-    ----------
-    paths
-        The files, in the order of their series.
-    data
-        The section ``data`` of the case.
-    space
-        What a state is.
-    step
-        Time between two rows, in time units.
-    training
-        Number of training series, the first ones.
-
-    Raises
-    ------
-    ValueError
-        If anything is wrong with them; the message names the file and the row.
-    """
+    """Read the series of a case from its files, checked."""
     time, blocks, treatment = data["time"], data["blocks"], treatment_of(data, step)
     cut = blocks and blocks_of(blocks["duration"], blocks["gap"], step)
     quantities, known = (list(map(Quantity, data[key])) for key in ("components", "known"))
@@ -467,16 +364,9 @@ def treatment_of(data: Mapping[str, Any], step: float) -> Treatment:
 def problems_of_known(data: Mapping[str, Any], columns: Sequence[str]) -> Iterator[str]:
     """Mistakes in the columns that a case's records have as known in advance.
 
-    Parameters
-    ----------
-    data
-        What the records are, by the names that `recorded_series` reads.
-    columns
-        Columns of the first file; empty where that cannot be read.
-
-    Yields
-    ------
-    Messages that begin with the name in ``data`` that is wrong: "known has rho twice".
+    ``data``: What the records are, by the names that `recorded_series` reads. ``columns``: Columns
+    of the first file; empty where that cannot be read. Returns messages that begin with the name in
+    ``data`` that is wrong: "known has rho twice".
     """
     channels = list(map(Quantity, [*data["components"], data["observable"]]))
     taken = {text for one in channels for text in (one.name, one.source)}

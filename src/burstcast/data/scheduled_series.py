@@ -20,27 +20,13 @@ from burstcast.systems.parameters import Parameters, integrate_scheduled
 
 @dataclass(frozen=True)
 class ScheduledSeries:
-    """Series with the values of the parameters that were in force.
+    """Series with the values of the parameters that were in force."""
 
-    Attributes
-    ----------
-    states
-        ``(series, time, component)``.
-    schedules
-        Values in force from each sample to the next, ``(series, time - 1, parameters)``.
-    """
-
-    states: FloatArray
+    states: FloatArray  #: ``(series, time, component)``
+    #: values in force from each sample to the next, ``(series, time - 1, parameters)``
     schedules: FloatArray
 
     def __post_init__(self) -> None:
-        """Check the schedules.
-
-        Raises
-        ------
-        ValueError
-            If they do not fit the series.
-        """
         series, time, _ = self.states.shape
         if self.schedules.ndim != 3 or self.schedules.shape[:2] != (series, time - 1):
             raise ValueError(
@@ -56,13 +42,7 @@ class ScheduledSeries:
 
 
 def joined(parts: Sequence[ScheduledSeries]) -> ScheduledSeries:
-    """Series of several parts, of one length, in their order.
-
-    Raises
-    ------
-    ValueError
-        If they have different lengths, components or parameters.
-    """
+    """Series of several parts, of one length, in their order."""
     shapes = {(part.states.shape[1:], part.schedules.shape[2]) for part in parts}
     if len(shapes) != 1:
         raise ValueError(
@@ -88,19 +68,13 @@ def scheduled_variables(true: ScheduledSeries, observed: FloatArray) -> dict[str
 
 @dataclass(frozen=True)
 class TrainingSet:
-    """Series of several cases that a forecaster learns from, the cases in turn.
+    """Series of several cases that a forecaster learns from, the cases in turn."""
 
-    Attributes
-    ----------
-    true, observed
-        The series as they truly are, and as they are observed.
-    own_rows
-        Rows of a case's own training series among them, in their order; none where the case gives
-        other series, or none.
-    """
-
+    #: true, observed: the series as they truly are, and as they are observed
     true: ScheduledSeries
     observed: ScheduledSeries
+    #: rows of a case's own training series among them, in their order; none where the case gives
+    #: other series, or none
     own_rows: list[int]
 
     @classmethod
@@ -110,12 +84,7 @@ class TrainingSet:
         Series of different cases take turns, so that the first ones, on which networks are
         validated, are of all of them.
 
-        Parameters
-        ----------
-        parts
-            Arrays of each case's `scheduled_variables`.
-        own
-            Which part has the case's own training series; None if none has.
+        ``own``: Which part has the case's own training series; None if none has.
         """
         counts = [len(part["state"]) for part in parts]
         turn = np.argsort(np.concatenate([np.arange(count) for count in counts]), kind="stable")
@@ -146,13 +115,6 @@ class RandomActuation:
     Stretches on and off have geometrically distributed lengths. The actuator begins on with the
     probability that it has later on.
 
-    Attributes
-    ----------
-    interval
-        Steps in an interval.
-    mean_on, mean_off
-        Mean length of the stretches on and off, in intervals; at least 1.
-
     Examples
     --------
     >>> random_actuation = RandomActuation(interval=15, mean_on=3, mean_off=9)
@@ -162,18 +124,12 @@ class RandomActuation:
     (2, 60)
     """
 
-    interval: int
+    interval: int  #: steps in an interval
+    #: mean_on, mean_off: mean length of the stretches on and off, in intervals; at least 1
     mean_on: float
     mean_off: float
 
     def __post_init__(self) -> None:
-        """Check the lengths.
-
-        Raises
-        ------
-        ValueError
-            If one is less than 1.
-        """
         for name in ("interval", "mean_on", "mean_off"):
             if not getattr(self, name) >= 1:
                 raise ValueError(f"{name} must be 1 at least, not {getattr(self, name)}")
@@ -212,32 +168,11 @@ def simulated_series(
 ) -> tuple[ScheduledSeries, IntArray]:
     """Simulate flows under schedules until enough flows have not laminarised.
 
-    Parameters
-    ----------
-    parameters
-        The equations by the values of their parameters.
-    system
-        Has the observable.
-    starts
-        Initial states ``(dimension, candidates)``.
-    schedules
-        Values in force during each step, ``(candidates, steps, parameters)``.
-    wanted
-        Number of series to keep: the first that do not laminarise.
-    time_step, sampling_stride
-        As in `burstcast.data.dataset.generate_ensemble`.
-    laminarisation_threshold
-        A series whose observable exceeds it at any integration step is discarded; None: none is.
-
-    Returns
-    -------
-    The series, of one sample more than the schedules have steps, and the rows of the candidates
-    that they are.
-
-    Raises
-    ------
-    ValueError
-        If too few candidates are left.
+    ``starts``: Initial states ``(dimension, candidates)``. ``schedules``: Values in force during
+    each step, ``(candidates, steps, parameters)``. ``wanted``: Number of series to keep: the first
+    that do not laminarise. ``laminarisation_threshold``: A series whose observable exceeds it at
+    any integration step is discarded; None: none is. Returns the series, of one sample more than
+    the schedules have steps, and the rows of the candidates that they are.
     """
     kept: list[FloatArray] = []
     rows: list[int] = []

@@ -45,23 +45,7 @@ _ROWS_AT_ONCE = 65536
 
 
 def read_runs(path: str, data: Mapping[str, Any], needed: Needed) -> list[Run]:
-    """Read all runs of a file.
-
-    Parameters
-    ----------
-    path
-        The file.
-    data
-        The section ``data`` of its case.
-    needed
-        Selection of data to read.
-
-    Raises
-    ------
-    ValueError
-        If the file is of another kind, has not what is needed, or leaves open which numbers belong
-        together; the message names it.
-    """
+    """Read all runs of a file."""
     suffix = Path(path).suffix.lower()
     try:
         if suffix in TABLES:
@@ -90,15 +74,7 @@ class _FoundError(Exception):
 def column_names(path: str, data: Mapping[str, Any]) -> list[str]:
     """Names of the columns of a file, as its header or its arrays have them: no value is read.
 
-    Parameters
-    ----------
-    path, data
-        As in `read_runs`. The column that tells series apart is none of them.
-
-    Raises
-    ------
-    ValueError, OSError
-        If they cannot be read.
+    ``path``, ``data``: As in `read_runs`. The column that tells series apart is none of them.
     """
     found: list[str] = []
 

@@ -13,21 +13,12 @@ from burstcast.events import upward_crossings
 
 @dataclass(frozen=True)
 class SeriesPoints:
-    """Points in the series of an ensemble.
+    """Points in the series of an ensemble."""
 
-    Attributes
-    ----------
-    series
-        Row of each point's series, ``(points,)``.
-    step
-        Its step within the series, ``(points,)``.
-    """
-
-    series: IntArray
-    step: IntArray
+    series: IntArray  #: row of each point's series, ``(points,)``
+    step: IntArray  #: its step within the series, ``(points,)``
 
     def __len__(self) -> int:
-        """Return the number of points."""
         return len(self.series)
 
 
@@ -36,23 +27,7 @@ def starting_points(
 ) -> SeriesPoints:
     """Evenly spaced starting points, as many as leave room for the washout and the forecast.
 
-    Parameters
-    ----------
-    series
-        Number of series.
-    length
-        Samples in each.
-    spacing
-        Steps between two starting points.
-    washout
-        Inputs of the washout; the last one is the starting point itself.
-    longest_forecast
-        Steps that a forecast reaches beyond its starting point.
-
-    Raises
-    ------
-    ValueError
-        If the series are too short for a single starting point.
+    ``longest_forecast``: Steps that a forecast reaches beyond its starting point.
     """
     steps = np.arange(washout - 1, length - longest_forecast, spacing)
     if steps.size == 0:
@@ -68,16 +43,7 @@ def starting_points(
 def crossing_points(observable: FloatArray, threshold: float) -> SeriesPoints:
     """Starts of the extreme events of series (`burstcast.events.upward_crossings`).
 
-    Parameters
-    ----------
-    observable
-        ``(series, time)``.
-    threshold
-        The event threshold, k_e.
-
-    Returns
-    -------
-    Events in the order of series, then time.
+    ``observable``: ``(series, time)``.
     """
     series, step = np.nonzero(upward_crossings(observable, threshold))
     return SeriesPoints(series=series, step=step)
@@ -88,16 +54,8 @@ def horizon_events(
 ) -> SeriesPoints:
     """First events of the series outside of training, with room before them.
 
-    Parameters
-    ----------
-    crossings
-        All events (`crossing_points`).
-    first_series
-        Row of the first series that was not used for training.
-    earliest_step
-        Steps of their series that events leave before them, at least.
-    count
-        How many to take; fewer where there are no more.
+    ``first_series``: Row of the first series that was not used for training. ``earliest_step``:
+    Steps of their series that events leave before them, at least.
     """
     usable = (crossings.series >= first_series) & (crossings.step >= earliest_step)
     rows = np.flatnonzero(usable)[:count]
@@ -107,17 +65,8 @@ def horizon_events(
 def steps_before_events(length: int, longest_lead_time: int, washout: int) -> int:
     """Steps that a prediction horizon needs before an event: the longest lead time and its washout.
 
-    Parameters
-    ----------
-    length
-        Samples in each series.
-    longest_lead_time, washout
-        In steps; the last input of the washout is the starting point itself.
-
-    Raises
-    ------
-    ValueError
-        If the series are too short for any event to have so many before it.
+    ``longest_lead_time``, ``washout``: In steps; the last input of the washout is the starting
+    point itself.
     """
     if washout + longest_lead_time > length:
         raise ValueError(
@@ -130,19 +79,7 @@ def steps_before_events(length: int, longest_lead_time: int, washout: int) -> in
 def segments(series: FloatArray, points: SeriesPoints, before: int, after: int) -> FloatArray:
     """Stretches of series around points, ``(points, before + 1 + after, ...)``.
 
-    Parameters
-    ----------
-    series
-        ``(series, time, ...)``.
-    points
-        The points.
-    before, after
-        Steps before and after each point.
-
-    Raises
-    ------
-    IndexError
-        If a stretch reaches beyond its series.
+    ``series``: ``(series, time, ...)``.
     """
     if len(points) and (points.step.min() < before or points.step.max() + after >= series.shape[1]):
         raise IndexError("a segment reaches beyond its series")

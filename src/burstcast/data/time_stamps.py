@@ -21,17 +21,8 @@ _DURATION = re.compile(r"(\d+(?:\.\d+)?) ?(second|minute|hour|day|year)s?", re.A
 def duration_in(duration: float | str, unit: str | None) -> float:
     """Return a duration in a unit of time.
 
-    Parameters
-    ----------
-    duration
-        A number of time units, or text: ``1 day``, ``90 minutes``, ``1 year`` (365.2425 days).
-    unit
-        One of `SECONDS`; None if it is not known.
-
-    Raises
-    ------
-    ValueError
-        If the text is no duration, or the unit is not known.
+    ``duration``: A number of time units, or text: ``1 day``, ``90 minutes``, ``1 year`` (365.2425
+    days).
 
     Examples
     --------
@@ -57,13 +48,9 @@ class TimeStamps:
 
     A column has either numbers, or dates, or dates with offsets from UTC, in all of its rows.
 
-    Parameters
-    ----------
-    unit
-        Unit of the times that it returns, one of `SECONDS`. Numbers have it already.
-    zone
-        Time zone of dates without an offset: "Europe/Berlin". Without one, such dates come from a
-        clock that is never put forward or back, and count as UTC.
+    ``unit``: Unit of the times that it returns, one of `SECONDS`. Numbers have it already.
+    ``zone``: Time zone of dates without an offset: "Europe/Berlin". Without one, such dates come
+    from a clock that is never put forward or back, and count as UTC.
 
     Examples
     --------
@@ -78,14 +65,7 @@ class TimeStamps:
         self.kind = ""
 
     def __call__(self, text: str) -> float:
-        """Time of a stamp.
-
-        Raises
-        ------
-        ValueError
-            If it is no time, is of another kind than the stamps before it, or names an hour that
-            the clocks of the zone skip or repeat.
-        """
+        """Time of a stamp."""
         text = text.strip()
         found: float | datetime
         try:

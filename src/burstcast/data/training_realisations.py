@@ -35,23 +35,8 @@ def rows_of_realisation(kept: int, training: int, realisation: int) -> IntArray:
     The first ones change places with a block of as many from the end, so that all that lies
     between, the test series among it, stays where it is.
 
-    Parameters
-    ----------
-    kept
-        Number of series.
-    training
-        How many are trained on.
-    realisation
-        Which choice: 0 is the ensemble's own order, 1 takes the last block, 2 the one before.
-
-    Returns
-    -------
-    Rows of the ensemble in the new order, ``(kept,)``.
-
-    Raises
-    ------
-    ValueError
-        If the ensemble is too small for so many choices that share no series.
+    ``realisation``: Which choice: 0 is the ensemble's own order, 1 takes the last block, 2 the one
+    before. Returns rows of the ensemble in the new order, ``(kept,)``.
     """
     first = kept - realisation * training
     if first < training:
@@ -87,28 +72,10 @@ def draw_training_series(
     Each choice is, of `DRAWS` random sets of series that no earlier choice has, the one whose share
     is nearest to the wanted one. Nothing else is looked at: neither forecasts nor their scores.
 
-    Parameters
-    ----------
-    event_shares
-        Share of its time that the observable of each series is at or above the event threshold,
-        ``(kept,)``. All series are equally long, so that the share of a set is the mean.
-    candidates
-        Rows of the series that may be drawn: all but the test series.
-    training
-        Number of series in each choice.
-    wanted
-        Wanted share of each choice.
-    generators
-        Random numbers of each choice.
-
-    Returns
-    -------
-    Rows of each choice, in random order, ``(training,)``.
-
-    Raises
-    ------
-    ValueError
-        If there are too few candidates.
+    ``event_shares``: Share of its time that the observable of each series is at or above the event
+    threshold, ``(kept,)``. All series are equally long, so that the share of a set is the mean.
+    ``candidates``: Rows of the series that may be drawn: all but the test series. Returns rows of
+    each choice, in random order, ``(training,)``.
     """
     if len(candidates) < training * len(wanted):
         raise ValueError(
@@ -133,19 +100,9 @@ def rows_of_drawn_series(
 ) -> IntArray:
     """Order of an ensemble's series in which the last of several drawn choices comes first.
 
-    Parameters
-    ----------
-    event_shares, training, generators
-        As in `draw_training_series`.
-    held
-        Number of series after the training series that are not drawn, and keep their places: the
-        test and calibration series.
-    wanted
-        Wanted share of each choice; "all": the share of all series.
-
-    Returns
-    -------
-    Rows of the ensemble in the new order, ``(kept,)``.
+    ``held``: Number of series after the training series that are not drawn, and keep their places:
+    the test and calibration series. ``wanted``: Wanted share of each choice; "all": the share of
+    all series. Returns rows of the ensemble in the new order, ``(kept,)``.
     """
     kept = len(event_shares)
     candidates = np.delete(np.arange(kept), np.s_[training : training + held])
@@ -156,24 +113,14 @@ def rows_of_drawn_series(
 
 @dataclass(frozen=True)
 class VarianceComponents:
-    """Components of the variance of a metric.
-
-    Attributes
-    ----------
-    mean
-        Over all values.
-    between
-        Standard deviation of what the groups themselves have, beyond what their members explain; 0
-        where the groups differ by no more than chance. NaN for a single group.
-    within
-        Standard deviation of the members of a group; NaN where no group has two.
-    groups, values
-        How many there are.
-    """
+    """Components of the variance of a metric."""
 
     mean: float
+    #: standard deviation of what the groups themselves have, beyond what their members explain; 0
+    #: where the groups differ by no more than chance. NaN for a single group.
     between: float
-    within: float
+    within: float  #: standard deviation of the members of a group; NaN where no group has two
+    #: groups, values: how many there are
     groups: int
     values: int
 
@@ -181,12 +128,9 @@ class VarianceComponents:
 def variance_components(groups: Sequence[FloatArray]) -> VarianceComponents:
     """Separate the variance between groups from that within them, by the method of moments.
 
-    Parameters
-    ----------
-    groups
-        Values of each group (a choice of the training series), ``(members,)``; groups without
-        values do not count. Where no group has two members, nothing is known of the scatter within,
-        and the variance of the groups is all there is.
+    ``groups``: Values of each group (a choice of the training series), ``(members,)``; groups
+    without values do not count. Where no group has two members, nothing is known of the scatter
+    within, and the variance of the groups is all there is.
     """
     present = [np.asarray(group, dtype=np.float64) for group in groups if len(group)]
     sizes = np.array([len(group) for group in present], dtype=np.float64)

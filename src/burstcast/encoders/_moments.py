@@ -10,18 +10,10 @@ from burstcast.systems.state_space import StateSpace
 
 
 class Moments(NamedTuple):
-    """First and second moments of states.
-
-    Attributes
-    ----------
-    mean
-        ``(dimension,)``.
-    covariance
-        ``(dimension, dimension)``.
-    """
+    """First and second moments of states."""
 
     mean: FloatArray
-    covariance: FloatArray
+    covariance: FloatArray  #: ``(dimension, dimension)``
 
 
 def state_moments(states: FloatArray, space: StateSpace | None = None) -> Moments:
@@ -30,12 +22,8 @@ def state_moments(states: FloatArray, space: StateSpace | None = None) -> Moment
     The images themselves are never made: moments are averaged over the powers of one symmetry
     after the other.
 
-    Parameters
-    ----------
-    states
-        ``(snapshots, dimension)``.
-    space
-        Where the states live; None, or a space without symmetries: moments of the snapshots alone.
+    ``states``: ``(snapshots, dimension)``. ``space``: Where the states live; None, or a space
+    without symmetries: moments of the snapshots alone.
     """
     mean = states.mean(axis=0)
     second = states.T @ states / len(states)

@@ -23,43 +23,22 @@ IDENTITY, ESTIMATE = "identity", "state_estimate"
 
 @dataclass(frozen=True)
 class StateChannels:
-    """Channels of a case that has the states of another case, seen by sensors and encoded.
+    """Channels of a case that has the states of another case, seen by sensors and encoded."""
 
-    Attributes
-    ----------
-    case
-        The states, the sensors if there are any, and options of the encoder.
-    estimate
-        Estimate of the state from the readings of sensors, which the encoder is given; None where
-        states are observed themselves, or readings are not encoded.
-    encoder
-        Function from observed or estimated states, or from readings, to channels.
-    """
-
-    case: EncodingCase
+    case: EncodingCase  #: the states, the sensors if there are any, and options of the encoder
+    #: estimate of the state from the readings of sensors, which the encoder is given; None where
+    #: states are observed themselves, or readings are not encoded
     estimate: StateEstimateEncoder | None
-    encoder: Encoder
+    encoder: Encoder  #: function from observed or estimated states, or from readings, to channels
 
     @classmethod
     def fit(cls, kind: str, states: FloatArray, seen: FloatArray, case: EncodingCase) -> Self:
         """Fit the encoder, and before it the estimate of the state where it needs one.
 
-        Parameters
-        ----------
-        kind
-            Kind of the encoder (`burstcast.encoders.registry`). All but ``identity`` are given an
-            estimate of the state where sensors see it.
-        states
-            True training states, ``(series, time, dimension)``.
-        seen
-            What was observed of them, with noise, ``(series, time, observed)``.
-        case
-            Its information.
-
-        Raises
-        ------
-        ValueError
-            If an option is out of bounds, or the states have no such encoding.
+        ``kind``: Kind of the encoder (`burstcast.encoders.registry`). All but ``identity`` are
+        given an estimate of the state where sensors see it. ``states``: True training states,
+        ``(series, time, dimension)``. ``seen``: What was observed of them, with noise, ``(series,
+        time, observed)``.
         """
         if case.observation is None or kind == IDENTITY:
             return cls(case, None, encoder_class(kind).fit(seen, case))
@@ -81,18 +60,9 @@ class StateChannels:
     ) -> tuple[Self, Scales]:
         """Fit to training series that are observed with the noise of their case.
 
-        Parameters
-        ----------
-        kind, states, case
-            As in `fit`.
-        level
-            Standard deviation of the noise in standard deviations of each observed component.
-        random_seed, source
-            Root of all random streams, and the name of the case whose states they are.
-
-        Returns
-        -------
-        The channels, and the scales of what is observed.
+        ``level``: Standard deviation of the noise in standard deviations of each observed
+        component. ``random_seed``, ``source``: Root of all random streams, and the name of the case
+        whose states they are.
         """
         readings = case.readings_of_series(states)
         scales = component_scales(readings)
@@ -120,17 +90,7 @@ class StateChannels:
     def maps(self, states: FloatArray) -> StateMaps:
         """Affine maps between states and channels.
 
-        Parameters
-        ----------
-        states
-            True training states, ``(series, time, dimension)``.
-
-        Raises
-        ------
-        NotImplementedError
-            If the encoder does not decode.
-        ValueError
-            If readings are not encoded and have no noise.
+        ``states``: True training states, ``(series, time, dimension)``.
         """
         moments = state_moments(states.reshape(-1, states.shape[-1]), self.case.space)
         decode: Callable[[FloatArray], FloatArray] = self.encoder.decode
@@ -147,21 +107,11 @@ class StateChannels:
 
 @dataclass(frozen=True)
 class EncodedFlow:
-    """Observations of a running flow, and their channels for forecasters.
+    """Observations of a running flow, and their channels for forecasters."""
 
-    Attributes
-    ----------
-    channels
-        The sensors and the encoder, fitted.
-    source
-        Equations of the flow.
-    space
-        The channels with the observable as the last one, as a state of its own.
-    """
-
-    channels: StateChannels
-    source: DynamicalSystem
-    space: StateSpace
+    channels: StateChannels  #: the sensors and the encoder, fitted
+    source: DynamicalSystem  #: equations of the flow
+    space: StateSpace  #: the channels with the observable as the last one, as a state of its own
 
     def __call__(self, states: FloatArray) -> FloatArray:
         """Readings and, last, the observable of states ``(dimension, ...)``, without noise."""
@@ -178,19 +128,8 @@ def encoding_case(
 ) -> EncodingCase:
     """Information for the encoder of a case.
 
-    Parameters
-    ----------
-    space
-        The states.
-    sensors
-        Fields of the `VelocitySensors` beside the flow; None: the states are observed themselves.
-    options
-        Options of the encoder.
-
-    Raises
-    ------
-    ValueError
-        If the sensors are outside of the domain, or the states are no flow in a plane.
+    ``sensors``: Fields of the `VelocitySensors` beside the flow; None: the states are observed
+    themselves.
     """
     if sensors is None:
         return EncodingCase(space, options)
@@ -203,18 +142,7 @@ def encoding_case(
 
 
 def channel_names(kind: str, case: EncodingCase) -> tuple[str, ...]:
-    """Names of the channels of a case, which are known before anything is fitted.
-
-    Parameters
-    ----------
-    kind, case
-        As for `StateChannels.fit`.
-
-    Raises
-    ------
-    ValueError
-        If an option is out of bounds, or the states have no such encoding.
-    """
+    """Names of the channels of a case, which are known before anything is fitted."""
     if kind not in (IDENTITY, ESTIMATE):
         case = replace(case, observation=None)
     return encoder_class(kind).channel_names(case)
@@ -223,20 +151,7 @@ def channel_names(kind: str, case: EncodingCase) -> tuple[str, ...]:
 def check_encoding(kind: str, case: EncodingCase, noise: float, snapshots: int) -> None:
     """Check the settings of an encoded case against what is known before there are data.
 
-    Parameters
-    ----------
-    kind, case
-        As for `StateChannels.fit`.
-    noise
-        Level of the observation noise, ``training.noise``.
-    snapshots
-        States in the training series.
-
-    Raises
-    ------
-    ValueError
-        If an option is out of bounds or of another encoder, the states have no such encoding, or
-        no sensor sees one of their components.
+    ``noise``: Level of the observation noise, ``training.noise``.
     """
     known = encoder_class(kind).option_names
     for name, value in case.options.items():

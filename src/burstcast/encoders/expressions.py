@@ -12,20 +12,12 @@ from burstcast.systems.expressions import Expression
 
 @dataclass(frozen=True)
 class ExpressionsEncoder(Encoder):
-    """Values of expressions, the option ``expressions``: ``["a1", "a2**2 + a3**2"]``.
-
-    Attributes
-    ----------
-    components
-        Names of the observed components.
-    expressions
-        Their expressions.
-    """
+    """Values of expressions, the option ``expressions``: ``["a1", "a2**2 + a3**2"]``."""
 
     option_names: ClassVar[tuple[str, ...]] = ("expressions",)
 
-    components: tuple[str, ...]
-    expressions: tuple[Expression, ...]
+    components: tuple[str, ...]  #: names of the observed components
+    expressions: tuple[Expression, ...]  #: their expressions
 
     @classmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:

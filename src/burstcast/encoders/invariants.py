@@ -14,13 +14,7 @@ from burstcast.systems.base import DynamicalSystem, has_own
 
 @dataclass(frozen=True)
 class InvariantsEncoder(Encoder):
-    """Channels are the invariants of the system.
-
-    Attributes
-    ----------
-    system
-        The system.
-    """
+    """Channels are the invariants of the system."""
 
     system: DynamicalSystem
 

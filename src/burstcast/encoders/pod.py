@@ -25,23 +25,15 @@ class PodEncoder(Encoder):
     Options are ``modes``, how many modes are kept, or ``variance``, the share of the variance that
     the kept modes have at least; and ``symmetrised``, whether images of the snapshots under the
     symmetries of the system count (true by default).
-
-    Attributes
-    ----------
-    mean
-        Mean of the snapshots, ``(component,)``.
-    modes
-        Orthonormal modes, ``(component, mode)``; the largest entry of each is positive.
-    variances
-        Variance of the coefficient of each mode, kept or not, falling.
     """
 
     decodes: ClassVar[bool] = True
     option_names: ClassVar[tuple[str, ...]] = ("modes", "variance", "symmetrised")
 
-    mean: FloatArray
+    mean: FloatArray  #: mean of the snapshots, ``(component,)``
+    #: orthonormal modes, ``(component, mode)``; the largest entry of each is positive
     modes: FloatArray
-    variances: FloatArray
+    variances: FloatArray  #: variance of the coefficient of each mode, kept or not, falling
 
     @classmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
@@ -59,13 +51,7 @@ class PodEncoder(Encoder):
 
     @classmethod
     def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
-        """Names by number: "mode_1" has the most variance.
-
-        Raises
-        ------
-        ValueError
-            If the number of modes is not given, or exceeds the number of components.
-        """
+        """Names by number: "mode_1" has the most variance."""
         count, most = case.options.get("modes"), len(case.components)
         if count is None or not 1 <= count <= most:
             raise ValueError(f"modes must be a number from 1 to {most}, the components of a state")

@@ -13,13 +13,7 @@ def available_encoders() -> list[str]:
 
 
 def encoder_class(kind: str) -> type[Encoder]:
-    """Class of the encoders of a kind: "identity", "pod", ...
-
-    Raises
-    ------
-    ValueError
-        If there is no such kind.
-    """
+    """Class of the encoders of a kind: "identity", "pod", ..."""
     available = available_encoders()
     if kind not in available:
         raise ValueError(

@@ -19,22 +19,12 @@ from burstcast.systems.state_space import component_names
 
 @dataclass(frozen=True)
 class StateEstimateEncoder(Encoder):
-    """Estimates of all components of a state.
-
-    Attributes
-    ----------
-    observation
-        What instruments see of a state.
-    gain
-        ``(dimension, observed)``.
-    constant
-        ``(dimension,)``.
-    """
+    """Estimates of all components of a state."""
 
     decodes: ClassVar[bool] = True
 
-    observation: Observation
-    gain: FloatArray
+    observation: Observation  #: what instruments see of a state
+    gain: FloatArray  #: ``(dimension, observed)``
     constant: FloatArray
 
     @classmethod

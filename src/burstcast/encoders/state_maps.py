@@ -16,16 +16,6 @@ class StateMaps:
 
     A state is estimated as ``gain @ channels + constant``; the channels of a state are
     ``matrix @ state + offset``.
-
-    Attributes
-    ----------
-    gain, constant
-        ``(dimension, channel)`` and ``(dimension,)``.
-    matrix, offset
-        ``(channel, dimension)`` and ``(channel,)``.
-    covariance
-        Covariance of the states, averaged over the symmetries of their system, ``(dimension,
-        dimension)``.
     """
 
     gain: Annotated[
@@ -41,6 +31,8 @@ class StateMaps:
         FloatArray, Described("channel dimension", COMPONENT_RATIO, "from states to channels")
     ]
     offset: Annotated[FloatArray, Described("channel", COMPONENT, "channels of the state zero")]
+    #: covariance of the states, averaged over the symmetries of their system, ``(dimension,
+    #: dimension)``
     covariance: Annotated[
         FloatArray, Described("dimension dimension", COMPONENT_PRODUCT, "covariance of the states")
     ]
@@ -56,10 +48,7 @@ class StateMaps:
     def error_covariance(self, noise: FloatArray) -> FloatArray:
         """Covariance of the error of an estimate from channels, ``(dimension, dimension)``.
 
-        Parameters
-        ----------
-        noise
-            Standard deviation of the errors of the channels, ``(channel,)``.
+        ``noise``: Standard deviation of the errors of the channels, ``(channel,)``.
         """
         lost = np.eye(len(self.gain)) - self.gain @ self.matrix
         noisy = self.gain * noise

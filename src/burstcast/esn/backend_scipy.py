@@ -15,15 +15,9 @@ from burstcast.arrays import FloatArray, Int32Array
 class ScipyBackend:
     """Open and closed loop of one reservoir with its hyperparameters applied.
 
-    Parameters
-    ----------
-    recurrent
-        Recurrent weights times the spectral radius, shape ``(neurons, neurons)``.
-    input_column, input_weight
-        The input that feeds each neuron (the last one is the bias) and its weight times the input
-        scaling, shape ``(neurons,)``.
-    input_bias
-        The constant that is appended to every input.
+    ``recurrent``: Recurrent weights times the spectral radius, shape ``(neurons, neurons)``.
+    ``input_column``, ``input_weight``: The input that feeds each neuron (the last one is the bias)
+    and its weight times the input scaling, shape ``(neurons,)``.
     """
 
     def __init__(

@@ -35,20 +35,13 @@ class DynamicsBackend(Protocol):
 
 @dataclass(frozen=True)
 class StatePanel:
-    """Reservoir states of a stretch of steps.
+    """Reservoir states of a stretch of steps."""
 
-    Parameters
-    ----------
-    start, stop
-        The stretch: the states after the inputs ``start`` to ``stop - 1``. The state after input i
-        predicts the data at step i + 1.
-    states
-        Shape ``(neurons, stop - start, batch)``, C-contiguous.
-    """
-
+    #: start, stop: the stretch: the states after the inputs ``start`` to ``stop - 1``. The state
+    #: after input i predicts the data at step i + 1.
     start: int
     stop: int
-    states: FloatArray
+    states: FloatArray  #: shape ``(neurons, stop - start, batch)``, C-contiguous
 
     @property
     def columns(self) -> FloatArray:

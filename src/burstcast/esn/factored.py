@@ -18,22 +18,13 @@ from burstcast.systems.parameters import stretches, values_in
 
 @dataclass(frozen=True)
 class FactoredStates:
-    """Features of a readout that is linear in factors.
+    """Features of a readout that is linear in factors."""
 
-    Attributes
-    ----------
-    neurons
-        Size of the reservoir.
-    driven
-        Neurons that the input reaches. The others settle at constants, whose products with a factor
-        are copies of the factor: they have no such products.
-    factors
-        Number of factors; 0: the features are the states.
-    """
-
-    neurons: int
+    neurons: int  #: size of the reservoir
+    #: neurons that the input reaches. The others settle at constants, whose products with a factor
+    #: are copies of the factor: they have no such products.
     driven: IntArray
-    factors: int
+    factors: int  #: number of factors; 0: the features are the states
 
     @classmethod
     def of(cls, reservoir: Reservoir, factors: int) -> "FactoredStates":
@@ -48,16 +39,9 @@ class FactoredStates:
     def features(self, states: FloatArray, factors: FloatArray) -> FloatArray:
         """Features of states.
 
-        Parameters
-        ----------
-        states
-            ``(neurons, columns)``.
-        factors
-            In force from each column's step to the next, ``(factors, columns)``.
-
-        Returns
-        -------
-        ``(size, columns)``: the states, the driven states times each factor, the factors.
+        ``states``: ``(neurons, columns)``. ``factors``: In force from each column's step to the
+        next, ``(factors, columns)``. Shape ``(size, columns)``: the states, the driven states times
+        each factor, the factors.
         """
         driven = states[self.driven]
         return np.concatenate([states, *(factor * driven for factor in factors), factors])
@@ -65,21 +49,8 @@ class FactoredStates:
     def weights_at(self, weights: FloatArray, factors: FloatArray) -> FloatArray:
         """Readout of the states alone under given factors.
 
-        Parameters
-        ----------
-        weights
-            Weights of the features, the bias last, ``(size + 1, dimension)``.
-        factors
-            ``(factors,)``.
-
-        Returns
-        -------
-        ``(neurons + 1, dimension)``, the bias last.
-
-        Raises
-        ------
-        ValueError
-            If the weights do not fit.
+        ``weights``: Weights of the features, the bias last, ``(size + 1, dimension)``. ``factors``:
+        ``(factors,)``. Shape ``(neurons + 1, dimension)``, the bias last.
         """
         if len(weights) != self.size + 1:
             raise ValueError(f"a readout of {self.size} features has no {len(weights)} weights")
@@ -114,20 +85,11 @@ def factored_closed_loop(
 ) -> tuple[FloatArray, FloatArray]:
     """Autonomous forecast by a readout that is linear in factors.
 
-    Parameters
-    ----------
-    dynamics, input_range, states
-        As in `burstcast.esn.dynamics.Dynamics.closed_loop`.
-    weights
-        Weights of the features (`FactoredStates`), ``(size + 1, dimension)``.
-    factors
-        In force during each step, ``(steps, factors, batch)``.
-
-    Returns
-    -------
-    Outputs ``(steps, dimension, batch)`` and states ``(neurons, batch)``, as of
-    `burstcast.esn.dynamics.Dynamics.closed_loop`. A forecast that has left the finite numbers when
-    its factors change is not a number from there on.
+    ``dynamics``, ``input_range``, ``states``: As in `burstcast.esn.dynamics.Dynamics.closed_loop`.
+    ``weights``: Weights of the features (`FactoredStates`), ``(size + 1, dimension)``. ``factors``:
+    In force during each step, ``(steps, factors, batch)``. Returns outputs ``(steps, dimension,
+    batch)`` and states ``(neurons, batch)``, as of `burstcast.esn.dynamics.Dynamics.closed_loop`. A
+    forecast that has left the finite numbers when its factors change is not a number from there on.
     """
     layout = FactoredStates.of(dynamics.reservoir, factors.shape[1])
     outputs = np.full((len(factors), len(input_range), states.shape[1]), np.nan)

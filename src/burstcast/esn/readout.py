@@ -22,35 +22,20 @@ from burstcast.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Moments:
-    """First and centred second moments of reservoir states and targets.
+    """First and centred second moments of reservoir states and targets."""
 
-    Parameters
-    ----------
-    count
-        Number of rows (training steps), M.
-    mean_state, mean_target
-        Shapes ``(neurons,)`` and ``(dimension,)``.
-    gram
-        Sum of the products of centred states, ``(neurons, neurons)``, Fortran order; only the lower
-        triangle is meaningful.
-    cross
-        Sum of the products of centred states with centred targets, ``(neurons, dimension)``.
-    """
-
-    count: int
+    count: int  #: number of rows (training steps), M
+    #: mean_state, mean_target: shapes ``(neurons,)`` and ``(dimension,)``
     mean_state: FloatArray
     mean_target: FloatArray
+    #: sum of the products of centred states, ``(neurons, neurons)``, Fortran order; only the lower
+    #: triangle is meaningful
     gram: FloatArray
+    #: sum of the products of centred states with centred targets, ``(neurons, dimension)``
     cross: FloatArray
 
     def merge(self, other: "Moments") -> "Moments":
-        """Moments of the rows of both; exact, up to rounding.
-
-        Raises
-        ------
-        ValueError
-            If their shapes differ.
-        """
+        """Moments of the rows of both; exact, up to rounding."""
         if self.cross.shape != other.cross.shape:
             raise ValueError(
                 f"moments of shapes {self.cross.shape} and {other.cross.shape} do not merge"
@@ -76,13 +61,6 @@ class MomentsAccumulator:
 
     The mean of the first panel is subtracted from all the rows, so that the sums are nearly
     centred; `moments` corrects the rest by a term of rank one.
-
-    Parameters
-    ----------
-    neurons
-        Number of neurons.
-    dimension
-        Number of components of the targets.
     """
 
     def __init__(self, neurons: int, dimension: int) -> None:
@@ -97,18 +75,9 @@ class MomentsAccumulator:
     def add(self, states: FloatArray, targets: FloatArray) -> None:
         """Add the rows of a panel.
 
-        Parameters
-        ----------
-        states
-            Shape ``(neurons, columns)``; C-contiguous is fastest (see
-            `burstcast.esn.dynamics.StatePanel.columns`). Not changed.
-        targets
-            Shape ``(dimension, columns)``, in the order of the states' columns.
-
-        Raises
-        ------
-        ValueError
-            If the shapes do not fit or a value is not finite.
+        ``states``: Shape ``(neurons, columns)``; C-contiguous is fastest (see
+        `burstcast.esn.dynamics.StatePanel.columns`). Not changed. ``targets``: Shape ``(dimension,
+        columns)``, in the order of the states' columns.
         """
         neurons, dimension = self._cross.shape
         columns = states.shape[1]
@@ -138,13 +107,7 @@ class MomentsAccumulator:
         )
 
     def moments(self) -> Moments:
-        """Moments of the rows so far; a copy, so that more rows may follow.
-
-        Raises
-        ------
-        ValueError
-            If there are no rows.
-        """
+        """Moments of the rows so far; a copy, so that more rows may follow."""
         if self._count == 0:
             raise ValueError("no training data: the moments have no rows")
         state_offset = self._state_sum / self._count
@@ -164,24 +127,14 @@ class MomentsAccumulator:
 
 @dataclass(frozen=True)
 class Readout:
-    """A trained readout.
+    """A trained readout."""
 
-    Parameters
-    ----------
-    weights
-        W_out, shape ``(neurons + 1, dimension)``; the last row is the output bias.
-    tikhonov
-        The regularisation beta it was trained with.
-    solver
-        How the linear system was solved: "cholesky" or "ldl".
-    reciprocal_condition
-        Estimate of the reciprocal condition number of the system's matrix, in the 1-norm, to three
-        digits.
-    """
-
+    #: W_out, shape ``(neurons + 1, dimension)``; the last row is the output bias
     weights: FloatArray
-    tikhonov: float
-    solver: str
+    tikhonov: float  #: the regularisation beta it was trained with
+    solver: str  #: how the linear system was solved: "cholesky" or "ldl"
+    #: estimate of the reciprocal condition number of the system's matrix, in the 1-norm, to three
+    #: digits
     reciprocal_condition: float
 
 
@@ -191,19 +144,7 @@ def solve_ridge(moments: Moments, tikhonov: float) -> Readout:
     The matrix is factorised by Cholesky; where rounding has made it indefinite, by a symmetric
     indefinite factorisation (LDL^T with Bunch-Kaufman pivoting).
 
-    Parameters
-    ----------
-    moments
-        Moments of the training data.
-    tikhonov
-        Regularisation beta, added to the plain sum over the training steps; not negative.
-
-    Raises
-    ------
-    ValueError
-        If beta is negative or not finite, or the moments are not finite.
-    numpy.linalg.LinAlgError
-        If the matrix is exactly singular or the weights are not finite.
+    ``tikhonov``: Regularisation beta, added to the plain sum over the training steps; not negative.
     """
     if not (tikhonov >= 0 and np.isfinite(tikhonov)):
         raise ValueError(f"the Tikhonov parameter must be finite and not negative: {tikhonov}")

@@ -25,28 +25,16 @@ _KRYLOV_VECTORS = 60
 
 @dataclass(frozen=True)
 class Reservoir:
-    """The random matrices W_in and W of one network, before any hyperparameter.
+    """The random matrices W_in and W of one network, before any hyperparameter."""
 
-    Parameters
-    ----------
-    input_column
-        The one input that feeds each neuron, shape ``(neurons,)``. Columns 0 to ``dimension - 1``
-        are the components of the input, column ``dimension`` is the bias.
-    input_weight
-        Its weight, uniform in [-1, 1], shape ``(neurons,)``.
-    recurrent
-        Recurrent weights W, shape ``(neurons, neurons)``, of spectral radius one.
-    dimension
-        Number of components of the input, N_u.
-    input_bias
-        The constant b_in that is appended to every input.
-    """
-
+    #: the one input that feeds each neuron, shape ``(neurons,)``. Columns 0 to ``dimension - 1``
+    #: are the components of the input, column ``dimension`` is the bias.
     input_column: Int32Array
-    input_weight: FloatArray
+    input_weight: FloatArray  #: its weight, uniform in [-1, 1], shape ``(neurons,)``
+    #: recurrent weights W, shape ``(neurons, neurons)``, of spectral radius one
     recurrent: scipy.sparse.csr_array
-    dimension: int
-    input_bias: float
+    dimension: int  #: number of components of the input, N_u
+    input_bias: float  #: the constant b_in that is appended to every input
 
     @property
     def neurons(self) -> int:
@@ -56,23 +44,12 @@ class Reservoir:
 
 @dataclass(frozen=True)
 class ReservoirSeed:
-    """Seed of a reservoir, common to all cases, strategies and hyperparameters.
+    """Seed of a reservoir, common to all cases, strategies and hyperparameters."""
 
-    Attributes
-    ----------
-    random_seed
-        The one root of all random numbers.
-    neurons
-        Its size.
-    seed
-        Which realisation of its size.
-    connectivity, input_bias
-        See `make_reservoir`.
-    """
-
-    random_seed: int
+    random_seed: int  #: the one root of all random numbers
     neurons: int
-    seed: int
+    seed: int  #: which realisation of its size
+    #: connectivity, input_bias: see `make_reservoir`
     connectivity: float
     input_bias: float
 

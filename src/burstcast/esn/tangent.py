@@ -28,10 +28,7 @@ class ClosedLoopTangent:
     All products are of a sparse matrix with a batch, summed in the order of the row's entries: a
     trajectory's perturbations are bit for bit the same whatever the batch that it is part of.
 
-    Parameters
-    ----------
-    network
-        The network; its reservoir's states are perturbed.
+    ``network``: The network; its reservoir's states are perturbed.
     """
 
     def __init__(self, network: EchoStateNetwork) -> None:
@@ -52,18 +49,9 @@ class ClosedLoopTangent:
     ) -> tuple[FloatArray, FloatArray]:
         """Take states and perturbations some steps further.
 
-        Parameters
-        ----------
-        states
-            States of the reservoir, ``(neurons, batch)``.
-        tangent
-            Perturbations of them, ``(neurons, perturbations, batch)``.
-        steps
-            Steps of the closed loop.
-
-        Returns
-        -------
-        Both, so many steps later; the states equal the closed loop's bit for bit.
+        ``states``: States of the reservoir, ``(neurons, batch)``. ``tangent``: Perturbations of
+        them, ``(neurons, perturbations, batch)``. Returns both, so many steps later; the states
+        equal the closed loop's bit for bit.
         """
         shape = tangent.shape
         for _ in range(steps):

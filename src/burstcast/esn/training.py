@@ -77,19 +77,12 @@ class Collected:
     """Result of an open loop over the training series.
 
     The state at step j has seen the inputs up to step j - 1; its target is the data of step j.
-
-    Attributes
-    ----------
-    moments
-        Moments of all states after the washout.
-    snapshots
-        Moments of the states before a step, by step, where they were requested.
-    states
-        Reservoir states ``(neurons, series)`` by step, where they were asked for.
     """
 
-    moments: Moments
+    moments: Moments  #: moments of all states after the washout
+    #: moments of the states before a step, by step, where they were requested
     snapshots: dict[int, Moments]
+    #: reservoir states ``(neurons, series)`` by step, where they were asked for
     states: dict[int, FloatArray]
 
 
@@ -104,26 +97,9 @@ def collect(
 ) -> Collected:
     """Drive a reservoir by the training series.
 
-    Parameters
-    ----------
-    dynamics
-        The reservoir.
-    training
-        The series.
-    washout
-        Number of inputs before the first state that counts, which is the one at step ``washout``.
-    snapshots
-        Steps before which snapshots of the moments end.
-    last
-        Last step that is needed; None: the end of the series. The states up to and including it
-        are driven; its own state counts in the moments as all others do.
-    keep
-        Steps whose states are kept.
-
-    Raises
-    ------
-    ValueError
-        If a step lies outside of what is driven.
+    ``washout``: Number of inputs before the first state that counts, which is the one at step
+    ``washout``. ``last``: Last step that is needed; None: the end of the series. The states up to
+    and including it are driven; its own state counts in the moments as all others do.
     """
     end = training.length - 1 if last is None else last
     wanted = sorted(set(keep))
@@ -193,11 +169,6 @@ def train_leaving_one_out(
     Moments are sums over the series: one open loop serves all readouts, and each takes one ridge
     regression. What the readout forecasts of the series left out is honest, but for what the series
     has contributed to the hyperparameters and to the range that inputs are divided by.
-
-    Raises
-    ------
-    ValueError
-        If there is a single series: nothing would be left.
     """
     if training.series < 2:
         raise ValueError("leaving one series out takes two training series at least")

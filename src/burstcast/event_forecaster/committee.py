@@ -18,21 +18,15 @@ class Committee:
     """Forecasts of all members of a committee.
 
     Forecasts that overflow raise no warning; they predict no event.
-
-    Attributes
-    ----------
-    forecasters
-        The forecasters, all members of whose ensembles vote: a network is a single member.
     """
 
+    #: the forecasters, all members of whose ensembles vote: a network is a single member
     forecasters: Sequence[Forecaster]
 
     def forecasts(self, washouts: FloatArray, steps: int) -> FloatArray:
         """States after washouts ``(series, steps, component)``, by member.
 
-        Returns
-        -------
-        ``(member, series, steps, component)``.
+        Shape ``(member, series, steps, component)``.
         """
         batch = np.ascontiguousarray(washouts.transpose(1, 2, 0))
         states = [member_forecasts(one, batch, steps) for one in self.forecasters]

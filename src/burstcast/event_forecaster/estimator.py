@@ -21,23 +21,11 @@ class Estimator:
         return {name: one.default for name, one in parameters.items() if name != "self"}
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """Parameters as they were given, by name.
-
-        Parameters
-        ----------
-        deep
-            Means nothing here: no parameter is an estimator.
-        """
+        """Parameters as they were given, by name."""
         return {name: getattr(self, name) for name in self._defaults()}
 
     def set_params(self, **parameters: Any) -> Self:
-        """Change parameters; the fitted state remains until the next ``fit``.
-
-        Raises
-        ------
-        ValueError
-            If there is no parameter of that name.
-        """
+        """Change parameters; the fitted state remains until the next ``fit``."""
         known = list(self._defaults())
         for name in parameters:
             if name not in known:
@@ -64,7 +52,6 @@ class Estimator:
         return hasattr(self, "members_")
 
     def __repr__(self) -> str:
-        """Parameters that are not the default."""
         defaults = self._defaults()
         given = {
             name: value

@@ -24,21 +24,11 @@ _TUPLES = ("prediction_times", "spectral_radius", "input_scaling", "tikhonov")
 
 @dataclass(frozen=True)
 class SavedForecaster:
-    """Contents of a file of an event forecaster.
+    """Contents of a file of an event forecaster."""
 
-    Attributes
-    ----------
-    parameters
-        Parameters of its constructor.
-    fitted
-        What fitting has found, as JSON has it.
-    members
-        Records of its forecasters.
-    """
-
-    parameters: Mapping[str, Any]
-    fitted: Mapping[str, Any]
-    members: Sequence[ForecasterRecord]
+    parameters: Mapping[str, Any]  #: parameters of its constructor
+    fitted: Mapping[str, Any]  #: what fitting has found, as JSON has it
+    members: Sequence[ForecasterRecord]  #: records of its forecasters
 
 
 def write_saved(path: str | Path, saved: SavedForecaster) -> None:
@@ -74,18 +64,7 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
 def read_saved(path: str | Path, observable: Observable | None) -> SavedForecaster:
     """Read an event forecaster.
 
-    Parameters
-    ----------
-    path
-        The file.
-    observable
-        Observable, if it is a function or your own system: the file does not have it.
-
-    Raises
-    ------
-    ValueError
-        If the file holds no such forecaster or is damaged, or its observable is needed and not
-        given.
+    ``observable``: Observable, if it is a function or your own system: the file does not have it.
     """
     from burstcast.files.netcdf import read_attributes, read_netcdf
 

@@ -40,30 +40,11 @@ def networks(
 ) -> tuple[list[Forecaster], list[dict[str, Any]]]:
     """Search and train all networks of a committee.
 
-    Parameters
-    ----------
-    kind
-        Class of the networks.
-    states, observed
-        Training series, and what is observed of them, ``(series, time, component)``.
-    schedules
-        Parameters in force in the training series, ``(series, time - 1, parameters)``; None for
-        networks that do not know them.
-    case
-        What is known beside the series.
-    parameters
-        Parameters of `burstcast.EventForecaster`, by name.
-    washout, interval
-        Steps of the washout, and of a validation interval.
-
-    Returns
-    -------
-    The networks, and the outcome of the search for each network.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is out of bounds.
+    ``states``, ``observed``: Training series, and what is observed of them, ``(series, time,
+    component)``. ``schedules``: Parameters in force in the training series, ``(series, time - 1,
+    parameters)``; None for networks that do not know them. ``parameters``: Parameters of
+    `burstcast.EventForecaster`, by name. ``washout``, ``interval``: Steps of the washout, and of a
+    validation interval. Returns the networks, and the outcome of the search for each network.
     """
     members, neurons, root = (parameters[key] for key in ("members", "neurons", "random_seed"))
     if members < 1:

@@ -15,17 +15,8 @@ Observable = int | Callable[[FloatArray], FloatArray] | DynamicalSystem
 class ObservedStates:
     """Series of which an observable is known, and no equations (a `StateSpace`).
 
-    Parameters
-    ----------
-    observable
-        The index of a component, or a function from states ``(..., component)`` to ``(...)``.
-    components
-        Number of components of a state.
-
-    Raises
-    ------
-    ValueError
-        If there is no such component.
+    ``observable``: The index of a component, or a function from states ``(..., component)`` to
+    ``(...)``.
     """
 
     observable_name = "observable"
@@ -61,13 +52,7 @@ class ObservedStates:
 
 
 def state_space(observable: Observable, components: int) -> StateSpace:
-    """State space of a number of components with a given observable.
-
-    Raises
-    ------
-    ValueError
-        If the observable is not one of such states.
-    """
+    """State space of a number of components with a given observable."""
     if not isinstance(observable, DynamicalSystem):
         return ObservedStates(observable, components)
     if observable.dimension != components:

@@ -34,15 +34,7 @@ _MAY_BE_NONE = ("validation_series", "intervals_per_series", "lyapunov_time")
 def checked_parameters(given: Mapping[str, Any]) -> dict[str, Any]:
     """Parameters with the types that they must have: 30.0 is a whole number, 1 one prediction time.
 
-    Parameters
-    ----------
-    given
-        Parameters of `burstcast.EventForecaster` by name.
-
-    Raises
-    ------
-    TypeError
-        If one is of another type; the message has its name.
+    ``given``: Parameters of `burstcast.EventForecaster` by name.
     """
     found = dict(given)
     for name in (*_WHOLE, *_NUMBERS):

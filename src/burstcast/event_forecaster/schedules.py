@@ -11,25 +11,10 @@ from burstcast.arrays import FloatArray, float_array
 def as_schedules(given: Any, series: int, steps: int, names: Sequence[str]) -> FloatArray:
     """Schedules of several series.
 
-    Parameters
-    ----------
-    given
-        One value, or one for each parameter; one value for each series, ``(series,)`` or ``(series,
-        parameters)``; or values in force from each sample to the next, ``(series, steps)`` or
-        ``(series, steps, parameters)``.
-    series, steps
-        How many series there are, and how many steps each schedule has.
-    names
-        Names of the parameters.
-
-    Returns
-    -------
-    ``(series, steps, parameters)``.
-
-    Raises
-    ------
-    ValueError
-        If the values have another shape, or are not finite.
+    ``given``: One value, or one for each parameter; one value for each series, ``(series,)`` or
+    ``(series, parameters)``; or values in force from each sample to the next, ``(series, steps)``
+    or ``(series, steps, parameters)``. ``series``, ``steps``: How many series there are, and how
+    many steps each schedule has. Shape ``(series, steps, parameters)``.
 
     Examples
     --------

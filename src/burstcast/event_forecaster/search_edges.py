@@ -12,14 +12,9 @@ def search_edges(
 ) -> Iterator[str]:
     """Sentences about hyperparameters that most networks have on the edge of their search.
 
-    Parameters
-    ----------
-    found
-        Hyperparameters of each network, by name; none of other kinds of forecasters.
-    parameters
-        Parameters of `burstcast.EventForecaster`, by name.
-    shape
-        Shape of the training series, ``(series, time, component)``.
+    ``found``: Hyperparameters of each network, by name; none of other kinds of forecasters.
+    ``parameters``: Parameters of `burstcast.EventForecaster`, by name. ``shape``: Shape of the
+    training series, ``(series, time, component)``.
     """
     least = negligible_ridge(parameters["neurons"], shape[0] * shape[1])
     for name in ("spectral_radius", "input_scaling", "tikhonov"):

@@ -25,25 +25,9 @@ LAYOUT = ("series", "time", "component")
 def as_series(data: Any, what: str = "the series") -> FloatArray:
     """Series of a user as an array of the one layout.
 
-    Parameters
-    ----------
-    data
-        An array of NumPy, or what can be made one, of shape ``(series, time, component)``; or an
-        array of xarray with dimensions of these names.
-    what
-        What messages call it.
-
-    Returns
-    -------
-    ``(series, time, component)``, contiguous.
-
-    Raises
-    ------
-    ValueError
-        If there are other dimensions, or none of some kind, if series are of unequal lengths, or a
-        number is masked or not finite.
-    TypeError
-        If it is a data set of several variables, or does not consist of real numbers.
+    ``data``: An array of NumPy, or what can be made one, of shape ``(series, time, component)``; or
+    an array of xarray with dimensions of these names. Shape ``(series, time, component)``,
+    contiguous.
     """
     if hasattr(data, "data_vars"):
         raise TypeError(f"{what}: a data set has several variables; give one of them")

@@ -9,30 +9,13 @@ from burstcast import durations
 
 @dataclass(frozen=True)
 class EventTiming:
-    """Durations in samples, and the forecast windows.
+    """Durations in samples, and the forecast windows."""
 
-    Parameters
-    ----------
-    lyapunov_time
-        In the unit of time of ``sampling_interval``; None: all durations are in samples.
-    sampling_interval
-        Time between two samples.
-    prediction_times
-        From the present to the beginning of each window.
-    window
-        Length of the windows.
-
-    Raises
-    ------
-    ValueError
-        If a duration is less than a sample, or there is no prediction time; the message has the
-        parameter's name.
-    """
-
+    #: in the unit of time of ``sampling_interval``; None: all durations are in samples
     lyapunov_time: float | None
-    sampling_interval: float
-    prediction_times: Sequence[float]
-    window: float
+    sampling_interval: float  #: time between two samples
+    prediction_times: Sequence[float]  #: from the present to the beginning of each window
+    window: float  #: length of the windows
 
     def __post_init__(self) -> None:
         if not len(self.prediction_times):

@@ -22,17 +22,7 @@ def atomic(path: str | Path, check: Callable[[], None] | None = None) -> Iterato
 
     On any exception the temporary file is removed and ``path`` is left as it was.
 
-    Parameters
-    ----------
-    path
-        The final path; its directory exists.
-    check
-        Called when the temporary file is complete, before it is renamed; it may raise.
-
-    Raises
-    ------
-    OSError
-        If the disk is full, among others: libraries that write files do not always say so.
+    ``check``: Called when the temporary file is complete, before it is renamed; it may raise.
     """
     path = Path(path)
     # unique: another process may still be writing the same file

@@ -11,22 +11,13 @@ from typing import Any, get_type_hints
 
 @dataclass(frozen=True)
 class Described:
-    """Description of an array: axes, unit and meaning.
+    """Description of an array: axes, unit and meaning."""
 
-    Attributes
-    ----------
-    axes
-        Names of its axes, as one text; arrays that share a name agree on its length. Empty for a
-        number.
-    unit
-        One of `burstcast.files.units`.
-    meaning
-        What it holds, in words.
-    """
-
+    #: names of its axes, as one text; arrays that share a name agree on its length. Empty for a
+    #: number.
     axes: str
-    unit: str
-    meaning: str
+    unit: str  #: one of `burstcast.files.units`
+    meaning: str  #: what it holds, in words
 
 
 def descriptions(kind: type[Any]) -> dict[str, Described]:

@@ -20,27 +20,16 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of a NetCDF file.
+    """A variable of a NetCDF file."""
 
-    Attributes
-    ----------
-    dimensions
-        Names of the array's axes; variables that share a name must agree on the length.
-    data
-        Real numbers or truth values.
-    units
-        One of `burstcast.files.units`; None where the entries have no unit in common.
-    description
-        What it is, in words (the attribute ``long_name``).
-    chunks
-        Lengths of the chunks that the file stores it in, one per dimension; None: in one piece.
-        A partial read costs as many whole chunks as it touches.
-    """
-
+    #: names of the array's axes; variables that share a name must agree on the length
     dimensions: tuple[str, ...]
-    data: npt.ArrayLike
+    data: npt.ArrayLike  #: real numbers or truth values
+    #: one of `burstcast.files.units`; None where the entries have no unit in common
     units: str | None
-    description: str
+    description: str  #: what it is, in words (the attribute ``long_name``)
+    #: lengths of the chunks that the file stores it in, one per dimension; None: in one piece. A
+    #: partial read costs as many whole chunks as it touches.
     chunks: tuple[int, ...] | None = None
 
 
@@ -182,26 +171,12 @@ def variable_names(path: str | Path) -> tuple[str, ...]:
 
 
 def read_record(path: str | Path, kind: type[T]) -> T:
-    """Read a dataclass of arrays whose `variables_of` are in a NetCDF file.
-
-    Raises
-    ------
-    KeyError
-        If one of them is not.
-    """
+    """Read a dataclass of arrays whose `variables_of` are in a NetCDF file."""
     return kind(**read_netcdf(path, *descriptions(kind)))
 
 
 def read_rows(path: str | Path, name: str, start: int, stop: int) -> npt.NDArray[Any]:
-    """Read entries ``start`` to ``stop - 1`` of a variable along its first dimension.
-
-    Raises
-    ------
-    KeyError
-        If the file has no variable of that name.
-    IndexError
-        If the variable has no such rows.
-    """
+    """Read entries ``start`` to ``stop - 1`` of a variable along its first dimension."""
     with netCDF4.Dataset(path, "r") as file:
         variable = _variable(file, path, name)
         if not 0 <= start <= stop <= variable.shape[0]:

@@ -16,23 +16,7 @@ def write_table(
 ) -> pd.DataFrame:
     """Write a table without its index; an undefined value (NaN, None, NA) is an empty cell.
 
-    Parameters
-    ----------
-    path
-        The file; its directory exists.
-    table
-        The table.
-    check
-        Called when the file is complete, before it replaces an older one; it may raise.
-
-    Returns
-    -------
-    The table as `read_table` reads it.
-
-    Raises
-    ------
-    ValueError
-        If two columns share a name, or if a column of text would be read back as numbers.
+    ``check``: Called when the file is complete, before it replaces an older one; it may raise.
     """
     if not table.columns.is_unique:
         raise ValueError(f"{path}: two columns share a name: {list(table.columns)}")

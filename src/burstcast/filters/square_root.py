@@ -23,23 +23,8 @@ def symmetric_members(centre: FloatArray, deviation: FloatArray, members: int) -
     discrete cosine transform): sigma points as in the unscented Kalman filter (Julier & Uhlmann,
     Proceedings of the IEEE 92, 2004), but more of them. Nothing is random.
 
-    Parameters
-    ----------
-    centre
-        ``(dimension, batch)``.
-    deviation
-        Standard deviation of the error of each component, ``(dimension,)``.
-    members
-        An even number, at least twice the dimension.
-
-    Returns
-    -------
-    ``(dimension, members, batch)``.
-
-    Raises
-    ------
-    ValueError
-        If the members are too few, or odd in number.
+    ``centre``: ``(dimension, batch)``. ``deviation``: Standard deviation of the error of each
+    component, ``(dimension,)``. Shape ``(dimension, members, batch)``.
 
     Examples
     --------
@@ -69,22 +54,13 @@ def assimilate(
 ) -> FloatArray:
     """Ensembles after an observation of their first components.
 
-    Parameters
-    ----------
-    ensemble
-        What the model forecasts for the time of the observation, ``(rows, members, batch)``. Its
-        first rows are observed; further ones follow by their covariance with them.
-    observation
-        ``(observed, batch)``.
-    noise
-        Standard deviation of the errors of the observation, ``(observed,)``.
-    inflation
-        Factor of the deviations from the mean before the observation is taken in: above 1 for what
-        a model with errors, or an ensemble of finite size, leaves out.
-
-    Returns
-    -------
-    ``(rows, members, batch)``. An ensemble with a member that is not finite is not finite.
+    ``ensemble``: What the model forecasts for the time of the observation, ``(rows, members,
+    batch)``. Its first rows are observed; further ones follow by their covariance with them.
+    ``observation``: ``(observed, batch)``. ``noise``: Standard deviation of the errors of the
+    observation, ``(observed,)``. ``inflation``: Factor of the deviations from the mean before the
+    observation is taken in: above 1 for what a model with errors, or an ensemble of finite size,
+    leaves out. Shape ``(rows, members, batch)``. An ensemble with a member that is not finite is
+    not finite.
     """
     # an ensemble whose model has left the finite numbers is a result
     with np.errstate(over="ignore", invalid="ignore"):

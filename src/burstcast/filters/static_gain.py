@@ -16,20 +16,9 @@ def static_gain(
 ) -> FloatArray:
     """Gain of the Kalman filter for a fixed covariance of the error.
 
-    Parameters
-    ----------
-    covariance
-        Covariance of the states over a long time, ``(dimension, dimension)``.
-    matrix
-        Matrix of the observation, ``(observed, dimension)``.
-    noise
-        Standard deviation of the errors of the observation, ``(observed,)``.
-    share
-        Share of that covariance that is the error's.
-
-    Returns
-    -------
-    ``(dimension, observed)``.
+    ``covariance``: Covariance of the states over a long time, ``(dimension, dimension)``.
+    ``matrix``: Matrix of the observation, ``(observed, dimension)``. ``noise``: Standard deviation
+    of the errors of the observation, ``(observed,)``. Shape ``(dimension, observed)``.
     """
     across = share * covariance @ matrix.T
     gain: FloatArray = np.linalg.solve(matrix @ across + np.diag(np.square(noise)), across.T).T
@@ -39,16 +28,8 @@ def static_gain(
 def leading_directions(covariance: FloatArray, count: int) -> FloatArray:
     """Directions in which errors are largest, each as long as its standard deviation.
 
-    Parameters
-    ----------
-    covariance
-        Covariance of the errors, ``(dimension, dimension)``.
-    count
-        Number of directions.
-
-    Returns
-    -------
-    ``(dimension, count)``; the largest entry of each is positive.
+    ``covariance``: Covariance of the errors, ``(dimension, dimension)``. Shape ``(dimension,
+    count)``; the largest entry of each is positive.
     """
     variances, directions = np.linalg.eigh(covariance)
     leading = directions[:, ::-1][:, :count]

@@ -73,18 +73,9 @@ def count_by_series(
 ) -> Counts:
     """Outcomes in each test series.
 
-    Parameters
-    ----------
-    predicted, happened
-        Whether the forecast, and the truth, cross the threshold in the window, ``(points,)``.
-    scored
-        Points that count, ``(points,)``.
-    series
-        Row of each point's series, ``(points,)``, from 0.
-
-    Returns
-    -------
-    Counts of shape ``(series,)``.
+    ``predicted``, ``happened``: Whether the forecast, and the truth, cross the threshold in the
+    window, ``(points,)``. ``series``: Row of each point's series, ``(points,)``, from 0. Returns
+    counts of shape ``(series,)``.
     """
     number = int(series.max()) + 1 if series.size else 0
 
@@ -114,22 +105,8 @@ def score_forecasts(
     A starting point is skipped where the observed washout already reaches the threshold: an event
     that is under way needs no forecast.
 
-    Parameters
-    ----------
-    forecast, truth
-        Window summaries of the same starting points.
-    washout_maximum
-        Largest observable of each observed washout, ``(points,)``.
-    series
-        Row of each point's series, ``(points,)``.
-    first_window, windows
-        Which windows make up the prediction window.
-    threshold
-        The event threshold, k_e.
-
-    Returns
-    -------
-    Counts of shape ``(series,)``.
+    ``washout_maximum``: Largest observable of each observed washout, ``(points,)``. Returns counts
+    of shape ``(series,)``.
     """
     return count_by_series(
         predicted=crosses(forecast, first_window, windows, threshold),
@@ -151,20 +128,9 @@ def bootstrap_interval(
 
     Starting points of one series are not independent, whole series are.
 
-    Parameters
-    ----------
-    counts
-        By series, ``(series,)``.
-    resamples
-        Number of bootstrap samples.
-    confidence
-        Share of the samples inside the interval, in (0, 1).
-    generator
-        Source of the random numbers.
-
-    Returns
-    -------
-    Lower and upper end for each score; NaN where it is undefined in every resample.
+    ``counts``: By series, ``(series,)``. ``confidence``: Share of the samples inside the interval,
+    in (0, 1). Returns lower and upper end for each score; NaN where it is undefined in every
+    resample.
     """
     series = counts.true_positive.shape[-1]
     weights = bootstrap_weights(series, resamples, generator)

@@ -13,30 +13,15 @@ from burstcast.files.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 
 @dataclass(frozen=True)
 class EventProbabilities:
-    """Probabilities of one event at many starting points, by prediction time.
+    """Probabilities of one event at many starting points, by prediction time."""
 
-    Attributes
-    ----------
-    probability
-        ``(points, prediction times)``.
-    prediction_time_lt
-        Lyapunov times from a point to its window, ``(prediction times,)``.
-    event_threshold
-        Observable that the event reaches.
-    """
-
-    probability: FloatArray
+    probability: FloatArray  #: ``(points, prediction times)``
+    #: lyapunov times from a point to its window, ``(prediction times,)``
     prediction_time_lt: FloatArray
-    event_threshold: float
+    event_threshold: float  #: observable that the event reaches
 
     def at(self, prediction_time_lt: float, event_threshold: float) -> FloatArray:
-        """Probabilities at one prediction time, ``(points,)``.
-
-        Raises
-        ------
-        ValueError
-            If they are of another event.
-        """
+        """Probabilities at one prediction time, ``(points,)``."""
         (columns,) = np.nonzero(self.prediction_time_lt == prediction_time_lt)
         if event_threshold != self.event_threshold or not columns.size:
             raise ValueError(

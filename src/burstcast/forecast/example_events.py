@@ -29,35 +29,16 @@ class EventCriterion:
     The excursion of an event reaches from the last step at or below the calm level before it to the
     first one after it. An event is isolated if its excursion crosses the threshold upwards just
     once, and the observable is below the threshold for a while on both sides of the excursion.
-
-    Attributes
-    ----------
-    threshold
-        The event threshold, k_e.
-    calm
-        The calm level, below the threshold: the mean of the observable, say.
-    quiet
-        Steps below the threshold that there must be before the excursion, and after it.
-    longest
-        Steps that may pass from t_1 to t_4.
-    wanted_peak
-        The nearer the largest observable of an event is to this, the better it is.
     """
 
-    threshold: float
-    calm: float
-    quiet: int
-    longest: int
+    threshold: float  #: the event threshold, k_e
+    calm: float  #: the calm level, below the threshold: the mean of the observable, say
+    quiet: int  #: steps below the threshold that there must be before the excursion, and after it
+    longest: int  #: steps that may pass from t_1 to t_4
+    #: the nearer the largest observable of an event is to this, the better it is
     wanted_peak: float
 
     def __post_init__(self) -> None:
-        """Check that calm is below the threshold.
-
-        Raises
-        ------
-        ValueError
-            If it is not.
-        """
         if not self.calm < self.threshold:
             raise ValueError(
                 f"the calm level {self.calm} must lie below the event threshold {self.threshold}"
@@ -66,24 +47,15 @@ class EventCriterion:
 
 @dataclass(frozen=True)
 class ExampleEvent:
-    """An event to show.
+    """An event to show."""
 
-    Attributes
-    ----------
-    series
-        Row of its series.
-    times
-        Steps t_1 < t_2 < t_3 < t_4 in the series: the last calm step before the event; on the rise,
-        the first step at or above the middle between the calm level and the peak; the peak, where
-        the flow is closest to laminar; and the first step after it below the threshold, when the
-        laminar structure has broken down.
-    peak
-        Largest observable.
-    """
-
-    series: int
+    series: int  #: row of its series
+    #: steps t_1 < t_2 < t_3 < t_4 in the series: the last calm step before the event; on the rise,
+    #: the first step at or above the middle between the calm level and the peak; the peak, where
+    #: the flow is closest to laminar; and the first step after it below the threshold, when the
+    #: laminar structure has broken down
     times: tuple[int, int, int, int]
-    peak: float
+    peak: float  #: largest observable
 
 
 def isolated_events(
@@ -91,18 +63,9 @@ def isolated_events(
 ) -> list[ExampleEvent]:
     """All events that are fit to be shown, the best first.
 
-    Parameters
-    ----------
-    observable
-        True observable of the test series, ``(series, time)``.
-    criterion
-        What is fit, and what is good. Of equally good events the first one comes first.
-    before
-        Steps that there must be in the series before t_1.
-
-    Returns
-    -------
-    Events; the list may be empty.
+    ``observable``: True observable of the test series, ``(series, time)``. ``criterion``: What is
+    fit, and what is good. Of equally good events the first one comes first. ``before``: Steps that
+    there must be in the series before t_1.
     """
     events = []
     for row, values in enumerate(observable):
@@ -156,25 +119,9 @@ def predicted_event(
     does so for, the first one is taken. If there is none, it is the one whose forecast stays within
     the tolerance for the largest share of the way.
 
-    Parameters
-    ----------
-    events
-        Events of these series, the best first, with at least ``lead + washout - 1`` steps before
-        t_1 (`isolated_events`).
-    forecaster
-        Forecaster.
-    observed, states
-        Observed and true series, ``(series, time, component)``.
-    lead
-        Steps from the start of the forecast to t_1.
-    washout
-        Inputs of the washout; the last one is the starting point itself.
-    tolerance
-        Largest distance from the true state of an accurate forecast.
-
-    Returns
-    -------
-    None if there are no events.
+    ``events``: Events of these series, the best first, with at least ``lead + washout - 1`` steps
+    before t_1 (`isolated_events`). ``observed``, ``states``: Observed and true series, ``(series,
+    time, component)``. ``tolerance``: Largest distance from the true state of an accurate forecast.
     """
     best: tuple[float, ExampleEvent] | None = None
     for first in range(0, len(events), CANDIDATES_PER_BATCH):
@@ -232,21 +179,7 @@ def forecast_event(
     after: int,
     steps_per_lyapunov_time: int,
 ) -> FlowEvent:
-    """Forecast an event, from its washout to some steps after its breakdown.
-
-    Parameters
-    ----------
-    event
-        The event; None: there is none to show.
-    forecaster, observed, states, lead, washout
-        As in `predicted_event`.
-    space
-        What the states are of.
-    after
-        Steps that are shown after t_4.
-    steps_per_lyapunov_time
-        Steps of a forecast in a Lyapunov time.
-    """
+    """Forecast an event, from its washout to some steps after its breakdown."""
     if event is None:
         nothing = np.empty((0, space.dimension))
         time, shown, forecast, marks = np.empty(0), nothing, nothing, np.empty(0, dtype=np.int64)

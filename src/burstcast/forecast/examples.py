@@ -35,14 +35,8 @@ def outcome_examples(
     one without an event stays below the threshold in the neighbouring windows as well, so that the
     error is not one of timing.
 
-    Parameters
-    ----------
-    forecast, truth, washout_maximum, first_window, windows, threshold
-        As in `burstcast.forecast.classification.score_forecasts`.
-
-    Returns
-    -------
-    Rows of the points, by outcome.
+    ``forecast``, ``truth``, ``washout_maximum``, ``first_window``, ``windows``, ``threshold``: As
+    in `burstcast.forecast.classification.score_forecasts`.
     """
     span = slice(first_window, first_window + windows)
     wider = slice(max(0, first_window - windows), first_window + 2 * windows)
@@ -107,22 +101,7 @@ def forecast_outcomes(
 ) -> OutcomeExamples:
     """Forecast from starting points that stand for outcomes (`outcome_examples`).
 
-    Parameters
-    ----------
-    forecaster
-        Forecaster.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    washouts
-        Observed states up to each starting point, ``(points, steps, dimension)``.
-    truth
-        True observable of the series, ``(series, time)``.
-    points, outcomes
-        The starting points, and the outcome of each.
-    before, reach
-        Steps that are shown before and after them.
-    steps_per_lyapunov_time
-        Steps of a forecast in a Lyapunov time.
+    ``truth``: True observable of the series, ``(series, time)``.
     """
     true = np.full((len(outcomes), before + 1 + reach), np.nan)
     forecasts = np.full_like(true, np.nan)
@@ -140,17 +119,10 @@ def forecast_outcomes(
 
 @dataclass(frozen=True)
 class HorizonExample:
-    """An event and the starts from which it was last forecast in vain, then with success.
-
-    Attributes
-    ----------
-    event
-        Row of the event.
-    lead_times_lt
-        tau_e of the last evaluations, the successful one at the end.
-    """
+    """An event and the starts from which it was last forecast in vain, then with success."""
 
     event: int
+    #: tau_e of the last evaluations, the successful one at the end
     lead_times_lt: tuple[float, ...]
 
 
@@ -159,20 +131,8 @@ def horizon_example(
 ) -> HorizonExample | None:
     """Event whose prediction horizon lies nearest to the wanted one, with its last evaluations.
 
-    Parameters
-    ----------
-    horizons
-        PH_ee of the events in Lyapunov times, ``(events,)``.
-    lead_times_lt
-        All tau_e in the order of the search.
-    wanted_lt
-        Wanted horizon.
-    evaluations
-        Evaluations to show; fewer where the search ended sooner.
-
-    Returns
-    -------
-    None where no event was predicted from any start.
+    ``horizons``: PH_ee of the events in Lyapunov times, ``(events,)``. ``evaluations``: Evaluations
+    to show; fewer where the search ended sooner.
     """
     # an event that every start has failed on has a horizon below the shortest start
     match = np.isclose(horizons[:, np.newaxis], np.asarray(lead_times_lt))
@@ -216,24 +176,9 @@ def evaluate_lead_times(
 ) -> Evaluations:
     """Forecast one event from several starts, and beyond it.
 
-    Parameters
-    ----------
-    forecaster
-        Forecaster.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    observed
-        Observed states up to the event, ``(search.steps_before_event + 1, dimension)``.
-    truth
-        True observable of the same steps and of any number of steps after the event.
-    lead_times_lt
-        Each tau_e.
-    search
-        What counts as a success.
-
-    Returns
-    -------
-    Forecasts are NaN up to their start; the horizon of one that reaches the event is its tau_e.
+    ``observed``: Observed states up to the event, ``(search.steps_before_event + 1, dimension)``.
+    ``truth``: True observable of the same steps and of any number of steps after the event. Returns
+    forecasts are NaN up to their start; the horizon of one that reaches the event is its tau_e.
     """
     event, steps = search.steps_before_event, search.steps_per_lyapunov_time
     forecast = np.full((len(lead_times_lt), len(truth)), np.nan)
@@ -273,20 +218,8 @@ def evaluate_event(
 ) -> Evaluations:
     """Forecast the event of `horizon_example` from its last starts; nothing if there is none.
 
-    Parameters
-    ----------
-    forecaster, observable, search
-        As in `evaluate_lead_times`.
-    observed
-        Observed states up to each event, ``(events, search.steps_before_event + 1, dimension)``.
-    points
-        The events.
-    truth_of
-        Gives the true observable of a series, ``(time,)``.
-    horizons, wanted_lt
-        As in `horizon_example`.
-    after_lt
-        Lyapunov times that are shown after the event.
+    ``observed``: Observed states up to each event, ``(events, search.steps_before_event + 1,
+    dimension)``. ``truth_of``: Gives the true observable of a series, ``(time,)``.
     """
     example = horizon_example(horizons, search.lead_times_lt, wanted_lt)
     before = search.steps_before_event
@@ -308,20 +241,7 @@ def forecast_observable(
 ) -> FloatArray:
     """Observable of whole forecasts.
 
-    Parameters
-    ----------
-    forecaster
-        Forecaster.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    washouts
-        Observed states up to each starting point, ``(points, steps, dimension)``.
-    steps
-        How far to forecast.
-
-    Returns
-    -------
-    ``(points, steps)``; the first step is the one after the starting point.
+    Shape ``(points, steps)``; the first step is the one after the starting point.
     """
     memory = forecaster.start(np.ascontiguousarray(washouts.transpose(1, 2, 0)))
     states, _ = forecaster.advance(memory, steps)

@@ -20,14 +20,8 @@ def point_variables(
 ) -> dict[str, Variable]:
     """Variables of a set of starting points.
 
-    Parameters
-    ----------
-    found
-        The points, what is observed up to them, and what truly follows.
-    true_states
-        True states of the series that the points lie in, ``(series, time, component)``.
-    name
-        What the observable is.
+    ``found``: The points, what is observed up to them, and what truly follows. ``true_states``:
+    True states of the series that the points lie in, ``(series, time, component)``.
     """
     points, truth = found.points, found.truth
     each, in_windows = ("point",), ("point", "window")
@@ -66,15 +60,8 @@ def schedule_variables(
 ) -> dict[str, Variable]:
     """Variable of the parameters in force over the washouts and the forecasts of points.
 
-    Parameters
-    ----------
-    found
-        The points.
-    schedules
-        Schedules of the series that the points lie in, from each sample to the next, ``(series,
-        time - 1, parameters)``.
-    horizon
-        Steps of the forecasts.
+    ``schedules``: Schedules of the series that the points lie in, from each sample to the next,
+    ``(series, time - 1, parameters)``.
     """
     washout = found.washouts.shape[1]
     return {
@@ -124,16 +111,8 @@ def event_summary(
 ) -> dict[str, float]:
     """Summary of the events of all kept series.
 
-    Parameters
-    ----------
-    observable
-        True observable, ``(series, time)``.
-    threshold
-        Event threshold.
-    training
-        Number of training series, which are the first.
-    crossings, usable
-        Number of events in all series, and of those whose prediction horizon can be measured.
+    ``observable``: True observable, ``(series, time)``. ``crossings``, ``usable``: Number of events
+    in all series, and of those whose prediction horizon can be measured.
     """
     happens = observable >= threshold
     return {
@@ -156,22 +135,10 @@ def event_variables(
 ) -> dict[str, Variable]:
     """Variables of events: which they are, with what was observed and what was true before them.
 
-    Parameters
-    ----------
-    points
-        Where they begin, in all kept series.
-    first
-        First of the series that follow.
-    observed, states
-        What is observed of series and what is true, ``(series, time, component)``; the events lie
-        in them.
-    observable
-        True observable of all kept series, ``(series, time)``.
-    before
-        Steps up to an event.
-    schedules
-        Parameters in force from each sample of these series to the next, ``(series, time - 1,
-        parameters)``; None: the case's own.
+    ``observed``, ``states``: What is observed of series and what is true, ``(series, time,
+    component)``; the events lie in them. ``observable``: True observable of all kept series,
+    ``(series, time)``. ``schedules``: Parameters in force from each sample of these series to the
+    next, ``(series, time - 1, parameters)``; None: the case's own.
     """
     in_part = SeriesPoints(points.series - first, points.step)
     step_by_step = ("event", "step_before", "component")

@@ -22,37 +22,18 @@ EVENTS_PER_BATCH = 512
 
 @dataclass(frozen=True)
 class HorizonSearch:
-    """Settings of the search for the prediction horizon of an event.
+    """Settings of the search for the prediction horizon of an event."""
 
-    Attributes
-    ----------
-    longest_lead_time_lt
-        First tau_e: the forecast starts this long before the event, in Lyapunov times.
-    lead_time_step_lt
-        By how much tau_e decreases while the forecast fails.
-    tolerance
-        Largest error of the observable that still counts as a prediction, in the observable's
-        units: 0.2 (k_e - mean k) in the paper.
-    washout
-        Inputs of the washout; the last one is the starting point itself.
-    steps_per_lyapunov_time
-        Steps of a forecast in a Lyapunov time.
-    """
-
+    #: first tau_e: the forecast starts this long before the event, in Lyapunov times
     longest_lead_time_lt: float
-    lead_time_step_lt: float
+    lead_time_step_lt: float  #: by how much tau_e decreases while the forecast fails
+    #: largest error of the observable that still counts as a prediction, in the observable's units:
+    #: 0.2 (k_e - mean k) in the paper
     tolerance: float
-    washout: int
-    steps_per_lyapunov_time: int
+    washout: int  #: inputs of the washout; the last one is the starting point itself
+    steps_per_lyapunov_time: int  #: steps of a forecast in a Lyapunov time
 
     def __post_init__(self) -> None:
-        """Check that there is a start to try and an error to allow.
-
-        Raises
-        ------
-        ValueError
-            If a duration or the tolerance is not positive, or all starts are shorter than a step.
-        """
         if not self.tolerance > 0:
             raise ValueError(
                 f"the tolerance of the prediction horizon must be positive, not {self.tolerance}: "
@@ -107,25 +88,11 @@ def accurate_steps(
 
     A forecast is given up as soon as it leaves the tolerance.
 
-    Parameters
-    ----------
-    forecaster
-        Forecaster.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    washouts
-        ``(steps, dimension, batch)``.
-    truth
-        True observable from one step after the starting point, ``(steps, batch)``.
-    tolerance
-        Error that counts as lost, in the observable's units.
-    parameters
-        Schedule over washout and forecast, as of
-        `burstcast.forecast.window_forecasts.window_forecasts`; None: the case's own values.
-
-    Returns
-    -------
-    Accurate steps, ``(batch,)``; all the steps of ``truth`` where the forecast never leaves it.
+    ``washouts``: ``(steps, dimension, batch)``. ``truth``: True observable from one step after the
+    starting point, ``(steps, batch)``. ``tolerance``: Error that counts as lost, in the
+    observable's units. ``parameters``: Schedule over washout and forecast, as of
+    `burstcast.forecast.window_forecasts.window_forecasts`; None: the case's own values. Returns
+    accurate steps, ``(batch,)``; all the steps of ``truth`` where the forecast never leaves it.
     """
     steps, batch = truth.shape
     accurate = np.full(batch, steps, dtype=np.int64)
@@ -165,30 +132,11 @@ def prediction_horizons(
     PH_ee is tau_e; where it does not, tau_e is shortened and the forecast made anew. Where even the
     shortest start fails, PH_ee is the horizon measured from that start.
 
-    Parameters
-    ----------
-    forecaster
-        Forecaster.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    observed
-        Observed states up to the event, ``(events, search.steps_before_event + 1, dimension)``.
-    truth
-        True observable of the same steps, ``(events, search.steps_before_event + 1)``.
-    search
-        How to look for the horizon.
-    parameters
-        Schedule of the same steps, from each to the next, ``(events, search.steps_before_event,
-        parameters)``; None: the case's own values.
-
-    Returns
-    -------
-    Prediction horizons in Lyapunov times, ``(events,)``.
-
-    Raises
-    ------
-    ValueError
-        If the segments are not as long as the search needs.
+    ``observed``: Observed states up to the event, ``(events, search.steps_before_event + 1,
+    dimension)``. ``truth``: True observable of the same steps, ``(events, search.steps_before_event
+    + 1)``. ``parameters``: Schedule of the same steps, from each to the next, ``(events,
+    search.steps_before_event, parameters)``; None: the case's own values. Returns prediction
+    horizons in Lyapunov times, ``(events,)``.
     """
     if observed.shape[1] != search.steps_before_event + 1 or truth.shape != observed.shape[:2]:
         raise ValueError("the segments before the events do not fit the search for the horizon")

@@ -8,17 +8,10 @@ from burstcast.arrays import FloatArray, IntArray
 def resampled_averages(horizons_lt: FloatArray, weights: IntArray) -> tuple[FloatArray, FloatArray]:
     """Mean and median prediction horizon of each bootstrap sample of events.
 
-    Parameters
-    ----------
-    horizons_lt
-        Prediction horizon of each event in Lyapunov times, ``(events,)``.
-    weights
-        How often each event is in each sample, ``(resamples, events)``
-        (`burstcast.statistics.resampling.bootstrap_weights`).
-
-    Returns
-    -------
-    Means and medians, ``(resamples,)`` each; there are none without events.
+    ``horizons_lt``: Prediction horizon of each event in Lyapunov times, ``(events,)``. ``weights``:
+    How often each event is in each sample, ``(resamples, events)``
+    (`burstcast.statistics.resampling.bootstrap_weights`). Returns means and medians,
+    ``(resamples,)`` each; there are none without events.
     """
     if horizons_lt.size == 0:
         return np.empty(0), np.empty(0)

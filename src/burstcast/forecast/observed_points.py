@@ -10,24 +10,13 @@ from burstcast.forecast.windows import WindowSummaries, summarise
 
 @dataclass(frozen=True)
 class ObservedPoints:
-    """Starting points with washouts and true continuations.
-
-    Attributes
-    ----------
-    points
-        Where they are.
-    washouts
-        Observed states up to and including each point, ``(points, steps, component)``.
-    seen
-        Observed observable of the washouts, ``(points, steps)``.
-    truth
-        Window summaries of the true observable.
-    """
+    """Starting points with washouts and true continuations."""
 
     points: SeriesPoints
+    #: observed states up to and including each point, ``(points, steps, component)``
     washouts: FloatArray
-    seen: FloatArray
-    truth: WindowSummaries
+    seen: FloatArray  #: observed observable of the washouts, ``(points, steps)``
+    truth: WindowSummaries  #: window summaries of the true observable
 
 
 def observed_points(
@@ -41,23 +30,10 @@ def observed_points(
 ) -> ObservedPoints:
     """Evenly spaced starting points of series.
 
-    Parameters
-    ----------
-    observed
-        What forecasters see, ``(series, time, component)``.
-    true_observable
-        True observable of the same series, ``(series, time)``, which forecasts are scored against.
-    observable
-        Function from states ``(component, ...)`` to the observable ``(...)``.
-    spacing, washout
-        Steps between two points, and steps of a washout (`starting_points`).
-    boundaries
-        Boundaries of the windows (`burstcast.forecast.windows.window_boundaries`).
-
-    Raises
-    ------
-    ValueError
-        If the series are too short for a single point.
+    ``observed``: What forecasters see, ``(series, time, component)``. ``true_observable``: True
+    observable of the same series, ``(series, time)``, which forecasts are scored against.
+    ``observable``: Function from states ``(component, ...)`` to the observable ``(...)``.
+    ``spacing``, ``washout``: Steps between two points, and steps of a washout (`starting_points`).
     """
     series, length = true_observable.shape
     points = starting_points(series, length, spacing, washout, boundaries[-1])

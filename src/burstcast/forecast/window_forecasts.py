@@ -26,19 +26,8 @@ def window_forecasts(
 
     Forecasts that overflow raise no warning; they predict no event.
 
-    Parameters
-    ----------
-    forecaster
-        The forecaster.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    washouts
-        Observed states up to each starting point, ``(points, steps, dimension)``.
-    boundaries
-        Boundaries of the windows (`burstcast.forecast.windows.window_boundaries`).
-    parameters
-        Schedule over washout and forecast, from each state to the next, ``(points, steps - 1 +
-        boundaries[-1], parameters)``; None: the case's own values.
+    ``parameters``: Schedule over washout and forecast, from each state to the next, ``(points,
+    steps - 1 + boundaries[-1], parameters)``; None: the case's own values.
     """
     batches = []
     for start in range(0, len(washouts), POINTS_PER_BATCH):
@@ -77,20 +66,9 @@ def member_forecasts(
 ) -> FloatArray:
     """Forecast with every member of a forecaster's ensemble, overflows as in `window_forecasts`.
 
-    Parameters
-    ----------
-    forecaster
-        The forecaster.
-    washout
-        Observed states up to the starting points, ``(steps, dimension, batch)``.
-    steps
-        Steps of the forecast.
-    parameters
-        Schedule over washout and forecast, as of `window_forecasts`; None: the case's own values.
-
-    Returns
-    -------
-    States, ``(steps, dimension, members, batch)``.
+    ``washout``: Observed states up to the starting points, ``(steps, dimension, batch)``.
+    ``parameters``: Schedule over washout and forecast, as of `window_forecasts`; None: the case's
+    own values. Returns states, ``(steps, dimension, members, batch)``.
     """
     past, ahead = schedules_of(parameters, len(washout))
     ensemble = forecaster.ensemble(washout, past)

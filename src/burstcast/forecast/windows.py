@@ -17,18 +17,12 @@ from burstcast.arrays import BoolArray, FloatArray
 
 @dataclass(frozen=True)
 class WindowSummaries:
-    """First and largest observable in each window after each starting point.
+    """First and largest observable in each window after each starting point."""
 
-    Attributes
-    ----------
-    first
-        Observable at the window's first step, ``(points, windows)``; not finite where the forecast
-        no longer is.
-    largest
-        Largest observable in the window, both ends included, ``(points, windows)``; likewise.
-    """
-
+    #: observable at the window's first step, ``(points, windows)``; not finite where the forecast
+    #: no longer is
     first: FloatArray
+    #: largest observable in the window, both ends included, ``(points, windows)``; likewise
     largest: FloatArray
 
     @classmethod
@@ -40,18 +34,11 @@ class WindowSummaries:
 
 @dataclass(frozen=True)
 class WindowForecasts(WindowSummaries):
-    """Window summaries of the single forecast from each starting point, and of an ensemble.
+    """Window summaries of the single forecast from each starting point, and of an ensemble."""
 
-    Attributes
-    ----------
-    diverged
-        Whether the single forecast has diverged, ``(points,)``.
-    member_first, member_largest
-        ``first`` and ``largest`` of the forecast of each member, ``(points, members, windows)``. A
-        forecaster that provides no ensemble has no members here.
-    """
-
-    diverged: BoolArray
+    diverged: BoolArray  #: whether the single forecast has diverged, ``(points,)``
+    #: member_first, member_largest: ``first`` and ``largest`` of the forecast of each member,
+    #: ``(points, members, windows)``. A forecaster that provides no ensemble has no members here.
     member_first: FloatArray
     member_largest: FloatArray
 
@@ -69,20 +56,6 @@ def window_boundaries(
 
     Window i reaches from boundary i to boundary i + 1, both included. The first boundary is one
     resolution after the starting point: no prediction time is shorter.
-
-    Parameters
-    ----------
-    resolution_lt
-        Length of a window, in Lyapunov times.
-    windows
-        Number of windows.
-    steps_per_lyapunov_time
-        Steps of a forecast in a Lyapunov time.
-
-    Raises
-    ------
-    ValueError
-        If a window is shorter than one step.
     """
     durations.positive_steps(resolution_lt, steps_per_lyapunov_time, "the resolution of windows")
     return tuple(
@@ -94,12 +67,7 @@ def window_boundaries(
 def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSummaries:
     """Window summaries of observables that begin one step after the starting points.
 
-    Parameters
-    ----------
-    observable
-        ``(steps, points)``; entry 0 is one step after the starting point.
-    boundaries
-        Boundaries of the windows (`window_boundaries`).
+    ``observable``: ``(steps, points)``; entry 0 is one step after the starting point.
     """
     pairs = list(pairwise(boundaries))
     return WindowSummaries(
@@ -116,18 +84,7 @@ def crosses(
     It does if it is below the threshold at the window's first step and at or above it later on. A
     forecast that does not stay finite in the window crosses nothing.
 
-    Parameters
-    ----------
-    summaries
-        Summaries of the forecast or of the truth.
-    first_window, windows
-        Which windows make up the prediction window.
-    threshold
-        The event threshold, k_e.
-
-    Returns
-    -------
-    ``(points,)``.
+    Shape ``(points,)``.
     """
     span = slice(first_window, first_window + windows)
     if first_window < 0 or first_window + windows > summaries.first.shape[1]:
@@ -140,17 +97,8 @@ def crosses(
 def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: float) -> BoolArray:
     """Whether the observable crosses the threshold in one window (see `crosses`).
 
-    Parameters
-    ----------
-    observable
-        ``(steps, batch)``; entry 0 is one step after the forecast was made.
-    start, end
-        Steps from the forecast to the first and to the last step of the window.
-    threshold
-        The event threshold, k_e.
-
-    Returns
-    -------
+    ``observable``: ``(steps, batch)``; entry 0 is one step after the forecast was made. ``start``,
+    ``end``: Steps from the forecast to the first and to the last step of the window. Shape
     ``(batch,)``.
     """
     return crosses(summarise(observable, (start, end)), 0, 1, threshold)

@@ -8,13 +8,7 @@ from burstcast.systems.parameters import Parameters
 
 
 def parameters_of(case: ForecastingCase) -> Parameters:
-    """Parameters of a case.
-
-    Raises
-    ------
-    ValueError
-        If it has none.
-    """
+    """Parameters of a case."""
     if case.parameters is None:
         raise ValueError("a forecaster that knows the parameters needs a case that has some")
     return case.parameters
@@ -23,17 +17,8 @@ def parameters_of(case: ForecastingCase) -> Parameters:
 def fitted_factors(schedules: FloatArray | None, case: ForecastingCase) -> ParameterFactors:
     """Factors scaled by the schedules of training series.
 
-    Parameters
-    ----------
-    schedules
-        ``(series, time - 1, parameters)``.
-    case
-        With the options ``transform`` and ``parameter_degree``, or the default ones.
-
-    Raises
-    ------
-    ValueError
-        If there are no schedules, or no parameter varies in them.
+    ``schedules``: ``(series, time - 1, parameters)``. ``case``: With the options ``transform`` and
+    ``parameter_degree``, or the default ones.
     """
     parameters, options = parameters_of(case), {**DEFAULTS["aware"], **case.options}
     names = parameters.names

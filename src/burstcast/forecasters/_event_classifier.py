@@ -18,24 +18,14 @@ from burstcast.forecasters.base import ForecasterKind, ForecastingCase
 
 @dataclass(frozen=True)
 class LabelledPoints:
-    """Starting points in training series, and whether an event followed in each window.
+    """Starting points in training series, and whether an event followed in each window."""
 
-    Attributes
-    ----------
-    washouts
-        Observed states up to each point, ``(points, steps, dimension)``.
-    happened
-        Whether an event followed in each prediction window, ``(points, windows)``.
-    series
-        Row of each point's series, ``(points,)``.
-    known
-        Further features, of what is known in advance, ``(points, features)`` (`known_features`);
-        None: there are none.
-    """
-
-    washouts: FloatArray
+    washouts: FloatArray  #: observed states up to each point, ``(points, steps, dimension)``
+    #: whether an event followed in each prediction window, ``(points, windows)``
     happened: BoolArray
-    series: IntArray
+    series: IntArray  #: row of each point's series, ``(points,)``
+    #: further features, of what is known in advance, ``(points, features)`` (`known_features`);
+    #: None: there are none
     known: FloatArray | None = None
 
     def of(self, rows: BoolArray, windows: BoolArray) -> Self:
@@ -47,15 +37,7 @@ class LabelledPoints:
     def check(self, prediction_times_lt: Sequence[float]) -> None:
         """Check that each window has points with an event after them, and points without one.
 
-        Parameters
-        ----------
-        prediction_times_lt
-            Lyapunov times from a point to each window, for messages.
-
-        Raises
-        ------
-        ValueError
-            If a window has an event after all points, or after none.
+        ``prediction_times_lt``: Lyapunov times from a point to each window, for messages.
         """
         count = len(self.happened)
         for time, events in zip(prediction_times_lt, self.happened.sum(axis=0), strict=True):
@@ -78,14 +60,9 @@ class EventClassifier(ForecasterKind):
     def fit(cls, points: LabelledPoints, case: ForecastingCase) -> Self:
         """Learn from labelled starting points.
 
-        Parameters
-        ----------
-        points
-            Points of the training series; each window has points with an event and points without
-            one.
-        case
-            What may be known beside them. Kinds with random numbers find the root of all streams
-            as the option ``random_seed``.
+        ``points``: Points of the training series; each window has points with an event and points
+        without one. ``case``: What may be known beside them. Kinds with random numbers find the
+        root of all streams as the option ``random_seed``.
         """
 
     def tuned(self, case: ForecastingCase) -> ForecastingCase:
@@ -100,12 +77,7 @@ class EventClassifier(ForecasterKind):
     def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
         """Probability of an event in each window: ``(points, windows)``.
 
-        Parameters
-        ----------
-        washouts
-            Observed states up to each starting point, ``(points, steps, dimension)``.
-        known
-            Further features, as of the `LabelledPoints` of the training.
+        ``known``: Further features, as of the `LabelledPoints` of the training.
         """
 
 
@@ -114,18 +86,10 @@ def known_features(
 ) -> FloatArray:
     """Features of what is known in advance: values now, and means over prediction windows.
 
-    Parameters
-    ----------
-    schedules
-        Values in force over washouts and what follows, ``(points, steps, parameters)``.
-    now
-        Entry that is in force up to the starting point; -1 if there is none.
-    windows
-        Steps after the starting point at which each window begins and ends.
-
-    Returns
-    -------
-    ``(points, (1 + windows) * parameters)``; without an entry for now, the means alone.
+    ``schedules``: Values in force over washouts and what follows, ``(points, steps, parameters)``.
+    ``now``: Entry that is in force up to the starting point; -1 if there is none. ``windows``:
+    Steps after the starting point at which each window begins and ends. Shape ``(points, (1 +
+    windows) * parameters)``; without an entry for now, the means alone.
 
     Examples
     --------

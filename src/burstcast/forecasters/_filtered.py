@@ -27,27 +27,16 @@ class FilteredForecaster(Forecaster):
     The ensemble starts around the first observation of the washout, with the scatter of the noise.
     The model advances it from one observation to the next, and each of them is assimilated. A kind
     of filtered forecasters is a subclass that says which model it is about.
-
-    Attributes
-    ----------
-    model
-        Forecaster that advances the ensemble, and then forecasts.
-    noise
-        Standard deviation of the errors of an observation, ``(dimension,)``.
-    members
-        Size of the ensemble: even, and at least twice the dimension.
-    inflation
-        See `burstcast.filters.square_root.assimilate`.
     """
 
     provides_ensemble: ClassVar[bool] = True
     has_filter: ClassVar[bool] = True
     model_class: ClassVar[type[Forecaster]]
 
-    model: Forecaster
-    noise: FloatArray
-    members: int
-    inflation: float
+    model: Forecaster  #: forecaster that advances the ensemble, and then forecasts
+    noise: FloatArray  #: standard deviation of the errors of an observation, ``(dimension,)``
+    members: int  #: size of the ensemble: even, and at least twice the dimension
+    inflation: float  #: see `burstcast.filters.square_root.assimilate`
 
     @classmethod
     def fit(
@@ -86,10 +75,7 @@ class FilteredForecaster(Forecaster):
     def first_members(self, observation: FloatArray) -> FloatArray:
         """Memories of the members around an observation, ``(..., members * batch)``.
 
-        Parameters
-        ----------
-        observation
-            The first of the washout, ``(dimension, batch)``.
+        ``observation``: The first of the washout, ``(dimension, batch)``.
         """
         states = symmetric_members(observation, self.noise, self.members)
         return self.model.start(states.reshape(1, len(states), -1))

@@ -14,21 +14,14 @@ from burstcast.systems.lyapunov import with_perturbations
 
 @dataclass(frozen=True)
 class IntegratedForecaster(Forecaster):
-    """Integrates equations from the last state of the washout.
-
-    Attributes
-    ----------
-    system
-        The equations.
-    time_step, sampling_stride
-        Time step and sampling stride of the integration: time units, and integration steps in a
-        step of the forecast.
-    """
+    """Integrates equations from the last state of the washout."""
 
     may_diverge: ClassVar[bool] = False
     """Whether states that are not finite are a forecast that has diverged, or an error."""
 
     system: DynamicalSystem
+    #: time_step, sampling_stride: time step and sampling stride of the integration: time units, and
+    #: integration steps in a step of the forecast
     time_step: float
     sampling_stride: int
 

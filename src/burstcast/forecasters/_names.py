@@ -24,27 +24,17 @@ _PATTERN = re.compile(
 
 @dataclass(frozen=True)
 class ForecasterName:
-    """Name of a forecaster or controller, whatever its case: None for what does not apply to it.
+    """Name of a forecaster or controller, whatever its case: None for what does not apply to it."""
 
-    Attributes
-    ----------
-    kind
-        Module of `burstcast.forecasters`.
-    neurons, validation, seed
-        Size, validation strategy and seed of a network.
-    role
-        Role of a controller that is no single forecaster: a module of
-        `burstcast.control.controllers`.
-    label
-        Name that a user gives to forecasts from files.
-    """
-
-    kind: str
+    kind: str  #: module of `burstcast.forecasters`
+    #: neurons, validation, seed: size, validation strategy and seed of a network
     neurons: int | None = None
     validation: str | None = None
     seed: int | None = None
+    #: role of a controller that is no single forecaster: a module of
+    #: `burstcast.control.controllers`
     role: str | None = None
-    label: str | None = None
+    label: str | None = None  #: name that a user gives to forecasts from files
 
     @property
     def asks_forecasters(self) -> bool:
@@ -95,13 +85,7 @@ def described(kind: Any, neurons: Any = None, validation: Any = None) -> str:
 
 
 def parsed(identifier: str) -> ForecasterName:
-    """Read an identifier.
-
-    Raises
-    ------
-    ValueError
-        If it is none.
-    """
+    """Read an identifier."""
     match = _PATTERN.fullmatch(identifier)
     if match is None:
         raise ValueError(f"{identifier!r} is no forecaster; one is esn-N2000-RV-seed3")

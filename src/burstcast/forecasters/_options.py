@@ -51,15 +51,7 @@ def sections_of_kind(kind: str) -> tuple[str, ...]:
 def options_of_kind(
     kind: str, sections: Mapping[str, Mapping[str, Any]] = DEFAULTS
 ) -> dict[str, Any]:
-    """Options that forecasters of a kind have, from all of its sections; empty if it has none.
-
-    Parameters
-    ----------
-    kind
-        A module of `burstcast.forecasters`.
-    sections
-        Options by section.
-    """
+    """Options that forecasters of a kind have, from all of its sections; empty if it has none."""
     return {
         name: value
         for section in sections_of_kind(kind)

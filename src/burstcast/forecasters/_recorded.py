@@ -14,18 +14,12 @@ from burstcast.forecasters.base import Forecaster, ForecasterRecord, Forecasting
 
 @dataclass(frozen=True)
 class RecordedForecasts(Forecaster):
-    """Repeats recorded forecasts. A memory is the row of a forecast, and how far it has got.
+    """Repeats recorded forecasts. A memory is the row of a forecast, and how far it has got."""
 
-    Attributes
-    ----------
-    washouts
-        Observed components up to each starting point, ``(points, steps, dimension)``.
-    outputs
-        Forecasts from these points, ``(points, steps, components)``. The components may differ
-        from the components of the washouts: the observable alone, for example.
-    """
-
+    #: observed components up to each starting point, ``(points, steps, dimension)``
     washouts: FloatArray
+    #: forecasts from these points, ``(points, steps, components)``. The components may differ from
+    #: the components of the washouts: the observable alone, for example.
     outputs: FloatArray
 
     @cached_property
@@ -49,13 +43,7 @@ class RecordedForecasts(Forecaster):
         return cls(record.arrays["washouts"], record.arrays["outputs"])
 
     def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
-        """Row of the forecast that goes on from each washout, and 0 steps: ``(2, batch)``.
-
-        Raises
-        ------
-        ValueError
-            If there is no forecast from a washout.
-        """
+        """Row of the forecast that goes on from each washout, and 0 steps: ``(2, batch)``."""
         keys = [_key(one) for one in washout.transpose(2, 0, 1)]
         unknown = [key for key in keys if key not in self._rows]
         if unknown:
@@ -66,13 +54,7 @@ class RecordedForecasts(Forecaster):
     def advance(
         self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Repeat the next steps of the forecasts (see `Forecaster.advance`).
-
-        Raises
-        ------
-        ValueError
-            If they are not that long.
-        """
+        """Repeat the next steps of the forecasts (see `Forecaster.advance`)."""
         rows, done = memory.astype(np.int64)
         if done.size and done.max() + steps > self.outputs.shape[1]:
             raise ValueError(
@@ -93,13 +75,9 @@ def recorded_horizons(
 ) -> FloatArray:
     """Prediction horizons of recorded forecasts, in Lyapunov times, ``(events,)``.
 
-    Parameters
-    ----------
-    washouts, observable
-        Starting points, ``(points, steps, dimension)``, and forecasts from them, ``(points,
-        steps)``.
-    observed, truth, search
-        Events, as `burstcast.forecast.horizon.prediction_horizons` takes them.
+    ``washouts``, ``observable``: Starting points, ``(points, steps, dimension)``, and forecasts
+    from them, ``(points, steps)``. ``observed``, ``truth``, ``search``: Events, as
+    `burstcast.forecast.horizon.prediction_horizons` takes them.
     """
     recorded = RecordedForecasts(washouts, observable[..., np.newaxis])
     return prediction_horizons(recorded, lambda outputs: outputs[0], observed, truth, search)

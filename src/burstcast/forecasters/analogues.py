@@ -22,22 +22,14 @@ class Analogues(Forecaster):
     States are compared in units of each component's standard deviation. Where the series of an
     analogue ends, the mean is over the others; where all have ended, there is no forecast (it is
     not a number).
-
-    Attributes
-    ----------
-    training
-        Observed training series, ``(series, time, dimension)``.
-    neighbours
-        How many analogues.
     """
 
     provides_ensemble: ClassVar[bool] = True
 
-    training: FloatArray
-    neighbours: int
+    training: FloatArray  #: observed training series, ``(series, time, dimension)``
+    neighbours: int  #: how many analogues
 
     def __repr__(self) -> str:
-        """Number of remembered states."""
         series, samples, _ = self.training.shape
         return f"Analogues({self.neighbours} of {series} series of {samples} samples)"
 

@@ -22,19 +22,14 @@ class EquationsFromObservation(IntegratedForecaster):
 
     Where the case has encoded states of a flow, they are decoded first, and the forecast is encoded
     again.
-
-    Attributes
-    ----------
-    parameters
-        Equations under other parameters than the case's own, for schedules; None: there are none.
-    maps
-        Between states of the equations and channels of the case; None: they are equal.
     """
 
     needs_equations: ClassVar[bool] = True
     aware: ClassVar[bool] = True
 
+    #: equations under other parameters than the case's own, for schedules; None: there are none
     parameters: Parameters | None = None
+    #: between states of the equations and channels of the case; None: they are equal
     maps: StateMaps | None = None
 
     @classmethod
@@ -50,13 +45,7 @@ class EquationsFromObservation(IntegratedForecaster):
 
     @classmethod
     def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
-        """Take the equations of the case.
-
-        Raises
-        ------
-        ValueError
-            If it has none: its series were measured.
-        """
+        """Take the equations of the case."""
         steps = case.time_step, case.sampling_stride
         if case.source is not None:
             maps = StateMaps(**{one.name: record.arrays[one.name] for one in fields(StateMaps)})
@@ -74,13 +63,7 @@ class EquationsFromObservation(IntegratedForecaster):
     def advance(
         self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Integrate the equations under a schedule (see `Forecaster.advance`).
-
-        Raises
-        ------
-        ValueError
-            If there is a schedule, and the case has no parameters.
-        """
+        """Integrate the equations under a schedule (see `Forecaster.advance`)."""
         if self.maps is not None:
             states, memory = super().advance(memory, steps)
             return _with_observable(self.maps, self.system, states), memory

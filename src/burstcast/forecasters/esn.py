@@ -19,39 +19,23 @@ from burstcast.forecasters.base import Forecaster, ForecasterRecord, Forecasting
 
 @dataclass(frozen=True)
 class NetworkForecaster(Forecaster):
-    """An echo state network: open loop over the washout, closed loop from there on.
-
-    Attributes
-    ----------
-    network
-        The trained network.
-    seed
-        What its reservoir is made from.
-    divergence_bound
-        A forecast beyond this many training ranges of any component has diverged; None: not judged.
-    """
+    """An echo state network: open loop over the washout, closed loop from there on."""
 
     has_search: ClassVar[bool] = True
 
-    network: EchoStateNetwork
-    seed: ReservoirSeed
+    network: EchoStateNetwork  #: the trained network
+    seed: ReservoirSeed  #: what its reservoir is made from
+    #: a forecast beyond this many training ranges of any component has diverged; None: not judged
     divergence_bound: float | None
 
     def __repr__(self) -> str:
-        """The network, and which realisation it is."""
         return f"NetworkForecaster(seed {self.seed.seed}: {self.network!r})"
 
     @classmethod
     def fit(
         cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
     ) -> Self:
-        """Refuse: a network needs hyperparameters, which a search finds.
-
-        Raises
-        ------
-        NotImplementedError
-            Always; see `burstcast.tuning` and `burstcast.esn.training.train`.
-        """
+        """Refuse: a network needs hyperparameters, which a search finds."""
         raise NotImplementedError("networks are trained with hyperparameters that a search finds")
 
     @classmethod
@@ -68,22 +52,7 @@ class NetworkForecaster(Forecaster):
     ) -> Self:
         """Train a network on all series.
 
-        Parameters
-        ----------
-        dynamics
-            Reservoir with its hyperparameters.
-        seed
-            What the reservoir is made from.
-        training
-            Training series.
-        washout
-            Steps at the beginning of each series that training leaves out.
-        tikhonov
-            Tikhonov parameter.
-        divergence_bound
-            See the class.
-        knowledge
-            Further fields of a kind that has any.
+        ``washout``: Steps at the beginning of each series that training leaves out.
         """
         readout = train(dynamics, training, washout=washout, tikhonov=tikhonov)
         network = EchoStateNetwork(dynamics, readout, training.input_range)

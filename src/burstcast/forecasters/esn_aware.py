@@ -25,23 +25,15 @@ from burstcast.systems.parameters import Parameters
 
 @dataclass(frozen=True)
 class AwareNetworkForecaster(NetworkForecaster):
-    """An echo state network whose closed loop follows a schedule.
-
-    Attributes
-    ----------
-    factors
-        Function from values of the parameters to the factors that the readout is linear in.
-    parameters
-        The parameters, and their values in the case.
-    """
+    """An echo state network whose closed loop follows a schedule."""
 
     aware: ClassVar[bool] = True
 
+    #: function from values of the parameters to the factors that the readout is linear in
     factors: ParameterFactors
-    parameters: Parameters
+    parameters: Parameters  #: the parameters, and their values in the case
 
     def __repr__(self) -> str:
-        """Size, realisation and parameters of the network."""
         return (
             f"AwareNetworkForecaster(seed {self.seed.seed}: {self.network!r}, "
             f"by {', '.join(self.factors.names)})"
@@ -88,21 +80,9 @@ def factored_training(
 ) -> tuple[TrainingSeries, ParameterFactors]:
     """Training series of a network that knows the parameters, for its search and its training.
 
-    Parameters
-    ----------
-    observed
-        ``(series, time, dimension)``.
-    input_range
-        What the inputs are divided by, ``(dimension,)``.
-    schedules
-        Values in force from each sample to the next, ``(series, time - 1, parameters)``.
-    case
-        Parameters, and the options of the kind.
-
-    Raises
-    ------
-    ValueError
-        If no parameter varies.
+    ``observed``: ``(series, time, dimension)``. ``input_range``: What the inputs are divided by,
+    ``(dimension,)``. ``schedules``: Values in force from each sample to the next, ``(series, time -
+    1, parameters)``.
     """
     factors = fitted_factors(schedules, case)
     return TrainingSeries(observed, input_range, factors(schedules)), factors

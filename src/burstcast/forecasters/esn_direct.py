@@ -31,28 +31,16 @@ _POINTS_PER_BATCH = 1024
 
 @dataclass(frozen=True)
 class DirectReadout(EventClassifier):
-    """Probabilities from the state of a reservoir after the washout.
+    """Probabilities from the state of a reservoir after the washout."""
 
-    Attributes
-    ----------
-    dynamics
-        Reservoir with its hyperparameters.
-    seed
-        What the reservoir is made from.
-    input_range
-        Range of each observed component in training, by which inputs are divided.
-    weights
-        Weights of the state's neurons, of what is known in advance, and last the bias, for each
-        window, ``(neurons + known features + 1, windows)``.
-    penalty
-        Strength of the penalty on squared weights of neurons of unit variance.
-    """
-
-    dynamics: Dynamics
-    seed: ReservoirSeed
+    dynamics: Dynamics  #: reservoir with its hyperparameters
+    seed: ReservoirSeed  #: what the reservoir is made from
+    #: range of each observed component in training, by which inputs are divided
     input_range: FloatArray
+    #: weights of the state's neurons, of what is known in advance, and last the bias, for each
+    #: window, ``(neurons + known features + 1, windows)``
     weights: FloatArray
-    penalty: float
+    penalty: float  #: strength of the penalty on squared weights of neurons of unit variance
 
     @classmethod
     def fit(cls, points: LabelledPoints, case: ForecastingCase) -> Self:

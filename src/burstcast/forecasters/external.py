@@ -21,32 +21,20 @@ from burstcast.probability.votes import share_of_votes
 
 @dataclass(frozen=True)
 class ExternalForecasts(ForecasterKind):
-    """Forecasts of the starting points of a case.
-
-    Attributes
-    ----------
-    forecasts
-        Window summaries of a trajectory from each point; or probabilities of events, which are
-        given, or are the shares of several members that forecast an event.
-    """
+    """Forecasts of the starting points of a case."""
 
     has_trajectories: ClassVar[bool] = False
     from_files: ClassVar[bool] = True
 
+    #: window summaries of a trajectory from each point; or probabilities of events, which are
+    #: given, or are the shares of several members that forecast an event
     forecasts: WindowForecasts | EventProbabilities
 
     @classmethod
     def of(cls, given: Forecasts, task: ForecastTask, event_threshold: float) -> Self:
         """Forecasts that a campaign scores, from the forecasts in files.
 
-        Parameters
-        ----------
-        given
-            Result of `burstcast.benchmark.forecast_files.read_forecasts`.
-        task
-            What was asked.
-        event_threshold
-            Observable that an event reaches.
+        ``given``: Result of `burstcast.benchmark.forecast_files.read_forecasts`.
         """
         if len(given.members) == 1:
             (single,) = given.members
@@ -68,22 +56,10 @@ class ExternalForecasts(ForecasterKind):
         return forecast_variables(self.forecasts, name)
 
     def record(self) -> ForecasterRecord:
-        """Refuse: the files are the record.
-
-        Raises
-        ------
-        NotImplementedError
-            Always.
-        """
+        """Refuse: the files are the record."""
         raise NotImplementedError("forecasts from files are read again, not restored")
 
     @classmethod
     def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
-        """Refuse: the files are the record.
-
-        Raises
-        ------
-        NotImplementedError
-            Always.
-        """
+        """Refuse: the files are the record."""
         raise NotImplementedError("forecasts from files are read again, not restored")

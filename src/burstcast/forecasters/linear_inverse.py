@@ -16,21 +16,12 @@ from burstcast.forecasters.base import Forecaster, ForecasterRecord, Forecasting
 
 @dataclass(frozen=True)
 class LinearInverseModel(Forecaster):
-    """Next state = propagator @ state + constant.
+    """Next state = propagator @ state + constant."""
 
-    Attributes
-    ----------
-    propagator
-        ``(dimension, dimension)``.
-    constant
-        ``(dimension,)``.
-    """
-
-    propagator: FloatArray
+    propagator: FloatArray  #: ``(dimension, dimension)``
     constant: FloatArray
 
     def __repr__(self) -> str:
-        """Number of components, without coefficients."""
         return f"LinearInverseModel({len(self.constant)} components)"
 
     @classmethod

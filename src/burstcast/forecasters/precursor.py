@@ -22,11 +22,6 @@ from burstcast.probability.precursor import Precursor, PrecursorOptions, precurs
 class LearntPrecursor(EventClassifier):
     """Probabilities by a classifier for each prediction window.
 
-    Attributes
-    ----------
-    precursor
-        The classifiers, fitted.
-
     Examples
     --------
     >>> import numpy as np
@@ -45,7 +40,7 @@ class LearntPrecursor(EventClassifier):
     (5, 1)
     """
 
-    precursor: Precursor
+    precursor: Precursor  #: the classifiers, fitted
 
     @classmethod
     def fit(cls, points: LabelledPoints, case: ForecastingCase) -> Self:
@@ -70,13 +65,7 @@ class LearntPrecursor(EventClassifier):
 
 
 def precursor_options(case: ForecastingCase) -> PrecursorOptions:
-    """Options of a case, with its lags in steps.
-
-    Raises
-    ------
-    ValueError
-        If two lags are the same number of steps, or one is shorter than a step.
-    """
+    """Options of a case, with its lags in steps."""
     lags = lag_steps(case.options["lags_lt"], case.steps_per_lyapunov_time)
     names = {field.name for field in fields(PrecursorOptions)} - {"lags"}
     return PrecursorOptions(lags=lags, **{name: case.options[name] for name in names})
@@ -87,18 +76,9 @@ def lag_steps(
 ) -> tuple[int, ...]:
     """Steps of lags that are given in Lyapunov times.
 
-    Parameters
-    ----------
-    lags_lt, steps_per_lyapunov_time
-        The lags, and steps of a forecast in a Lyapunov time.
-    washout
-        Observed steps up to and including the present, in which lags must lie; None: not known.
-
-    Raises
-    ------
-    ValueError
-        If two lags are the same number of steps, or one is shorter than a step or beyond the
-        washout.
+    ``lags_lt``, ``steps_per_lyapunov_time``: The lags, and steps of a forecast in a Lyapunov time.
+    ``washout``: Observed steps up to and including the present, in which lags must lie; None: not
+    known.
     """
     name, unit = "forecasters.precursor.lags_lt", steps_per_lyapunov_time
     lags = tuple(durations.positive_steps(lag, unit, name) for lag in lags_lt)

@@ -17,13 +17,7 @@ from burstcast.polynomials.system import PolynomialSystem
 
 
 def window_steps(window_lt: float, steps_per_lyapunov_time: int, length: int) -> int:
-    """Steps of the window that equations are learnt from, in series of ``length`` samples.
-
-    Raises
-    ------
-    ValueError
-        If it is shorter than one step, or no series has a sample after it.
-    """
+    """Steps of the window that equations are learnt from, in series of ``length`` samples."""
     name = "forecasters.quadratic.window_lt"
     window = durations.positive_steps(window_lt, steps_per_lyapunov_time, name)
     if window >= length:
@@ -33,20 +27,14 @@ def window_steps(window_lt: float, steps_per_lyapunov_time: int, length: int) ->
 
 @dataclass(frozen=True)
 class QuadraticModel(IntegratedForecaster):
-    """Integrates learnt equations from the last state of the washout.
-
-    Attributes
-    ----------
-    coefficients
-        Coefficients of the equations, ``(monomials, dimension)``, in inverse time units.
-    """
+    """Integrates learnt equations from the last state of the washout."""
 
     may_diverge: ClassVar[bool] = True
 
+    #: coefficients of the equations, ``(monomials, dimension)``, in inverse time units
     coefficients: FloatArray
 
     def __repr__(self) -> str:
-        """Number of terms, without coefficients."""
         terms, components = int((self.coefficients != 0).sum()), self.coefficients.shape[1]
         return f"QuadraticModel({terms} terms of {components} components)"
 
@@ -54,14 +42,7 @@ class QuadraticModel(IntegratedForecaster):
     def fit(
         cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
     ) -> Self:
-        """Learn the equations (see `Forecaster.fit`).
-
-        Raises
-        ------
-        ValueError
-            If the window does not fit the series (`window_steps`), or they do not determine the
-            equations.
-        """
+        """Learn the equations (see `Forecaster.fit`)."""
         options = case.options
         window = window_steps(options["window_lt"], case.steps_per_lyapunov_time, training.shape[1])
         coefficients = polynomial_coefficients(

@@ -34,26 +34,16 @@ class AwareQuadraticModel(IntegratedForecaster):
 
     The system has the factors as further components of its state, which do not change by
     themselves: one program serves all values of the parameters.
-
-    Attributes
-    ----------
-    coefficients
-        ``(1 + factors, monomials, dimension)``, in inverse time units.
-    factors
-        Function from values of the parameters to the factors.
-    parameters
-        The parameters, and their values in the case.
     """
 
     may_diverge: ClassVar[bool] = True
     aware: ClassVar[bool] = True
 
-    coefficients: FloatArray
-    factors: ParameterFactors
-    parameters: Parameters
+    coefficients: FloatArray  #: ``(1 + factors, monomials, dimension)``, in inverse time units
+    factors: ParameterFactors  #: function from values of the parameters to the factors
+    parameters: Parameters  #: the parameters, and their values in the case
 
     def __repr__(self) -> str:
-        """Number of terms, without coefficients."""
         terms = [int((block != 0).sum()) for block in self.coefficients]
         return (
             f"AwareQuadraticModel({' + '.join(map(str, terms))} terms of "
@@ -64,14 +54,7 @@ class AwareQuadraticModel(IntegratedForecaster):
     def fit(
         cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
     ) -> Self:
-        """Learn the equations (see `Forecaster.fit`).
-
-        Raises
-        ------
-        ValueError
-            If the window is shorter than a step, no parameter varies, or the series do not
-            determine the equations.
-        """
+        """Learn the equations (see `Forecaster.fit`)."""
         factors = fitted_factors(parameters, case)
         assert parameters is not None
         options = case.options

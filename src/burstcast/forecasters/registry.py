@@ -41,15 +41,7 @@ def learns_parameters(kind: str) -> bool:
 
 
 def kind_class(kind: str) -> type[ForecasterKind]:
-    """Find the class of the forecasters of a kind: "esn", "equations", "precursor", ...
-
-    Raises
-    ------
-    ValueError
-        If there is no such kind.
-    TypeError
-        If its module does not define just one.
-    """
+    """Find the class of the forecasters of a kind: "esn", "equations", "precursor", ..."""
     if kind not in (available := all_kinds()):
         raise ValueError(
             f"unknown kind of forecaster {kind!r}{suggestion(kind, available)}; "
@@ -64,11 +56,6 @@ def kind_class(kind: str) -> type[ForecasterKind]:
 
 def forecaster_class(kind: str) -> type[Forecaster]:
     """Find the class of the forecasters of a kind that forecasts trajectories.
-
-    Raises
-    ------
-    ValueError
-        If there is no such kind, or if it gives probabilities without trajectories.
 
     Examples
     --------
@@ -87,11 +74,6 @@ def forecaster_class(kind: str) -> type[Forecaster]:
 
 def classifier_class(kind: str) -> type[EventClassifier]:
     """Find the class of a kind that gives probabilities without trajectories.
-
-    Raises
-    ------
-    ValueError
-        If there is no such kind, or if it forecasts trajectories.
 
     Examples
     --------

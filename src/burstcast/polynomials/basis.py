@@ -27,18 +27,8 @@ def denoised(states: FloatArray, noise_variance: FloatArray, basis: list[Monomia
     what is true (Cheng & Schneeweiss, "Polynomial regression with errors in the variables", Journal
     of the Royal Statistical Society B 60, 1998).
 
-    Parameters
-    ----------
-    states
-        Observed states, ``(..., dimension)``.
-    noise_variance
-        Noise variance of the components, ``(dimension,)``; zeros: the monomials themselves.
-    basis
-        Which monomials.
-
-    Returns
-    -------
-    ``(monomials, ...)``.
+    ``states``: Observed states, ``(..., dimension)``. ``noise_variance``: Noise variance of the
+    components, ``(dimension,)``; zeros: the monomials themselves. Shape ``(monomials, ...)``.
     """
     highest = max(len(factors) for factors in basis)
     powers = []

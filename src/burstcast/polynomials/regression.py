@@ -40,11 +40,6 @@ def gregory_weights(intervals: int) -> FloatArray:
     The trapezoidal rule with Gregory's end corrections of up to order five, as many as the number
     of points allows; exact for polynomials of degree up to five, and even weights within, which
     average noise best.
-
-    Parameters
-    ----------
-    intervals
-        Number of intervals, at least 1.
     """
     weights = np.ones(intervals + 1)
     weights[[0, -1]] = 0.5
@@ -78,31 +73,10 @@ def polynomial_coefficients(
 ) -> FloatArray:
     """Coefficients of the equations that observed series obey.
 
-    Parameters
-    ----------
-    series
-        Observed series, ``(series, time, dimension)``.
-    noise
-        Standard deviation of the noise in each component, ``(dimension,)``.
-    interval
-        Time from one sample to the next.
-    degree
-        Highest degree of the monomials.
-    window
-        Intervals that the equations are integrated over.
-    significance
-        A term stays if its coefficient is so many standard errors away from zero, at least; 0 keeps
-        all terms.
-
-    Returns
-    -------
-    ``(monomials, dimension)``, in the order of `burstcast.polynomials.basis.monomials`; zero for
-    terms that are left out.
-
-    Raises
-    ------
-    ValueError
-        If the series have fewer windows than there are monomials, or a component is constant.
+    ``noise``: Standard deviation of the noise in each component, ``(dimension,)``.
+    ``significance``: A term stays if its coefficient is so many standard errors away from zero, at
+    least; 0 keeps all terms. Shape ``(monomials, dimension)``, in the order of
+    `burstcast.polynomials.basis.monomials`; zero for terms that are left out.
     """
     none = np.empty((series.shape[0], max(0, series.shape[1] - 1), 0))
     coefficients: FloatArray = factored_coefficients(
@@ -124,22 +98,8 @@ def factored_coefficients(
 
     The equations are dx/dt = sum_m (c[0, m] + sum_f factor_f c[f, m]) monomial_m(x).
 
-    Parameters
-    ----------
-    series, noise, interval, degree, window, significance
-        As in `polynomial_coefficients`.
-    factors
-        Factors in force from each sample to the next, ``(series, time - 1, factors)``.
-
-    Returns
-    -------
-    ``(1 + factors, monomials, dimension)``, the constant part first.
-
-    Raises
-    ------
-    ValueError
-        If the series have fewer windows without a change than there are coefficients, a component
-        is constant, or the factors have another shape.
+    ``factors``: Factors in force from each sample to the next, ``(series, time - 1, factors)``.
+    Shape ``(1 + factors, monomials, dimension)``, the constant part first.
     """
     if factors.shape[:2] != (series.shape[0], max(0, series.shape[1] - 1)):
         raise ValueError(

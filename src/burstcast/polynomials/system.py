@@ -11,20 +11,9 @@ from burstcast.systems.state_space import StateSpace
 class PolynomialSystem(DynamicalSystem):
     """dx_i/dt = sum over m of coefficients[m, i] monomial_m(x).
 
-    Parameters
-    ----------
-    coefficients
-        ``(monomials, dimension)``, in the order of `burstcast.polynomials.basis.monomials`. Terms
-        whose coefficient is zero cost nothing.
-    degree
-        Highest degree of the monomials.
-    observed
-        What the equations stand for, whose observable they have.
-
-    Raises
-    ------
-    ValueError
-        If there are not as many coefficients as monomials.
+    ``coefficients``: ``(monomials, dimension)``, in the order of
+    `burstcast.polynomials.basis.monomials`. Terms whose coefficient is zero cost nothing.
+    ``observed``: What the equations stand for, whose observable they have.
     """
 
     def __init__(self, coefficients: FloatArray, degree: int, observed: StateSpace) -> None:

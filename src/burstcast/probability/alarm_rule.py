@@ -17,29 +17,16 @@ CALIBRATED, VOTES = "calibrated", "votes"
 
 @dataclass(frozen=True)
 class AlarmRule:
-    """Rule of alarms: a calibration and the alarm threshold.
+    """Rule of alarms: a calibration and the alarm threshold."""
 
-    Attributes
-    ----------
-    calibration
-        Function from what is forecast to the probability.
-    threshold
-        Probability.
-    """
-
-    calibration: Calibration
+    calibration: Calibration  #: function from what is forecast to the probability
     threshold: float
 
     @classmethod
     def chosen(cls, outcomes: Outcomes, calibration: Calibration) -> Self:
         """Rule with the best threshold for probabilities that a calibration makes.
 
-        Parameters
-        ----------
-        outcomes
-            What followed which forecast, not of those to be judged, summed over series.
-        calibration
-            The calibration.
+        ``outcomes``: What followed which forecast, not of those to be judged, summed over series.
         """
         levels = outcomes.at(calibration(outcomes.levels))
         return cls(calibration, best_threshold(levels.levels, levels.points))
@@ -68,14 +55,8 @@ def rules_of(
 ) -> dict[str, AlarmRule]:
     """Rules of an alarm: by `CALIBRATED` probabilities, and, if it has any, by `VOTES`.
 
-    Parameters
-    ----------
-    chosen
-        Content of ``calibration.json``.
-    alarm
-        Identifier of the source of the alarms.
-    prediction_time_lt, factor
-        Prediction time, and the event threshold in units of the case's.
+    ``prediction_time_lt``, ``factor``: Prediction time, and the event threshold in units of the
+    case's.
     """
     found = chosen["alarms"][alarm][f"{factor:g}"][f"{prediction_time_lt:g}"]
     return {name: AlarmRule.restore(record) for name, record in found.items()}

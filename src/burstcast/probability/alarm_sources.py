@@ -18,18 +18,12 @@ BASELINES = ("climatology", "observable_now")
 
 @dataclass(frozen=True)
 class AlarmSource:
-    """Source of alarms in a case.
+    """Source of alarms in a case."""
 
-    Attributes
-    ----------
-    name
-        Its name: its forecaster's, ``esn-N1000-RV-committee``,
-        ``quadratic_filtered-committee``, or one of `BASELINES`.
-    forecasters
-        Identifiers of the forecasters that vote; none for baselines.
-    """
-
+    #: its name: its forecaster's, ``esn-N1000-RV-committee``, ``quadratic_filtered-committee``, or
+    #: one of `BASELINES`
     name: ForecasterName
+    #: identifiers of the forecasters that vote; none for baselines
     forecasters: tuple[str, ...] = ()
 
     @property
@@ -53,13 +47,7 @@ Forecasts: TypeAlias = Mapping[str, WindowForecasts | EventProbabilities]
 
 
 def alarm_sources(forecasts: Forecasts) -> list[AlarmSource]:
-    """All sources of alarms in a case: baselines, forecasters, then committees.
-
-    Parameters
-    ----------
-    forecasts
-        Forecasts by the identifier of the forecaster.
-    """
+    """All sources of alarms in a case: baselines, forecasters, then committees."""
     groups: dict[ForecasterName, list[str]] = {}
     for name in forecasts:
         groups.setdefault(replace(parsed(name), seed=None), []).append(name)

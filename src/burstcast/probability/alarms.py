@@ -53,12 +53,8 @@ def best_threshold(probabilities: FloatArray, points: IntArray) -> float:
     lower one: nothing tells the values between them apart. Of equally good ones it is the highest.
     It is 0 where alarms are raised always, and 1 where no event is expected at all.
 
-    Parameters
-    ----------
-    probabilities
-        Levels, rising, ``(levels,)``.
-    points
-        Forecasts of each level, ``(levels,)``: not of those to be judged.
+    ``probabilities``: Levels, rising, ``(levels,)``. ``points``: Forecasts of each level,
+    ``(levels,)``: not of those to be judged.
     """
     expected = points * probabilities
     whole = float(expected.sum())
@@ -78,10 +74,7 @@ def useless_votes(outcomes: Outcomes) -> str:
     area below the receiver operating characteristic is within two standard errors of a half
     (Mann & Whitney, Ann. Math. Stat. 18, 1947), as if all points were independent.
 
-    Parameters
-    ----------
-    outcomes
-        Summed over series, ``(levels,)``.
+    ``outcomes``: Summed over series, ``(levels,)``.
     """
     events, points = int(outcomes.events.sum()), int(outcomes.points.sum())
     quiet = points - events

@@ -49,18 +49,12 @@ def brier_skill(outcomes: Outcomes) -> FloatArray:
 
 @dataclass(frozen=True)
 class Binned:
-    """Outcomes in equally wide bins of the probability; arrays of shape ``(..., bins)``.
+    """Outcomes in equally wide bins of the probability; arrays of shape ``(..., bins)``."""
 
-    Attributes
-    ----------
-    points, events
-        Forecasts in each bin, and how many of them an event followed.
-    mean_probability
-        Mean probability of the forecasts in the bin; NaN where there are none.
-    """
-
+    #: points, events: forecasts in each bin, and how many of them an event followed
     points: IntArray
     events: IntArray
+    #: mean probability of the forecasts in the bin; NaN where there are none
     mean_probability: FloatArray
 
     @property
@@ -70,13 +64,7 @@ class Binned:
 
 
 def bin_of(levels: FloatArray, bins: int) -> IntArray:
-    """Bin of each probability: bin i holds [i, i + 1) / bins, the last one the probability 1, too.
-
-    Raises
-    ------
-    ValueError
-        If a value lies outside of [0, 1].
-    """
+    """Bin of each probability: bin i holds [i, i + 1) / bins; the last one also holds 1."""
     if ((levels < 0) | (levels > 1)).any():
         raise ValueError("probabilities lie between 0 and 1")
     # a share of votes that rounding has put just below its bin's edge belongs into that bin
@@ -100,22 +88,14 @@ def binned(outcomes: Outcomes, bins: int) -> Binned:
 
 @dataclass(frozen=True)
 class Decomposition:
-    """Parts of the Brier score: score = reliability - resolution + uncertainty.
+    """Parts of the Brier score: score = reliability - resolution + uncertainty."""
 
-    Attributes
-    ----------
-    reliability
-        Mean square difference between a bin's probability and how often events followed: 0 is best.
-    resolution
-        How far the bins' frequencies lie from the base rate: large is good. The generalised one of
-        Stephenson et al., which takes up what varies within bins, so that the parts add up.
-    uncertainty
-        Variance of the outcomes: the Brier score of climatology.
-    """
-
+    #: mean square difference between a bin's probability and how often events followed: 0 is best
     reliability: FloatArray
+    #: how far the bins' frequencies lie from the base rate: large is good. The generalised one of
+    #: Stephenson et al., which takes up what varies within bins, so that the parts add up.
     resolution: FloatArray
-    uncertainty: FloatArray
+    uncertainty: FloatArray  #: variance of the outcomes: the Brier score of climatology
 
 
 def decomposition(outcomes: Outcomes, bins: int) -> Decomposition:

@@ -18,21 +18,10 @@ def calibrated_alarms(
 ) -> dict[str, Any]:
     """Rules of the alarms of all sources (`burstcast.probability.alarm_rule.rules_of`).
 
-    Parameters
-    ----------
-    points
-        Starting points of the calibration.
-    prediction_times_lt
-        Prediction times.
-    event_threshold, factors
-        The case's event threshold, and others as multiples of it, which are for compared
-        forecasters alone.
-    prior
-        Weight of the prior of `isotonic`, for shares of votes.
-
-    Returns
-    -------
-    Records of `AlarmRule` by source, factor, prediction time, and kind of probability.
+    ``event_threshold``, ``factors``: The case's event threshold, and others as multiples of it,
+    which are for compared forecasters alone. ``prior``: Weight of the prior of `isotonic`, for
+    shares of votes. Returns records of `AlarmRule` by source, factor, prediction time, and kind of
+    probability.
     """
     alarms: dict[str, Any] = {}
     for alarm in points.alarms:

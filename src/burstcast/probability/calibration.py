@@ -21,17 +21,11 @@ from burstcast.probability.outcomes import Outcomes
 class Calibration:
     """A map from forecast values to probabilities, linear between its knots, constant beyond.
 
-    Attributes
-    ----------
-    values
-        Knots, rising, ``(knots,)``.
-    probabilities
-        Probability of an event at each of them, never falling, ``(knots,)``.
-
     Without knots, no probability is known.
     """
 
-    values: FloatArray
+    values: FloatArray  #: knots, rising, ``(knots,)``
+    #: probability of an event at each of them, never falling, ``(knots,)``
     probabilities: FloatArray
 
     def __call__(self, values: FloatArray) -> FloatArray:
@@ -48,14 +42,8 @@ UNCALIBRATED = Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
 def pool_adjacent_violators(values: FloatArray, weights: FloatArray) -> FloatArray:
     """Non-decreasing sequence nearest to values, by weighted least squares.
 
-    Parameters
-    ----------
-    values, weights
-        ``(count,)``; weights are positive.
-
-    Returns
-    -------
-    ``(count,)``: neighbours that violate the order share their weighted mean.
+    ``values``, ``weights``: ``(count,)``; weights are positive. Shape ``(count,)``: neighbours that
+    violate the order share their weighted mean.
     """
     means: list[float] = []
     sizes: list[float] = []
@@ -119,10 +107,8 @@ def logistic(outcomes: Outcomes) -> Calibration:
     and quiet points are separated completely. Where events have no larger probabilities than quiet
     points, all probabilities become the base rate.
 
-    Parameters
-    ----------
-    outcomes
-        ``(levels,)``, the levels in [0, 1]. Without any forecast the calibration has no knots.
+    ``outcomes``: ``(levels,)``, the levels in [0, 1]. Without any forecast the calibration has no
+    knots.
     """
     if not outcomes.levels.size:
         return Calibration(np.empty(0), np.empty(0))

@@ -58,22 +58,12 @@ def see_event(
 ) -> CommitteeEvent:
     """Lay out an event on one axis of time.
 
-    Parameters
-    ----------
-    true
-        True observable from the start of the washout to the end of the forecasts, ``(time,)``;
-        empty without an event.
-    observed
-        Observable of the washout; the last entry belongs to the starting point.
-    forecasts
-        By committee: forecast observables of its members after that, ``(members, steps)``.
-    prediction_times_lt, happened
-        Beginnings of windows, and whether an event began in each.
-    chances
-        Shares of votes, calibrated probabilities and thresholds of alarms,
-        ``(3, committees, windows)``.
-    steps_per_lyapunov_time
-        Steps of a forecast in a Lyapunov time.
+    ``true``: True observable from the start of the washout to the end of the forecasts,
+    ``(time,)``; empty without an event. ``observed``: Observable of the washout; the last entry
+    belongs to the starting point. ``forecasts``: By committee: forecast observables of its members
+    after that, ``(members, steps)``. ``prediction_times_lt``, ``happened``: Beginnings of windows,
+    and whether an event began in each. ``chances``: Shares of votes, calibrated probabilities and
+    thresholds of alarms, ``(3, committees, windows)``.
     """
     length, now = len(true), len(observed)
     seen = np.full(length, np.nan)
@@ -103,20 +93,8 @@ def committee_chances(
 ) -> FloatArray:
     """Shares of votes, calibrated probabilities and alarm thresholds at one starting point.
 
-    Parameters
-    ----------
-    points, point
-        Starting points of the case, and the row of this one.
-    committees
-        Committees.
-    chosen
-        Content of ``calibration.json``.
-    prediction_times_lt, event_threshold
-        Prediction times, and the case's event threshold.
-
-    Returns
-    -------
-    ``(3, committees, windows)``.
+    ``points``, ``point``: Starting points of the case, and the row of this one. Shape ``(3,
+    committees, windows)``.
     """
     chances = np.full((3, len(committees), len(prediction_times_lt)), np.nan)
     for number, committee in enumerate(committees):
@@ -136,19 +114,9 @@ def member_observables(
 ) -> FloatArray:
     """Observable that each member forecasts after one washout, ``(members, steps)``.
 
-    Parameters
-    ----------
-    forecaster
-        Forecaster.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    washout
-        Observed states up to the starting point, ``(steps, dimension)``.
-    steps
-        How far to forecast.
-    parameters
-        Schedule over washout and forecast, from each state to the next, ``(washout - 1 + steps,
-        parameters)``; None: the case's own values.
+    ``washout``: Observed states up to the starting point, ``(steps, dimension)``. ``parameters``:
+    Schedule over washout and forecast, from each state to the next, ``(washout - 1 + steps,
+    parameters)``; None: the case's own values.
     """
     given = np.ascontiguousarray(washout[:, :, np.newaxis])
     in_force = None if parameters is None else parameters[np.newaxis]

@@ -21,16 +21,8 @@ def economic_value(outcomes: Outcomes, cost_loss_ratio: float) -> FloatArray:
     The mean expense, in units of L, is C/L for each protection and 1 for each event missed;
     climatology protects always or never, whichever costs less.
 
-    Parameters
-    ----------
-    outcomes
-        Levels are probabilities.
-    cost_loss_ratio
-        C / L of the user, in (0, 1).
-
-    Returns
-    -------
-    1: perfect; 0: no better than climatology; negative: worse. NaN where all outcomes are alike.
+    Returns 1: perfect; 0: no better than climatology; negative: worse. NaN where all outcomes are
+    alike.
     """
     counts, rate = counts_at(outcomes, cost_loss_ratio), base_rate(outcomes)
     protections = counts.true_positive + counts.false_positive

@@ -19,20 +19,13 @@ from burstcast.probability.votes import share_of_votes
 
 @dataclass(frozen=True)
 class ForecastPoints:
-    """Starting points of a case, with outcomes and forecasts.
+    """Starting points of a case, with outcomes and forecasts."""
 
-    Attributes
-    ----------
-    data
-        Variables of the points (`burstcast.forecast.forecast_files.point_variables`).
-    forecasts
-        Forecasts from the points, by the identifier of the forecaster.
-    window_lt, resolution_lt
-        Length of a prediction window, and of the windows that make it up, in Lyapunov times.
-    """
-
+    #: variables of the points (`burstcast.forecast.forecast_files.point_variables`)
     data: Mapping[str, Any]
-    forecasts: Forecasts
+    forecasts: Forecasts  #: forecasts from the points, by the identifier of the forecaster
+    #: window_lt, resolution_lt: length of a prediction window, and of the windows that make it up,
+    #: in Lyapunov times
     window_lt: float
     resolution_lt: float
 

@@ -12,19 +12,8 @@ def ratio_with_interval(
 ) -> tuple[float, float, float]:
     """Ratio of two sums over series, with its interval.
 
-    Parameters
-    ----------
-    numerator, denominator
-        By series, ``(series,)``.
-    weights
-        Weights of the series in each resample
-        (`burstcast.statistics.resampling.bootstrap_weights`).
-    confidence
-        Share inside the interval, in (0, 1).
-
-    Returns
-    -------
-    Ratio and both ends; NaN where they are not defined.
+    ``numerator``, ``denominator``: By series, ``(series,)``. ``weights``: Weights of the series in
+    each resample (`burstcast.statistics.resampling.bootstrap_weights`).
     """
     value = ratio(numerator.sum(), denominator.sum())
     factors = weights.astype(np.float64)

@@ -19,24 +19,15 @@ class LeadTimes:
     """Lead times of alarms before each event, in steps; arrays of shape ``(events,)``.
 
     Events that no starting point could have warned of are left out.
-
-    Attributes
-    ----------
-    series
-        Row of each event's series.
-    stayed
-        Time from the first starting point after which all were right to the event; 0 if the last
-        one before it was not.
-    first
-        Time from the first starting point that was right at all; 0 if there was none.
-    possible
-        Time from the first starting point that could have been right.
     """
 
-    series: IntArray
+    series: IntArray  #: row of each event's series
+    #: time from the first starting point after which all were right to the event; 0 if the last one
+    #: before it was not
     stayed: IntArray
+    #: time from the first starting point that was right at all; 0 if there was none
     first: IntArray
-    possible: IntArray
+    possible: IntArray  #: time from the first starting point that could have been right
 
 
 def lead_times(
@@ -51,19 +42,12 @@ def lead_times(
     Going back from an event, the starting points end where the observed washout already holds an
     event (the one before is under way), or where no window reaches any more.
 
-    Parameters
-    ----------
-    alarms
-        Whether each starting point raises an alarm for each window, ``(points, windows)``.
-    windows
-        First and last step of each window after the starting point. An event is in it if it crosses
-        the threshold after the first step and not after the last one.
-    points
-        Starting points; within a series in the order of time.
-    scored
-        Whether no event is under way at a point, ``(points,)``.
-    events
-        Starts of the events (`burstcast.data.starting_points.crossing_points`).
+    ``alarms``: Whether each starting point raises an alarm for each window, ``(points, windows)``.
+    ``windows``: First and last step of each window after the starting point. An event is in it if
+    it crosses the threshold after the first step and not after the last one. ``points``: Starting
+    points; within a series in the order of time. ``scored``: Whether no event is under way at a
+    point, ``(points,)``. ``events``: Starts of the events
+    (`burstcast.data.starting_points.crossing_points`).
     """
     begins, ends = np.array(windows, dtype=np.int64).reshape(-1, 2).T
     found = []
@@ -95,20 +79,11 @@ def lead_times(
 
 @dataclass(frozen=True)
 class SeriesRatio:
-    """A score that is the ratio of two sums over series.
-
-    Attributes
-    ----------
-    metric
-        Its name.
-    lead_time_lt
-        Lead time that it belongs to, in Lyapunov times; None: to none.
-    numerator, denominator
-        By series, ``(series,)``.
-    """
+    """A score that is the ratio of two sums over series."""
 
     metric: str
-    lead_time_lt: float | None
+    lead_time_lt: float | None  #: lead time that it belongs to, in Lyapunov times; None: to none
+    #: numerator, denominator: by series, ``(series,)``
     numerator: FloatArray
     denominator: FloatArray
 
@@ -118,19 +93,7 @@ def lead_time_scores(
 ) -> list[SeriesRatio]:
     """Scores of lead times.
 
-    Parameters
-    ----------
-    found
-        Lead times of the events of all series.
-    series
-        Number of series.
-    lead_times_lt
-        Lead times at which the share of warned events is evaluated.
-    steps_per_lyapunov_time
-        Steps of a forecast in a Lyapunov time.
-
-    Returns
-    -------
+    ``lead_times_lt``: Lead times at which the share of warned events is evaluated. Returns
     ``mean_lead_time_lt``, ``mean_first_alarm_lt`` and ``mean_possible_lead_time_lt``, over the
     events, in Lyapunov times (`LeadTimes`); ``missed_fraction``, of events that the last starting
     point before them was not right about; and for each lead time ``warned_fraction``: of the events

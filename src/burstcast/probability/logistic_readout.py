@@ -21,18 +21,8 @@ def fit_logistic(features: FloatArray, happened: BoolArray, penalty: float) -> F
     squared weights of features of zero mean and unit variance; the bias is free. Newton's method
     finds them.
 
-    Parameters
-    ----------
-    features
-        ``(points, features)``.
-    happened
-        Whether each event followed, ``(points, events)``.
-    penalty
-        Strength of the penalty; positive.
-
-    Returns
-    -------
-    ``(features + 1, events)``, the bias last, of features as they are.
+    ``features``: ``(points, features)``. ``happened``: Whether each event followed, ``(points,
+    events)``. Shape ``(features + 1, events)``, the bias last, of features as they are.
 
     Examples
     --------

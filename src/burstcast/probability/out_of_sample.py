@@ -27,26 +27,11 @@ def out_of_sample_forecasts(
 ) -> WindowForecasts:
     """Forecast from starting points in the training series, refitted without the point's series.
 
-    Parameters
-    ----------
-    forecaster
-        The forecaster, trained on all of the series.
-    training, case, washout
-        Training series, ``(series, time, dimension)``, and what else the forecaster was trained
-        with (`Forecaster.leave_one_out`).
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    washouts
-        Observed states up to each starting point, ``(points, steps, dimension)``.
-    series
-        Row of each point's series, ``(points,)``.
-    boundaries
-        Boundaries of the windows (`burstcast.forecast.windows.window_boundaries`).
-    parameters
-        Schedules that the forecaster was trained with, ``(series, time - 1, parameters)``; None:
-        none.
-    schedules
-        Schedule of each point, as of `burstcast.forecast.window_forecasts.window_forecasts`.
+    ``training``, ``case``, ``washout``: Training series, ``(series, time, dimension)``, and what
+    else the forecaster was trained with (`Forecaster.leave_one_out`). ``parameters``: Schedules
+    that the forecaster was trained with, ``(series, time - 1, parameters)``; None: none.
+    ``schedules``: Schedule of each point, as of
+    `burstcast.forecast.window_forecasts.window_forecasts`.
     """
     rows, parts = [], []
     refitted_without = forecaster.leave_one_out(training, case, washout, parameters)

@@ -22,27 +22,12 @@ def out_of_sample_probabilities(
     probabilities of a classifier that has learnt from all other folds. Where no event, or nothing
     but events, follow the points of those in a window, the probability is 0, or 1.
 
-    Parameters
-    ----------
-    kind, points, case
-        What is fitted, to what, and what it knows (`EventClassifier.fit`).
-    folds
-        Number of folds; with as many as training series, or more, each series is left out alone.
-    washouts
-        Observed states up to the points that are forecast, ``(points, steps, dimension)``.
-    series
-        Row of the training series of each of them, ``(points,)``.
-    known
-        Further features of each of them, as of ``points``.
-
-    Returns
-    -------
-    ``(points, windows)``.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than two training series or folds.
+    ``kind``, ``points``, ``case``: What is fitted, to what, and what it knows
+    (`EventClassifier.fit`). ``folds``: Number of folds; with as many as training series, or more,
+    each series is left out alone. ``washouts``: Observed states up to the points that are forecast,
+    ``(points, steps, dimension)``. ``series``: Row of the training series of each of them,
+    ``(points,)``. ``known``: Further features of each of them, as of ``points``. Shape ``(points,
+    windows)``.
     """
     rows = np.unique(np.concatenate([points.series, series]))
     count = min(folds, len(rows))

@@ -13,22 +13,14 @@ from burstcast.arrays import BoolArray, FloatArray, IntArray
 
 @dataclass(frozen=True)
 class Outcomes:
-    """Counts of forecasts by the value that was forecast.
+    """Counts of forecasts by the value that was forecast."""
 
-    Attributes
-    ----------
-    levels
-        Distinct values that were forecast, rising, ``(levels,)``: probabilities, or any score that
-        rises with the probability.
-    points
-        Forecasts of each level, ``(..., levels)``: by series, summed over series, or by resample.
-    events
-        How many of them an event followed, likewise.
-    """
-
+    #: distinct values that were forecast, rising, ``(levels,)``: probabilities, or any score that
+    #: rises with the probability
     levels: FloatArray
+    #: forecasts of each level, ``(..., levels)``: by series, summed over series, or by resample
     points: IntArray
-    events: IntArray
+    events: IntArray  #: how many of them an event followed, likewise
 
     def total(self) -> "Outcomes":
         """Sum over all series."""
@@ -37,10 +29,7 @@ class Outcomes:
     def resampled(self, weights: IntArray) -> "Outcomes":
         """Sums over resampled series.
 
-        Parameters
-        ----------
-        weights
-            How often each series is in each resample, ``(resamples, series)``.
+        ``weights``: How often each series is in each resample, ``(resamples, series)``.
         """
         # counts are whole numbers below 2^53: exact, and BLAS computes the product
         factors = weights.astype(np.float64)
@@ -53,16 +42,8 @@ class Outcomes:
     def at(self, values: FloatArray) -> "Outcomes":
         """Outcomes with other values for the levels; equal values become one level.
 
-        Parameters
-        ----------
-        values
-            New value of each level, never falling, ``(levels,)``; forecasts of a level whose value
-            is not known, NaN, do not count.
-
-        Raises
-        ------
-        ValueError
-            If they fall.
+        ``values``: New value of each level, never falling, ``(levels,)``; forecasts of a level
+        whose value is not known, NaN, do not count.
         """
         if (np.diff(values) < 0).any():
             raise ValueError("values that fall would change the order of the forecasts")
@@ -83,27 +64,9 @@ def outcomes_by_series(
 ) -> Outcomes:
     """Count the outcomes of forecasts in each series.
 
-    Parameters
-    ----------
-    forecast
-        Probability or score of each starting point, ``(points,)``.
-    happened
-        Whether an event followed, ``(points,)``.
-    scored
-        Points that count, ``(points,)``.
-    series
-        Row of each point's series, ``(points,)``, from 0.
-    count
-        Number of series.
-
-    Returns
-    -------
-    Counts of shape ``(count, levels)``.
-
-    Raises
-    ------
-    ValueError
-        If a value of a point that counts is not finite.
+    ``forecast``: Probability or score of each starting point, ``(points,)``. ``happened``: Whether
+    an event followed, ``(points,)``. ``series``: Row of each point's series, ``(points,)``, from 0.
+    Returns counts of shape ``(count, levels)``.
     """
     values, rows, true = forecast[scored], series[scored], happened[scored]
     if not np.isfinite(values).all():

@@ -25,31 +25,18 @@ CLASSIFIERS = ("boosting", "logistic")
 
 @dataclass(frozen=True)
 class PrecursorOptions:
-    """Options of a precursor's training.
+    """Options of a precursor's training."""
 
-    Attributes
-    ----------
-    classifier
-        One of `CLASSIFIERS`.
-    lags
-        Steps before the present whose components are features, beside the present components.
-    trees, leaves, learning_rate
-        Number of trees, leaves of each, and weight of each in the boosting.
-    degree, penalty
-        Degree of the products of features, 1 or 2, in the logistic regression, and strength of its
-        penalty on squared coefficients of features of unit variance.
-
-    Raises
-    ------
-    ValueError
-        If an option is out of bounds.
-    """
-
-    classifier: str = _DEFAULTS["classifier"]
+    classifier: str = _DEFAULTS["classifier"]  #: one of `CLASSIFIERS`
+    #: steps before the present whose components are features, beside the present components
     lags: Sequence[int] = ()
+    #: trees, leaves, learning_rate: number of trees, leaves of each, and weight of each in the
+    #: boosting
     trees: int = _DEFAULTS["trees"]
     leaves: int = _DEFAULTS["leaves"]
     learning_rate: float = _DEFAULTS["learning_rate"]
+    #: degree, penalty: degree of the products of features, 1 or 2, in the logistic regression, and
+    #: strength of its penalty on squared coefficients of features of unit variance
     degree: int = _DEFAULTS["degree"]
     penalty: float = _DEFAULTS["penalty"]
 
@@ -74,21 +61,8 @@ class PrecursorOptions:
 def precursor_features(washouts: FloatArray, lags: Sequence[int] = ()) -> FloatArray:
     """Features of starting points: the present components, then those at each lag.
 
-    Parameters
-    ----------
-    washouts
-        Observed states up to each starting point, ``(points, steps, component)``.
-    lags
-        Steps before the present.
-
-    Returns
-    -------
+    ``washouts``: Observed states up to each starting point, ``(points, steps, component)``. Shape
     ``(points, component * (1 + lags))``.
-
-    Raises
-    ------
-    ValueError
-        If a lag reaches beyond the washout.
     """
     steps = washouts.shape[1]
     if max(lags, default=0) >= steps:

@@ -24,19 +24,12 @@ PRECURSOR = "published_precursor"
 
 @dataclass(frozen=True)
 class Window:
-    """A prediction window: the first of the windows that make it up, and how many they are.
+    """A prediction window: the first of the windows that make it up, and how many they are."""
 
-    Attributes
-    ----------
-    first, count
-        See `burstcast.forecast.windows.crosses`.
-    threshold
-        The event threshold.
-    """
-
+    #: first, count: see `burstcast.forecast.windows.crosses`
     first: int
     count: int
-    threshold: float
+    threshold: float  #: the event threshold
 
     def happened(self, truth: WindowSummaries, event: str) -> BoolArray:
         """Whether the event happens in the window, ``(points,)``."""
@@ -71,19 +64,10 @@ def ranking_scores(
 ) -> dict[str, FloatArray]:
     """Areas below the ROC curve and below the precision-recall curve, for weighted points.
 
-    Parameters
-    ----------
-    strength
-        Strength of each point, ``(points,)``. Points of equal strength count as not distinguished.
-    happened
-        Whether the event followed, ``(points,)``.
-    weights
-        How often each point counts, ``(resamples, points)``.
-
-    Returns
-    -------
-    "roc_area" and "average_precision", ``(resamples,)``; NaN where no event, or nothing but events,
-    has a weight.
+    ``strength``: Strength of each point, ``(points,)``. Points of equal strength count as not
+    distinguished. ``happened``: Whether the event followed, ``(points,)``. ``weights``: How often
+    each point counts, ``(resamples, points)``. Returns "roc_area" and "average_precision",
+    ``(resamples,)``; NaN where no event, or nothing but events, has a weight.
     """
     order = np.argsort(-strength, kind="stable")
     ends = np.flatnonzero(np.append(np.diff(strength[order]) != 0.0, True))

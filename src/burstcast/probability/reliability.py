@@ -17,17 +17,10 @@ from burstcast.statistics.resampling import percentile_interval
 
 @dataclass(frozen=True)
 class ReliabilityDiagram:
-    """Frequencies of events by bins of probability; arrays of shape ``(bins,)``.
+    """Frequencies of events by bins of probability; arrays of shape ``(bins,)``."""
 
-    Attributes
-    ----------
-    whole
-        The forecasts in each bin.
-    low, high
-        Consistency bars: where the frequency of a reliable forecaster would lie.
-    """
-
-    whole: Binned
+    whole: Binned  #: the forecasts in each bin
+    #: low, high: consistency bars: where the frequency of a reliable forecaster would lie
     low: FloatArray
     high: FloatArray
 
@@ -41,19 +34,8 @@ def reliability_diagram(
 ) -> ReliabilityDiagram:
     """Reliability diagram with consistency bars.
 
-    Parameters
-    ----------
-    outcomes
-        By series, ``(series, levels)``.
-    bins
-        Number of equally wide bins of the probability.
-    weights
-        Weights of the series in each resample
-        (`burstcast.statistics.resampling.bootstrap_weights`).
-    confidence
-        Probability that a bar covers.
-    generator
-        Draws the outcomes of a reliable forecaster.
+    ``outcomes``: By series, ``(series, levels)``. ``weights``: Weights of the series in each
+    resample (`burstcast.statistics.resampling.bootstrap_weights`).
     """
     resampled = outcomes.resampled(weights)
     drawn = generator.binomial(resampled.points, outcomes.levels)

@@ -16,18 +16,10 @@ from burstcast.statistics.resampled_score import ResampledScore
 def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[str, FloatArray]:
     """Score probabilities, and the alarms that they raise.
 
-    Parameters
-    ----------
-    outcomes
-        Summed over series, ``(levels,)``; of many resamples, ``(resamples, levels)``.
-    threshold
-        Alarm threshold: alarms are raised at or above it.
-    bins
-        Number of bins of the decomposition and of the calibration error.
-
-    Returns
-    -------
-    Scores of shape ``()`` or ``(resamples,)``; NaN where undefined.
+    ``outcomes``: Summed over series, ``(levels,)``; of many resamples, ``(resamples, levels)``.
+    ``threshold``: Alarm threshold: alarms are raised at or above it. ``bins``: Number of bins of
+    the decomposition and of the calibration error. Returns scores of shape ``()`` or
+    ``(resamples,)``; NaN where undefined.
     """
     parts, counts = decomposition(outcomes, bins), counts_at(outcomes, threshold)
     return {
@@ -51,14 +43,8 @@ def resampled_scores(
 ) -> dict[str, ResampledScore]:
     """`probability_scores` of all series, and of resamples.
 
-    Parameters
-    ----------
-    outcomes
-        By series, ``(series, levels)``.
-    weights
-        How often each series is in each resample, ``(resamples, series)``.
-    threshold, bins
-        As in `probability_scores`.
+    ``outcomes``: By series, ``(series, levels)``. ``weights``: How often each series is in each
+    resample, ``(resamples, series)``.
     """
     values = probability_scores(outcomes.total(), threshold, bins)
     samples = probability_scores(outcomes.resampled(weights), threshold, bins)

@@ -8,19 +8,9 @@ from burstcast.arrays import BoolArray, FloatArray
 def typical_event(probability: FloatArray, happened: BoolArray, scored: BoolArray) -> int | None:
     """Starting point that an event follows, and whose probability is the median of all of these.
 
-    Parameters
-    ----------
-    probability
-        Forecast at each starting point, ``(points,)``.
-    happened
-        Whether an event followed, ``(points,)``.
-    scored
-        Points that count, ``(points,)``.
-
-    Returns
-    -------
-    Position of the point: the first one with the (lower) median probability; None if no event
-    followed any point.
+    ``probability``: Forecast at each starting point, ``(points,)``. ``happened``: Whether an event
+    followed, ``(points,)``. Returns position of the point: the first one with the (lower) median
+    probability; None if no event followed any point.
     """
     rows = np.flatnonzero(happened & scored)
     if rows.size == 0:

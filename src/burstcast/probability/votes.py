@@ -13,23 +13,10 @@ def share_of_votes(
 ) -> FloatArray:
     """Share of the members that forecast a crossing of the threshold in a prediction window.
 
-    Parameters
-    ----------
-    members
-        Forecasts of the same starting points: by the networks of an ensemble, say. A single one
-        votes with 0 or 1.
-    first_window, windows, threshold
-        As in `burstcast.forecast.windows.crosses`. A member whose forecast does not stay finite
-        votes against.
-
-    Returns
-    -------
-    ``(points,)``, in [0, 1].
-
-    Raises
-    ------
-    ValueError
-        If there are no members.
+    ``members``: Forecasts of the same starting points: by the networks of an ensemble, say. A
+    single one votes with 0 or 1. ``first_window``, ``windows``, ``threshold``: As in
+    `burstcast.forecast.windows.crosses`. A member whose forecast does not stay finite votes
+    against. Shape ``(points,)``, in [0, 1].
     """
     if not members:
         raise ValueError("a committee needs members")

@@ -15,59 +15,34 @@ from burstcast.arrays import FloatArray
 
 @dataclass(frozen=True)
 class FactorVariance:
-    """Contribution of one factor.
+    """Contribution of one factor."""
 
-    Attributes
-    ----------
-    degrees
-        Degrees of freedom.
-    mean_square
-        Sum of the squares of the factor's effects in all cells, divided by ``degrees``; NaN without
-        a degree of freedom.
-    standard_deviation
-        Standard deviation of the factor's effect: the root of its component of variance, which is
-        its mean square less the residual one, over the number of cells of a level. 0 where levels
-        differ by no more than the residual explains; NaN without a degree of freedom.
-    """
-
-    degrees: int
+    degrees: int  #: degrees of freedom
+    #: sum of the squares of the factor's effects in all cells, divided by ``degrees``; NaN without
+    #: a degree of freedom
     mean_square: float
+    #: standard deviation of the factor's effect: the root of its component of variance, which is
+    #: its mean square less the residual one, over the number of cells of a level. 0 where levels
+    #: differ by no more than the residual explains; NaN without a degree of freedom.
     standard_deviation: float
 
 
 @dataclass(frozen=True)
 class AnalysisOfVariance:
-    """Analysis of variance by main effects.
-
-    Attributes
-    ----------
-    mean
-        Over all cells.
-    factors
-        Effects of the factors, in the order of the axes.
-    residual
-        Effect of all interactions together; its standard deviation is the root of its mean square.
-    """
+    """Analysis of variance by main effects."""
 
     mean: float
-    factors: tuple[FactorVariance, ...]
+    factors: tuple[FactorVariance, ...]  #: effects of the factors, in the order of the axes
+    #: effect of all interactions together; its standard deviation is the root of its mean square
     residual: FactorVariance
 
 
 def analysis_of_variance(values: FloatArray) -> AnalysisOfVariance:
     """Separate the main effects of crossed factors, with one value in each cell.
 
-    Parameters
-    ----------
-    values
-        An axis for each factor, its levels along the axis. A factor of one level has no effect. The
-        residual takes what no main effect explains; without degrees of freedom for it (a single
-        factor of more than one level), it is unknown, and counts as none in the components.
-
-    Raises
-    ------
-    ValueError
-        If there is no value, or one is missing.
+    ``values``: An axis for each factor, its levels along the axis. A factor of one level has no
+    effect. The residual takes what no main effect explains; without degrees of freedom for it (a
+    single factor of more than one level), it is unknown, and counts as none in the components.
 
     Examples
     --------

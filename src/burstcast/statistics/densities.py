@@ -25,24 +25,11 @@ class Histogram:
 
     A bin holds its lower edge and not its upper one; the last bin holds both, as in
     `numpy.histogram`.
-
-    Attributes
-    ----------
-    edges
-        Edges of the bins, increasing, ``(bins + 1,)``.
-    counts
-        Values in each bin, ``(bins,)``.
-    below, above
-        Values outside the range of the edges.
-
-    Raises
-    ------
-    ValueError
-        If the edges do not increase or the counts do not fit them.
     """
 
-    edges: FloatArray
-    counts: IntArray
+    edges: FloatArray  #: edges of the bins, increasing, ``(bins + 1,)``
+    counts: IntArray  #: values in each bin, ``(bins,)``
+    #: below, above: values outside the range of the edges
     below: int = 0
     above: int = 0
 
@@ -96,17 +83,7 @@ def check_edges(edges: FloatArray) -> None:
 def slots(values: FloatArray, edges: FloatArray) -> IntArray:
     """Bin index of each value: 0 below the range, 1, 2, ... in the bins, bins + 1 above it.
 
-    Parameters
-    ----------
-    values
-        Values of any shape.
-    edges
-        ``(bins + 1,)``.
-
-    Raises
-    ------
-    ValueError
-        If a value is not finite.
+    ``edges``: ``(bins + 1,)``.
     """
     if not np.isfinite(values).all():
         raise ValueError("a value that is not finite cannot be counted in a histogram")
@@ -124,11 +101,6 @@ def from_slots(edges: FloatArray, counts: IntArray) -> Histogram:
 def histogram(values: FloatArray, edges: FloatArray) -> Histogram:
     """Count values, of any shape, in bins.
 
-    Raises
-    ------
-    ValueError
-        If a value is not finite or the edges do not increase.
-
     Examples
     --------
     >>> import numpy as np
@@ -145,11 +117,6 @@ def mean_density(histograms: Sequence[Histogram]) -> FloatArray:
     """Mean of the densities of several histograms, each with the same weight, ``(bins,)``.
 
     Histograms without values in their range are left out; NaN if none is left.
-
-    Raises
-    ------
-    ValueError
-        If there is no histogram or the bins differ.
     """
     if not histograms:
         raise ValueError("there is no density to average")
@@ -173,22 +140,11 @@ def density_interval(
 ) -> FloatArray:
     """Bootstrap interval of a mean density over what the values were counted in, ``(2, bins)``.
 
-    Parameters
-    ----------
-    edges
-        Edges of the bins, ``(bins + 1,)``.
-    counts
-        Counts of each density: values of each flow in each bin, ``(flows, bins)``.
-    rows
-        Row of each of these flows, ``(flows,)``: densities that share a flow are resampled with it.
-    resamples, confidence
-        Number of bootstrap samples; share of them inside the interval.
-    generator
-        Draws the samples.
-
-    Returns
-    -------
-    Both ends in each bin; NaN where no sample has a value inside the range.
+    ``edges``: Edges of the bins, ``(bins + 1,)``. ``counts``: Counts of each density: values of
+    each flow in each bin, ``(flows, bins)``. ``rows``: Row of each of these flows, ``(flows,)``:
+    densities that share a flow are resampled with it. ``resamples``, ``confidence``: Number of
+    bootstrap samples; share of them inside the interval. Returns both ends in each bin; NaN where
+    no sample has a value inside the range.
     """
     drawn, places = np.unique(np.concatenate(rows), return_inverse=True)
     weights = bootstrap_weights(max(len(drawn), 1), resamples, generator)
@@ -244,15 +200,6 @@ def mean_logarithmic_error(first: Histogram, second: Histogram) -> float:
 
     A bin that is empty in either density, or in both, counts an error of one. Other errors are not
     bounded.
-
-    Returns
-    -------
-    NaN where a histogram has no values inside its range.
-
-    Raises
-    ------
-    ValueError
-        If the bins differ.
     """
     _check_common_bins(first, second)
     if first.inside == 0 or second.inside == 0:

@@ -20,21 +20,10 @@ def resampled_measures(
     A distance is never negative, so that the scatter of resampling adds to it: where a network is
     as near to the data as its runs can tell, the samples lie above the distance itself.
 
-    Parameters
-    ----------
-    reference, matrices
-        As in `burstcast.statistics.measures.compare`.
-    runs
-        Reductions of each run.
-    kept
-        Runs that count, ``(runs,)``; discarded runs are drawn, too, and left out.
-    weights
-        How often each run is in each sample, ``(resamples, runs)``
-        (`burstcast.statistics.resampling.bootstrap_weights`).
-
-    Returns
-    -------
-    By measure, ``(resamples,)``; NaN where a sample has no run that counts.
+    ``kept``: Runs that count, ``(runs,)``; discarded runs are drawn, too, and left out.
+    ``weights``: How often each run is in each sample, ``(resamples, runs)``
+    (`burstcast.statistics.resampling.bootstrap_weights`). By measure, ``(resamples,)``; NaN where a
+    sample has no run that counts.
     """
     rows = np.arange(len(runs))[kept]
     found = [

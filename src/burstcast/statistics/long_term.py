@@ -43,47 +43,22 @@ class Fate(enum.IntEnum):
 
 @dataclass(frozen=True)
 class FixedPointCriterion:
-    """When a trajectory has come to a fixed point.
+    """When a trajectory has come to a fixed point."""
 
-    Attributes
-    ----------
-    variation
-        Its observable varies by less than this over its last steps.
-    above
-        And stays above this: the chaotic flow has quiet spells, too, but at low values.
-    interval
-        Number of the last steps.
-    """
-
-    variation: float
-    above: float
-    interval: int
+    variation: float  #: its observable varies by less than this over its last steps
+    above: float  #: and stays above this: the chaotic flow has quiet spells, too, but at low values
+    interval: int  #: number of the last steps
 
 
 @dataclass(frozen=True)
 class LongTermSettings:
-    """Settings of a long-term run.
+    """Settings of a long-term run."""
 
-    Attributes
-    ----------
-    steps
-        Length of each closed loop.
-    edges
-        Edges of the histogram's bins, ``(bins + 1,)``.
-    laminarisation_threshold
-        A trajectory whose observable exceeds it at any step is discarded; None: none is.
-    fixed_point
-        When a trajectory is discarded because it is at a fixed point; None: none is.
-
-    Raises
-    ------
-    ValueError
-        If there are no steps, or fewer than the fixed-point criterion looks at.
-    """
-
-    steps: int
-    edges: FloatArray
+    steps: int  #: length of each closed loop
+    edges: FloatArray  #: edges of the histogram's bins, ``(bins + 1,)``
+    #: a trajectory whose observable exceeds it at any step is discarded; None: none is
     laminarisation_threshold: float | None
+    #: when a trajectory is discarded because it is at a fixed point; None: none is
     fixed_point: FixedPointCriterion | None
 
     def __post_init__(self) -> None:
@@ -98,25 +73,16 @@ class LongTermSettings:
 
 @dataclass(frozen=True)
 class LongTermRun:
-    """Long-term statistics of a forecaster.
+    """Long-term statistics of a forecaster."""
 
-    Attributes
-    ----------
-    fates
-        What became of each trajectory (`Fate`), in the order of the starting points,
-        ``(starting points,)``.
-    lifetimes
-        Steps until each trajectory leaves the chaotic phase: until it laminarises, diverges, or
-        comes to rest at a fixed point; all steps of a kept one. ``(starting points,)``.
-    statistics
-        Statistics of the kept trajectories.
-    runs
-        What they are merged from: reductions of each trajectory, as far as it went.
-    """
-
+    #: what became of each trajectory (`Fate`), in the order of the starting points, ``(starting
+    #: points,)``
     fates: IntArray
+    #: steps until each trajectory leaves the chaotic phase: until it laminarises, diverges, or
+    #: comes to rest at a fixed point; all steps of a kept one. ``(starting points,)``.
     lifetimes: IntArray
-    statistics: LongTermStatistics
+    statistics: LongTermStatistics  #: statistics of the kept trajectories
+    #: what they are merged from: reductions of each trajectory, as far as it went
     runs: SeriesReductions
 
     def variables(self) -> dict[str, Variable]:
@@ -138,28 +104,6 @@ def long_term_starting_points(
 
     The earliest points of every series are taken, one more in the first series where ``count`` is
     no multiple of their number. There are fewer than ``count`` where the series have no more room.
-
-    Parameters
-    ----------
-    series
-        Number of training series.
-    length
-        Samples in each.
-    spacing
-        Steps between two starting points of a series.
-    washout
-        Inputs of the washout; the last one is the starting point itself.
-    count
-        Wanted number of points.
-
-    Returns
-    -------
-    Points in the order of series, then time.
-
-    Raises
-    ------
-    ValueError
-        If the series are shorter than a washout.
     """
     points = starting_points(series, length, spacing, washout, longest_forecast=0)
     taken = np.sort(np.lexsort((points.series, points.step))[:count])
@@ -185,25 +129,7 @@ def run_long_term(
     time that remains it cannot take them further than to 1e-3 of the range of the data, which the
     criterion is blind to.
 
-    Parameters
-    ----------
-    forecaster
-        Forecaster.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    washouts
-        Observed states up to each starting point, ``(points, steps, dimension)``.
-    settings
-        How to run.
-
-    Returns
-    -------
-    Statistics over the closed loops alone, without the washouts.
-
-    Raises
-    ------
-    ValueError
-        If there is no starting point.
+    Returns statistics over the closed loops alone, without the washouts.
     """
     points, _, dimension = washouts.shape
     if points == 0:

@@ -38,33 +38,11 @@ def forecaster_spectrum(
     The perturbations have the first quarter of a run to line up, as for the flow's own exponents
     (`alignment_of`), and are followed over what is left.
 
-    Parameters
-    ----------
-    forecaster
-        Forecaster.
-    washouts
-        Observed states up to the start of each run, ``(runs, steps, dimension)``.
-    steps
-        Length of each run.
-    orthonormalisation_steps
-        Steps between two factorisations; an incomplete interval at the end is left out.
-    exponents
-        How many are wanted; no more are there than the forecaster's memory has components.
-    sampling_interval
-        Time units of a step.
-    generator
-        Draws the perturbations to begin with.
-
-    Returns
-    -------
-    Exponents ``(runs, exponents)``; NaN for missing exponents and unresolved ones.
-
-    Raises
-    ------
-    NotImplementedError
-        If the forecaster does not linearise its forecasts.
-    ValueError
-        If a run holds no complete interval after its first quarter.
+    ``washouts``: Observed states up to the start of each run, ``(runs, steps, dimension)``.
+    ``orthonormalisation_steps``: Steps between two factorisations; an incomplete interval at the
+    end is left out. ``exponents``: How many are wanted; no more are there than the forecaster's
+    memory has components. Returns exponents ``(runs, exponents)``; NaN for missing exponents and
+    unresolved ones.
     """
     alignment = alignment_of(steps, orthonormalisation_steps)
     intervals = (steps - alignment) // orthonormalisation_steps
@@ -101,20 +79,14 @@ def forecaster_spectrum(
 
 @dataclass(frozen=True)
 class SpectrumSummary:
-    """Lyapunov exponents averaged over independent runs, and their dimension, with intervals.
+    """Lyapunov exponents averaged over independent runs, and their dimension, with intervals."""
 
-    Attributes
-    ----------
-    mean, low, high
-        Mean and interval of the exponents, ``(exponents,)``; NaN where one is not known, and for
-        intervals of a single run.
-    dimension, dimension_low, dimension_high
-        Kaplan-Yorke dimension of the mean exponents.
-    """
-
+    #: mean, low, high: mean and interval of the exponents, ``(exponents,)``; NaN where one is not
+    #: known, and for intervals of a single run
     mean: FloatArray
     low: FloatArray
     high: FloatArray
+    #: dimension, dimension_low, dimension_high: kaplan-Yorke dimension of the mean exponents
     dimension: float
     dimension_low: float
     dimension_high: float
@@ -128,16 +100,7 @@ def summarise(
     Intervals of exponents are Student's. The dimension is no mean and has percentile bootstrap
     intervals over runs.
 
-    Parameters
-    ----------
-    exponents
-        ``(runs, exponents)``.
-    confidence
-        Probability that an interval covers, in (0, 1).
-    resamples
-        Number of bootstrap samples.
-    generator
-        Draws them.
+    ``exponents``: ``(runs, exponents)``.
     """
     runs, count = exponents.shape
     unknown = np.full(count, np.nan)

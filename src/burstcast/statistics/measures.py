@@ -18,20 +18,13 @@ from burstcast.systems.mfe_modes import ProfileMatrices
 
 @dataclass(frozen=True)
 class Measures:
-    """Distances between two long-term statistics; NaN where one is not defined.
+    """Distances between two long-term statistics; NaN where one is not defined."""
 
-    Attributes
-    ----------
-    kantorovich
-        Kantorovich metric of the observable's densities, in units of the observable.
-    mean_log_error
-        Mean logarithmic error of the densities.
-    nrmse_u, nrmse_uu, nrmse_uv
-        Normalised root mean square errors of the profiles of u, u^2 and uv.
-    """
-
+    #: kantorovich metric of the observable's densities, in units of the observable
     kantorovich: float
-    mean_log_error: float
+    mean_log_error: float  #: mean logarithmic error of the densities
+    #: nrmse_u, nrmse_uu, nrmse_uv: normalised root mean square errors of the profiles of u, u^2 and
+    #: uv
     nrmse_u: float
     nrmse_uu: float
     nrmse_uv: float
@@ -44,20 +37,9 @@ def compare(
 ) -> Measures:
     """Distances of a candidate (a network, the training set) from the reference.
 
-    Parameters
-    ----------
-    reference
-        Statistics of all the true data.
-    candidate
-        What is measured, on the same bins. Without any states no measure is defined.
-    matrices
-        Matrices of the flow's modes at equally spaced heights from wall to wall; None for a system
-        without velocity modes, whose profiles are not defined.
-
-    Raises
-    ------
-    ValueError
-        If the bins differ or a reference profile is constant.
+    ``candidate``: What is measured, on the same bins. Without any states no measure is defined.
+    ``matrices``: Matrices of the flow's modes at equally spaced heights from wall to wall; None for
+    a system without velocity modes, whose profiles are not defined.
     """
     errors = [float("nan")] * 3
     if matrices is not None and candidate.moments.count > 0:
@@ -93,28 +75,6 @@ def sampling_floor(
 
     Each split is one draw of the sampling error; the splits share their data, so that their spread
     shows how far a single split may be off, not how well the mean is known.
-
-    Parameters
-    ----------
-    series
-        Reductions of the true series.
-    matrices
-        As in `compare`.
-    splits
-        Number of random splits.
-    generator
-        Source of the random numbers.
-    sample
-        Series in the sample; None: half of all series.
-
-    Returns
-    -------
-    The measures of each split.
-
-    Raises
-    ------
-    ValueError
-        If the sample or what is left of the data is empty.
     """
     size = len(series) // 2 if sample is None else sample
     if not 0 < size < len(series):
@@ -150,21 +110,8 @@ def floor_variables(splits: Sequence[Measures]) -> dict[str, Variable]:
 def nearest(reference: LongTermStatistics, candidates: Sequence[LongTermStatistics]) -> int | None:
     """Position of the candidate with the smallest Kantorovich metric from the reference.
 
-    Parameters
-    ----------
-    reference
-        Statistics of all the true data.
-    candidates
-        What is compared, on the same bins. Those without values inside the range do not count.
-
-    Returns
-    -------
-    The first one of equals; None if no candidate counts.
-
-    Raises
-    ------
-    ValueError
-        If the bins differ.
+    ``candidates``: What is compared, on the same bins. Those without values inside the range do not
+    count.
     """
     distances = [
         kantorovich_metric(reference.histogram, candidate.histogram) for candidate in candidates
@@ -176,18 +123,10 @@ def nearest(reference: LongTermStatistics, candidates: Sequence[LongTermStatisti
 
 @dataclass(frozen=True)
 class BestNetwork:
-    """The network with the statistics nearest to the data's.
-
-    Attributes
-    ----------
-    statistics
-        Its statistics.
-    label
-        What figures call it.
-    """
+    """The network with the statistics nearest to the data's."""
 
     statistics: LongTermStatistics
-    label: str
+    label: str  #: what figures call it
 
 
 def best_network(
@@ -196,12 +135,7 @@ def best_network(
 ) -> BestNetwork | None:
     """Network with the smallest Kantorovich metric; None if none has any statistics.
 
-    Parameters
-    ----------
-    reference
-        Statistics of all the true data.
-    networks
-        Statistics of networks of one size, by their neurons and seed.
+    ``networks``: Statistics of networks of one size, by their neurons and seed.
     """
     best = nearest(reference, [*networks.values()])
     if best is None:

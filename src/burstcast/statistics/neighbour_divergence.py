@@ -86,26 +86,18 @@ class NoExponentError(ValueError):
 
 @dataclass(frozen=True)
 class NeighbourDivergence:
-    """Divergence of neighbouring states.
+    """Divergence of neighbouring states."""
 
-    Attributes
-    ----------
-    exponent, low, high
-        The leading exponent in inverse time units, with an interval for all errors known of.
-    log_distance
-        Mean logarithm of the distance across the flow after 0, 1, 2, ... steps, in standard
-        deviations of the components.
-    fitted
-        First and last step of the longest fit.
-    theiler_window
-        States of one series are no neighbours if they are not further apart than this, in steps.
-    """
-
+    #: exponent, low, high: the leading exponent in inverse time units, with an interval for all
+    #: errors known of
     exponent: float
     low: float
     high: float
+    #: mean logarithm of the distance across the flow after 0, 1, 2, ... steps, in standard
+    #: deviations of the components.
     log_distance: FloatArray
-    fitted: tuple[int, int]
+    fitted: tuple[int, int]  #: first and last step of the longest fit
+    #: states of one series are no neighbours if they are not further apart than this, in steps
     theiler_window: int
 
     def record(self) -> dict[str, Any]:

@@ -12,29 +12,13 @@ PERCENTILES = {"p25": 25.0, "p50": 50.0, "p75": 75.0}
 def percentiles(table: pd.DataFrame, keys: Sequence[str], metrics: Sequence[str]) -> pd.DataFrame:
     """Percentiles of each metric over the rows that share the same keys.
 
-    Parameters
-    ----------
-    table
-        One row per network (and per sub-key, such as a prediction time).
-    keys
-        Columns that name a group; a row with an empty key belongs to the group of that empty key.
-    metrics
-        Numerical columns. Empty cells are undefined values (a ratio without positives): they are
-        left out of the percentiles.
-
-    Returns
-    -------
-    DataFrame
-        Long form: the keys, ``metric``, ``p25``, ``p50``, ``p75`` (linear interpolation between
-        order statistics) and ``networks``, the count of defined values. Groups are in order of
-        first appearance, metrics in the order given. Percentiles of no value are empty.
-
-    Raises
-    ------
-    KeyError
-        If the table lacks a column.
-    ValueError
-        If a metric is infinite somewhere: that is no result and no undefined ratio either.
+    ``table``: One row per network (and per sub-key, such as a prediction time). ``keys``: Columns
+    that name a group; a row with an empty key belongs to the group of that empty key. ``metrics``:
+    Numerical columns. Empty cells are undefined values (a ratio without positives): they are left
+    out of the percentiles. Returns long form: the keys, ``metric``, ``p25``, ``p50``, ``p75``
+    (linear interpolation between order statistics) and ``networks``, the count of defined values.
+    Groups are in order of first appearance, metrics in the order given. Percentiles of no value are
+    empty.
     """
     missing = [name for name in (*keys, *metrics) if name not in table.columns]
     if missing:

@@ -20,14 +20,9 @@ from burstcast.systems.state_space import StateSpace
 
 @dataclass(frozen=True)
 class Profiles:
-    """Averages over x, z and time against the height y, ``(heights,)`` each.
+    """Averages over x, z and time against the height y, ``(heights,)`` each."""
 
-    Attributes
-    ----------
-    u, uu, uv
-        Profiles of the streamwise velocity, its square, and the Reynolds stress.
-    """
-
+    #: u, uu, uv: profiles of the streamwise velocity, its square, and the Reynolds stress
     u: FloatArray
     uu: FloatArray
     uv: FloatArray
@@ -36,12 +31,7 @@ class Profiles:
 def equally_spaced_profiles(system: StateSpace, points: int) -> ProfileMatrices | None:
     """Profiles at equally spaced heights from wall to wall; None for a system without modes.
 
-    Parameters
-    ----------
-    system
-        The equations.
-    points
-        Number of heights, the walls y = -1 and y = 1 included.
+    ``points``: Number of heights, the walls y = -1 and y = 1 included.
     """
     modes = flow_modes(system)
     return None if modes is None else modes.profile_matrices(np.linspace(-1.0, 1.0, points))
@@ -50,12 +40,8 @@ def equally_spaced_profiles(system: StateSpace, points: int) -> ProfileMatrices 
 def velocity_profiles(matrices: ProfileMatrices, moments: StateMoments) -> Profiles:
     """Velocity profiles of a flow with these moments.
 
-    Parameters
-    ----------
-    matrices
-        Matrices of the modes at the wanted heights (``flow_modes(system).profile_matrices(y)``).
-    moments
-        Moments of the amplitudes.
+    ``matrices``: Matrices of the modes at the wanted heights
+    (``flow_modes(system).profile_matrices(y)``).
     """
     u, uu, uv = matrices.profiles(moments.mean, moments.mean_product)
     return Profiles(u, uu, uv)
@@ -64,33 +50,12 @@ def velocity_profiles(matrices: ProfileMatrices, moments: StateMoments) -> Profi
 def midplane_mean_square(
     modes: MoehlisFaisstEckhardtModes, moments: StateMoments, x: FloatArray, z: FloatArray
 ) -> FloatArray:
-    """Time average of u^2 in the midplane y = 0, ``(points in x, points in z)``.
-
-    Parameters
-    ----------
-    modes
-        Modes of the system (`flow_modes`).
-    moments
-        Moments of the amplitudes.
-    x, z
-        Coordinates of the grid's lines.
-    """
+    """Time average of u^2 in the midplane y = 0, ``(points in x, points in z)``."""
     return modes.midplane_mean_square(moments.mean_product, x, z)
 
 
 def normalised_root_mean_square_error(reference: FloatArray, candidate: FloatArray) -> float:
-    """Root mean square error in units of the range of the reference (paper, NRMSE).
-
-    Parameters
-    ----------
-    reference, candidate
-        Values at the same points, of any one shape.
-
-    Raises
-    ------
-    ValueError
-        If the shapes differ or the reference is constant.
-    """
+    """Root mean square error in units of the range of the reference (paper, NRMSE)."""
     if reference.shape != candidate.shape:
         raise ValueError(f"{reference.shape} and {candidate.shape} values cannot be compared")
     reference_range = reference.max() - reference.min()

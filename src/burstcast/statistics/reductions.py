@@ -23,28 +23,17 @@ _MANY_COMPONENTS = 100
 
 @dataclass(frozen=True)
 class LongTermStatistics:
-    """Histogram and moments for long-term statistics.
+    """Histogram and moments for long-term statistics."""
 
-    Attributes
-    ----------
-    histogram
-        Histogram of the observable.
-    moments
-        Moments of the state.
-    """
-
-    histogram: Histogram
-    moments: StateMoments
+    histogram: Histogram  #: histogram of the observable
+    moments: StateMoments  #: moments of the state
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, Any]) -> "LongTermStatistics":
         """Statistics from the variables of their file.
 
-        Parameters
-        ----------
-        arrays
-            ``edge``, ``count``, ``below`` and ``above`` of the histogram; ``states`` (their
-            number), ``mean`` and ``mean_product`` of the moments.
+        ``arrays``: ``edge``, ``count``, ``below`` and ``above`` of the histogram; ``states`` (their
+        number), ``mean`` and ``mean_product`` of the moments.
         """
         return cls(
             histogram=Histogram(
@@ -63,37 +52,23 @@ class LongTermStatistics:
 
 @dataclass(frozen=True)
 class SeriesReductions:
-    """Reductions of many series, each on its own.
+    """Reductions of many series, each on its own."""
 
-    Attributes
-    ----------
-    edges
-        Edges of the histograms' bins, ``(bins + 1,)``.
-    counts
-        Values of the observable below the range, in each bin and above it, ``(series, bins + 2)``.
-    sums
-        Sums of the state over time, ``(series, dimension)``.
-    product_sums
-        Sums of the products a_i a_j with i <= j, row by row of the upper triangle,
-        ``(series, dimension (dimension + 1) / 2)``.
-    """
-
-    edges: FloatArray
+    edges: FloatArray  #: edges of the histograms' bins, ``(bins + 1,)``
+    #: values of the observable below the range, in each bin and above it, ``(series, bins + 2)``
     counts: IntArray
-    sums: FloatArray
+    sums: FloatArray  #: sums of the state over time, ``(series, dimension)``
+    #: sums of the products a_i a_j with i <= j, row by row of the upper triangle, ``(series,
+    #: dimension (dimension + 1) / 2)``
     product_sums: FloatArray
 
     def __len__(self) -> int:
-        """Return the number of series."""
         return len(self.counts)
 
     def merged(self, rows: BoolArray | IntArray | slice) -> LongTermStatistics:
         """Statistics of the chosen series together.
 
-        Parameters
-        ----------
-        rows
-            The series: positions, or a mask. There may be none.
+        ``rows``: The series: positions, or a mask. There may be none.
         """
         counts = self.counts[rows].sum(axis=0)
         number = int(counts.sum())
@@ -112,12 +87,7 @@ class SeriesReductions:
 class SeriesAccumulator:
     """Reduces series while they are being made.
 
-    Parameters
-    ----------
-    series, dimension
-        Number of series, and of components of the state.
-    edges
-        Edges of the histograms' bins, ``(bins + 1,)``.
+    ``edges``: Edges of the histograms' bins, ``(bins + 1,)``.
     """
 
     def __init__(self, series: int, dimension: int, edges: FloatArray) -> None:
@@ -131,19 +101,8 @@ class SeriesAccumulator:
     def add(self, rows: IntArray, states: FloatArray, observable: FloatArray) -> None:
         """Add the next steps of some series.
 
-        Parameters
-        ----------
-        rows
-            The series, each at most once, ``(batch,)``.
-        states
-            ``(steps, dimension, batch)``.
-        observable
-            Observable of these states, ``(steps, batch)``.
-
-        Raises
-        ------
-        ValueError
-            If a value is not finite.
+        ``rows``: The series, each at most once, ``(batch,)``. ``states``: ``(steps, dimension,
+        batch)``. ``observable``: Observable of these states, ``(steps, batch)``.
         """
         if not np.isfinite(states).all():
             raise ValueError("a state that is not finite has no moments")
@@ -186,20 +145,9 @@ def reduce_series(
 ) -> SeriesReductions:
     """Reduce stored series.
 
-    Parameters
-    ----------
-    blocks
-        The series, ``(series, time, component)`` each: read a few at a time, all series need never
-        be in the memory together. How they are grouped changes no result.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    edges
-        Edges of the histogram's bins, ``(bins + 1,)``.
-
-    Raises
-    ------
-    ValueError
-        If there is no series or a value is not finite.
+    ``blocks``: The series, ``(series, time, component)`` each: read a few at a time, all series
+    need never be in the memory together. How they are grouped changes no result. ``edges``: Edges
+    of the histogram's bins, ``(bins + 1,)``.
     """
     parts = []
     for block in blocks:

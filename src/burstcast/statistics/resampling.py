@@ -19,16 +19,7 @@ def bootstrap_weights(count: int, resamples: int, generator: np.random.Generator
 def percentile_interval(samples: FloatArray, confidence: float) -> tuple[float, float]:
     """Ends between which a share of the bootstrap samples lies.
 
-    Parameters
-    ----------
-    samples
-        Values of a statistic, ``(resamples,)``; values that are not finite are left out.
-    confidence
-        Share inside the interval, in (0, 1).
-
-    Returns
-    -------
-    Both ends; NaN where no sample is finite.
+    ``samples``: Values of a statistic, ``(resamples,)``; values that are not finite are left out.
     """
     defined = samples[np.isfinite(samples)]
     if not defined.size:

@@ -17,34 +17,17 @@ from burstcast.arrays import BoolArray, FloatArray, IntArray
 
 @dataclass(frozen=True)
 class Lifetimes:
-    """Lifetimes of many series, all watched for equally long.
+    """Lifetimes of many series, all watched for equally long."""
 
-    Attributes
-    ----------
-    steps
-        Steps until each series left the chaotic phase; the whole length of one that did not,
-        ``(series,)``.
-    escaped
-        Whether it did, ``(series,)``; the others are censored.
-    length
-        Steps that each series is watched for.
-    """
-
+    #: steps until each series left the chaotic phase; the whole length of one that did not,
+    #: ``(series,)``
     steps: IntArray
-    escaped: BoolArray
-    length: int
+    escaped: BoolArray  #: whether it did, ``(series,)``; the others are censored
+    length: int  #: steps that each series is watched for
 
     @classmethod
     def of_ensemble(cls, steps: IntArray, kept: IntArray, length: int) -> Self:
-        """Lifetimes of all generated series; discarded series have escaped.
-
-        Parameters
-        ----------
-        steps, length
-            See the class.
-        kept
-            Numbers of the kept series.
-        """
+        """Lifetimes of all generated series; discarded series have escaped."""
         escaped = np.ones(len(steps), dtype=bool)
         escaped[kept] = False
         return cls(steps, escaped, length)
@@ -55,12 +38,7 @@ class Lifetimes:
         Series are kept in the order in which they were generated: all were generated after the last
         one kept before the training series, and up to the last of these.
 
-        Parameters
-        ----------
-        kept
-            Numbers of the kept series.
-        training
-            Number of training series, the first that were kept.
+        ``training``: Number of training series, the first that were kept.
         """
         own = kept[:training]
         first = max(kept[kept < own.min()], default=-1) + 1
@@ -70,13 +48,7 @@ class Lifetimes:
 
 @dataclass(frozen=True)
 class SurvivalCurve:
-    """Share of the series still in the chaotic phase, with its interval; arrays of one shape.
-
-    Attributes
-    ----------
-    share, low, high
-        At each time.
-    """
+    """Share of the series still in the chaotic phase, with its interval; arrays of one shape."""
 
     share: FloatArray
     low: FloatArray
@@ -85,20 +57,12 @@ class SurvivalCurve:
 
 @dataclass(frozen=True)
 class EscapeRate:
-    """Escapes from the chaotic phase per time unit that a series spends in it.
+    """Escapes from the chaotic phase per time unit that a series spends in it."""
 
-    Attributes
-    ----------
-    escapes
-        Number of series that left.
-    time_at_risk
-        Time that all series together were in the chaotic phase, in time units.
-    rate, low, high
-        With its interval, in inverse time units; NaN where there was no time at risk.
-    """
-
-    escapes: int
-    time_at_risk: float
+    escapes: int  #: number of series that left
+    time_at_risk: float  #: time that all series together were in the chaotic phase, in time units
+    #: rate, low, high: with its interval, in inverse time units; NaN where there was no time at
+    #: risk
     rate: float
     low: float
     high: float
@@ -110,19 +74,7 @@ def survival_curve(lifetimes: Lifetimes, times: IntArray, confidence: float) -> 
     Since all are watched for equally long, this is the Kaplan-Meier estimate. The intervals are
     exact ones of a share (Clopper & Pearson, Biometrika 26 (1934) 404), at each time by itself.
 
-    Parameters
-    ----------
-    lifetimes
-        Lifetimes of the series.
-    times
-        Times in steps, none beyond the length of the series.
-    confidence
-        Probability that an interval covers, in (0, 1).
-
-    Raises
-    ------
-    ValueError
-        If there is no series, or a time is later than the series are watched.
+    ``times``: Times in steps, none beyond the length of the series.
     """
     if lifetimes.steps.size == 0:
         raise ValueError("a survival curve needs a series")
@@ -150,22 +102,8 @@ def escape_rate(
     Poisson count (Garwood, Biometrika 28 (1936) 437); without any escape its upper end is the
     largest rate that is compatible with having seen none.
 
-    Parameters
-    ----------
-    lifetimes
-        Lifetimes of independent series.
-    sampling_interval
-        Time units of a step.
-    confidence
-        Probability that the interval covers, in (0, 1).
-    start
-        Steps at the beginning of each series that are left out, because there it still remembers
-        where it began: what escapes in them is not at risk. None: the first quarter.
-
-    Raises
-    ------
-    ValueError
-        If the start is negative or beyond the end of the series.
+    ``start``: Steps at the beginning of each series that are left out, because there it still
+    remembers where it began: what escapes in them is not at risk. None: the first quarter.
     """
     if start is None:
         start = lifetimes.length // 4

@@ -58,18 +58,10 @@ TREND_ERRORS = 3.0
 
 @dataclass(frozen=True)
 class Finding:
-    """Finding of a test for a warning sign.
+    """Finding of a test for a warning sign."""
 
-    Attributes
-    ----------
-    warning
-        Which sign it is: the name of the function.
-    text
-        What was found, with the numbers.
-    """
-
-    warning: str
-    text: str
+    warning: str  #: which sign it is: the name of the function
+    text: str  #: what was found, with the numbers
 
 
 def optimum_on_edge(
@@ -77,16 +69,8 @@ def optimum_on_edge(
 ) -> list[Finding]:
     """Optima of an ensemble's networks on the edges of the search range, on a logarithmic scale.
 
-    Parameters
-    ----------
-    name
-        Name of the hyperparameter.
-    values
-        Its optima, one for each network.
-    low, high
-        Bounds of the search, positive; if they are equal, there is no edge.
-    negligible
-        Value below which all values do the same: a lower bound there is no edge.
+    ``low``, ``high``: Bounds of the search, positive; if they are equal, there is no edge.
+    ``negligible``: Value below which all values do the same: a lower bound there is no edge.
     """
     if not (len(values) and high > low):
         return []
@@ -106,12 +90,8 @@ def optimum_on_edge(
 def few_events(events: int, asked: int, threshold: float, largest: float) -> list[Finding]:
     """No events, or too few for averages over them.
 
-    Parameters
-    ----------
-    events, asked
-        Events that there are to forecast, and how many were asked for.
-    threshold, largest
-        Threshold of an event, and largest value of the observable.
+    ``events``, ``asked``: Events that there are to forecast, and how many were asked for.
+    ``threshold``, ``largest``: Threshold of an event, and largest value of the observable.
     """
     if largest < threshold:
         text = (
@@ -142,12 +122,8 @@ def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]
 def nothing_to_calibrate_with(washout_maxima: FloatArray, threshold: float) -> list[Finding]:
     """No starting point in the training series from which a forecast counts.
 
-    Parameters
-    ----------
-    washout_maxima
-        Largest observable of the washout of each starting point, ``(points,)``.
-    threshold
-        Event threshold; a washout that reaches it is of no use for a forecast.
+    ``washout_maxima``: Largest observable of the washout of each starting point, ``(points,)``.
+    ``threshold``: Event threshold; a washout that reaches it is of no use for a forecast.
     """
     if (washout_maxima < threshold).any():
         return []
@@ -163,14 +139,8 @@ def no_better_than_permanent_alarm(
 ) -> list[Finding]:
     """F-scores that an alarm at every time has as well.
 
-    Parameters
-    ----------
-    prediction_times_lt
-        Prediction times in Lyapunov times.
-    f_scores
-        Median F-scores of an ensemble at these times; NaN where they are undefined.
-    permanent
-        F-scores of a permanent alarm; NaN where nothing happened.
+    ``f_scores``: Median F-scores of an ensemble at these times; NaN where they are undefined.
+    ``permanent``: F-scores of a permanent alarm; NaN where nothing happened.
     """
     found = [
         (time, score, other)
@@ -187,10 +157,8 @@ def no_better_than_permanent_alarm(
 def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> list[Finding]:
     """Long runs that leave the chaotic phase, or diverge.
 
-    Parameters
-    ----------
-    lost, diverged
-        Shares of each network's runs that laminarise, settle or diverge, and that diverge.
+    ``lost``, ``diverged``: Shares of each network's runs that laminarise, settle or diverge, and
+    that diverge.
     """
     found = []
     for shares, limit, what in (
@@ -223,13 +191,8 @@ def exponents_differ(
 ) -> list[Finding]:
     """Leading Lyapunov exponents that contradict one another.
 
-    Parameters
-    ----------
-    leading, growth
-        By QR factorisation and by the growth of perturbations: mean, ends of the interval; NaN
-        where it was not computed.
-    published
-        None if there is none.
+    ``leading``, ``growth``: By QR factorisation and by the growth of perturbations: mean, ends of
+    the interval; NaN where it was not computed.
     """
     found = []
     # of measured series there is none by growth
@@ -248,10 +211,7 @@ def exponents_differ(
 def no_exponent(estimated: float) -> list[Finding]:
     """No Lyapunov exponent that could be estimated from series.
 
-    Parameters
-    ----------
-    estimated
-        Leading Lyapunov exponent; NaN where the series show none.
+    ``estimated``: Leading Lyapunov exponent; NaN where the series show none.
     """
     if not np.isnan(estimated):
         return []
@@ -267,13 +227,8 @@ def own_exponents_differ(
 ) -> list[Finding]:
     """An exponent estimated from series, the unit of time, that forecasters' own flows contradict.
 
-    Parameters
-    ----------
-    estimated
-        Mean and ends of the interval.
-    own
-        Leading Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where there
-        is none.
+    ``own``: Leading Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where
+    there is none.
     """
     known = np.asarray(own)[np.isfinite(own)]
     if not known.size or known.min() <= estimated[0] <= known.max():
@@ -293,13 +248,8 @@ def own_exponents_differ(
 def no_chaos_learnt(estimated: float, own: Sequence[float]) -> list[Finding]:
     """Forecasters whose own flows are not chaotic: the median of their exponents is not positive.
 
-    Parameters
-    ----------
-    estimated
-        Leading Lyapunov exponent that was estimated from the series.
-    own
-        Leading Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where there
-        is none.
+    ``estimated``: Leading Lyapunov exponent that was estimated from the series. ``own``: Leading
+    Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where there is none.
     """
     known = np.asarray(own)[np.isfinite(own)]
     if not known.size or np.median(known) > 0:
@@ -324,12 +274,8 @@ def outside_bins(below: int, above: int, inside: int) -> list[Finding]:
 def noise_drowns_components(states: FloatArray, noise: float) -> list[Finding]:
     """Components that change less from sample to sample than the noise does.
 
-    Parameters
-    ----------
-    states
-        Training series without noise, ``(series, time, component)``.
-    noise
-        Its standard deviation, in standard deviations of each component.
+    ``states``: Training series without noise, ``(series, time, component)``. ``noise``: Its
+    standard deviation, in standard deviations of each component.
     """
     increments = np.sqrt(np.mean(np.diff(states, axis=1) ** 2, axis=(0, 1)))
     levels = noise * states.std(axis=(0, 1))
@@ -344,13 +290,7 @@ def noise_drowns_components(states: FloatArray, noise: float) -> list[Finding]:
 
 
 def unresolved_flow(energy: FloatArray) -> list[Finding]:
-    """Test whether a truncated flow has much energy in its smallest scales.
-
-    Parameters
-    ----------
-    energy
-        Share of the energy in them, of any states.
-    """
+    """Test whether a truncated flow has much energy in its smallest scales."""
     share = float(energy.mean())
     if share <= UNRESOLVED_ENERGY:
         return []
@@ -366,16 +306,7 @@ def slow_trend(
     Means of neighbouring series are alike. The standard error of a slope is raised for that, by the
     correlation of each residual with the next, as for an autoregressive process of first order.
 
-    Parameters
-    ----------
-    start
-        Time of the first sample of each series, ``(series,)``.
-    states
-        ``(series, time, component)``.
-    names
-        Names of the components.
-    training
-        Number of the first series, which train.
+    ``start``: Time of the first sample of each series, ``(series,)``.
     """
     if len(start) < 4 or not np.ptp(start):
         return []

@@ -53,48 +53,28 @@ class UnsoundSystemError(ValueError):
 
 @dataclass(frozen=True)
 class SystemCheck:
-    """Findings about a system.
+    """Findings about a system."""
 
-    Attributes
-    ----------
-    name
-        Name of its class.
-    integrator
-        "compiled Runge-Kutta scheme", "Runge-Kutta scheme in numpy", "its own integrator".
-    derivatives
-        How the system is differentiated, in words.
-    time_step, sampling_stride
-        Integration step, in time units, and steps in a step of a forecast: what the class says, or
-        else proposed from the fastest time scale.
-    fastest_period
-        Period of the component that changes fastest, in time units.
-    by_qr, by_growth
-        Leading Lyapunov exponent with its 95 % interval, by both methods, in inverse time units.
-    duration
-        Time that the exponents are averaged over, of each of 16 trajectories, in time units.
-    spectrum
-        The leading exponents, at most ten.
-    observable_quantiles
-        Quantiles of the observable on the attractor, by their share: 0, 0.5, 0.9, 0.95, 0.99, 1.
-    events_per_lyapunov_time
-        Upward crossings of the quantile 0.95 of the observable.
-    case
-        Settings of a case, as an entry of ``cases`` has them.
-    """
-
-    name: str
+    name: str  #: name of its class
+    #: "compiled Runge-Kutta scheme", "Runge-Kutta scheme in numpy", "its own integrator"
     integrator: str
-    derivatives: str
+    derivatives: str  #: how the system is differentiated, in words
+    #: time_step, sampling_stride: integration step, in time units, and steps in a step of a
+    #: forecast: what the class says, or else proposed from the fastest time scale
     time_step: float
     sampling_stride: int
-    fastest_period: float
+    fastest_period: float  #: period of the component that changes fastest, in time units
+    #: by_qr, by_growth: leading Lyapunov exponent with its 95 % interval, by both methods, in
+    #: inverse time units
     by_qr: Estimate
     by_growth: Estimate
+    #: time that the exponents are averaged over, of each of 16 trajectories, in time units
     duration: float
-    spectrum: FloatArray
+    spectrum: FloatArray  #: the leading exponents, at most ten
+    #: quantiles of the observable on the attractor, by their share: 0, 0.5, 0.9, 0.95, 0.99, 1
     observable_quantiles: Mapping[float, float]
-    events_per_lyapunov_time: float
-    case: Mapping[str, Any]
+    events_per_lyapunov_time: float  #: upward crossings of the quantile 0.95 of the observable
+    case: Mapping[str, Any]  #: settings of a case, as an entry of ``cases`` has them
 
     @property
     def verdict(self) -> Verdict:
@@ -162,20 +142,8 @@ def check_system(
 ) -> SystemCheck:
     """Examine a system.
 
-    Parameters
-    ----------
-    system
-        The system, with its parameters.
-    generator
-        Draws initial states and perturbations.
-    longest
-        Seconds after which no longer runs are made where the sign of the leading exponent is still
-        undecided.
-
-    Raises
-    ------
-    UnsoundSystemError
-        If it does not keep to the interface, or does not stay finite: all that is wrong.
+    ``longest``: Seconds after which no longer runs are made where the sign of the leading exponent
+    is still undecided.
     """
     start = _initial_states(system, generator)
     if problems := list(interface_problems(system, start)):
@@ -258,12 +226,7 @@ def check_system(
 def interface_problems(system: DynamicalSystem, states: FloatArray) -> Iterator[str]:
     """Violations of the interface by a system, with one message for each.
 
-    Parameters
-    ----------
-    system
-        The system.
-    states
-        States ``(dimension, batch)`` to try it with.
+    ``states``: States ``(dimension, batch)`` to try it with.
     """
     dimension = len(states)
     functions: list[tuple[str, Callable[[FloatArray], FloatArray], tuple[int, ...]]] = [

@@ -327,19 +327,11 @@ class CompiledSteps:
     ) -> None:
         """Integrate a batch of trajectories.
 
-        Parameters
-        ----------
-        states
-            ``(samples, dimension, batch)``, C-contiguous. The first sample is given; the others,
-            ``stride`` steps apart, are filled in.
-        stride
-            Steps between two samples.
-        choice
-            Number of the system that each step obeys, ``((samples - 1) * stride, batch)``,
-            C-contiguous; needed if, and only if, there are several systems.
-        largest
-            Largest observable so far, ``(batch,)``, contiguous, which is kept up to date; needed
-            if, and only if, the program watches it.
+        ``states``: ``(samples, dimension, batch)``, C-contiguous. The first sample is given; the
+        others, ``stride`` steps apart, are filled in. ``choice``: Number of the system that each
+        step obeys, ``((samples - 1) * stride, batch)``, C-contiguous; needed if, and only if, there
+        are several systems. ``largest``: Largest observable so far, ``(batch,)``, contiguous, which
+        is kept up to date; needed if, and only if, the program watches it.
         """
         samples, _, batch = states.shape
         whole = batch - batch % WIDTH
@@ -381,19 +373,8 @@ def compiled_steps(
 ) -> CompiledSteps | None:
     """Compiled time stepping of these systems; None if they have to be integrated by numpy.
 
-    Parameters
-    ----------
-    systems
-        One, or up to 128 of one dimension between which each step of a trajectory chooses.
-    time_step
-        Step of the scheme, in time units.
-    observed
-        Whether the observable of the first system is watched at every step.
-
-    Raises
-    ------
-    TypeError
-        If a system has no hash: one of its parameters is an array over the batch.
+    ``systems``: One, or up to 128 of one dimension between which each step of a trajectory chooses.
+    ``observed``: Whether the observable of the first system is watched at every step.
     """
     return _attempt(systems, time_step, observed)[0]
 

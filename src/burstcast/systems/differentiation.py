@@ -26,12 +26,7 @@ def derivative_method(function: Function, dimension: int) -> Method:
     Complex steps are taken if they agree with differences at some states, no matter which: they go
     wrong where the function takes an absolute value, say, or puts its results into real arrays.
 
-    Parameters
-    ----------
-    function
-        Function of states ``(dimension, batch)``.
-    dimension
-        Components of a state.
+    ``function``: Function of states ``(dimension, batch)``.
     """
     # both signs, and sizes from a tenth to three
     states = np.sin(np.arange(1.0, dimension * _PROBES + 1.0)).reshape(dimension, _PROBES)
@@ -53,17 +48,7 @@ def derivative_method(function: Function, dimension: int) -> Method:
 def derivative(
     function: Function, states: FloatArray, direction: FloatArray, method: Method
 ) -> FloatArray:
-    """Directional derivative of a function of states, ``(dimension, ...)`` each.
-
-    Parameters
-    ----------
-    function
-        Acts on each trailing index independently.
-    states, direction
-        Where, and along what.
-    method
-        `derivative_method`.
-    """
+    """Directional derivative of a function of states, ``(dimension, ...)`` each."""
     if method == "complex step":
         moved = function(states + (1j * _COMPLEX_STEP) * direction)
         return np.asarray(np.imag(moved) / _COMPLEX_STEP)

@@ -33,19 +33,9 @@ _OPERATIONS: Mapping[type[ast.operator], Callable[[FloatArray, FloatArray], Floa
 
 @dataclass(frozen=True)
 class Expression:
-    """An arithmetic expression, such as ``0.5 * (u**2 + v**2)``.
+    """An arithmetic expression, such as ``0.5 * (u**2 + v**2)``."""
 
-    Parameters
-    ----------
-    text
-        In Python's notation: names, numbers, ``+ - * / **``, brackets, sqrt, abs, exp and log.
-
-    Raises
-    ------
-    ValueError
-        If there is anything else in it, or no name at all.
-    """
-
+    #: in Python's notation: names, numbers, ``+ - * / **``, brackets, sqrt, abs, exp and log
     text: str
 
     def __post_init__(self) -> None:
@@ -62,15 +52,9 @@ class Expression:
     def __call__(self, values: Mapping[str, FloatArray]) -> FloatArray:
         """Evaluate it.
 
-        Parameters
-        ----------
-        values
-            A value for each of `names`, all of one shape. Each index is evaluated independently of
-            all others, operation by operation as the text says.
-
-        Returns
-        -------
-        An array of their shape. Where there is no value (the root of a negative number), it is NaN.
+        ``values``: A value for each of `names`, all of one shape. Each index is evaluated
+        independently of all others, operation by operation as the text says. Returns an array of
+        their shape. Where there is no value (the root of a negative number), it is NaN.
         """
         shape = np.shape(values[self.names[0]])
         with np.errstate(all="ignore"):

@@ -21,25 +21,14 @@ class FitzHughNagumoPair(DynamicalSystem):
     """Two units with diffusive coupling in x; the observable is the mean of x_1 and x_2.
 
     dx_i/dt = x_i (a - x_i) (x_i - 1) - y_i + k (x_j - x_i), dy_i/dt = b_i x_i - c y_i.
-
-    Parameters
-    ----------
-    a, b1, b2, c
-        Parameters of the units, which differ in b alone.
-    k
-        Strength of the coupling.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is not finite.
     """
 
+    #: a, b1, b2, c: parameters of the units, which differ in b alone
     a: float = -0.025794
     b1: float = 0.0065
     b2: float = 0.0135
     c: float = 0.02
-    k: float = 0.128
+    k: float = 0.128  #: strength of the coupling
 
     dimension: ClassVar[int] = 4
     observable_name: ClassVar[str] = "mean excitation"

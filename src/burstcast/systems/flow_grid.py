@@ -12,17 +12,10 @@ from burstcast.systems.state_space import StateSpace
 
 @dataclass(frozen=True)
 class FlowGrid:
-    """Velocity modes of a flow and the lines of a grid, ends included.
+    """Velocity modes of a flow and the lines of a grid, ends included."""
 
-    Attributes
-    ----------
-    modes
-        Modes of the system.
-    x, y, z
-        Coordinates of the lines along each direction.
-    """
-
-    modes: MoehlisFaisstEckhardtModes
+    modes: MoehlisFaisstEckhardtModes  #: modes of the system
+    #: x, y, z: coordinates of the lines along each direction
     x: FloatArray
     y: FloatArray
     z: FloatArray
@@ -33,20 +26,7 @@ class FlowGrid:
 
 
 def make_flow_grid(system: StateSpace, points: Sequence[int]) -> FlowGrid:
-    """Grid over the whole domain of a flow.
-
-    Parameters
-    ----------
-    system
-        The equations.
-    points
-        Number of lines along x, y and z.
-
-    Raises
-    ------
-    ValueError
-        If the system is no flow.
-    """
+    """Grid over the whole domain of a flow."""
     modes = flow_modes(system)
     if modes is None:
         raise ValueError(f"the system {type(system).__name__} has no velocity field")

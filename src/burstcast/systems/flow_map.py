@@ -19,11 +19,5 @@ class FlowMap(DynamicalSystem):
         """State one integration step later, both of shape ``(dimension, ...)``."""
 
     def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """Raise: a map has no right-hand side.
-
-        Raises
-        ------
-        ValueError
-            Always.
-        """
+        """Raise: a map has no right-hand side."""
         raise ValueError(f"{type(self).__name__} advances by a map and has no right-hand side")

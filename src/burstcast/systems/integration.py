@@ -25,32 +25,18 @@ _MOST_COMPILED = 16
 
 @dataclass(frozen=True)
 class ObservedTrajectories:
-    """Trajectories that were watched at every step of the integration.
+    """Trajectories that were watched at every step of the integration."""
 
-    Attributes
-    ----------
-    states
-        Kept states, ``(steps // stride + 1, dimension, batch)``; the first is the state at the
-        end of the transient.
-    largest_observable
-        Largest value of the observable over every step since the end of the transient (that
-        state included), whether the step was kept or not; ``(batch,)``.
-    """
-
+    #: kept states, ``(steps // stride + 1, dimension, batch)``; the first is the state at the end
+    #: of the transient
     states: FloatArray
+    #: largest value of the observable over every step since the end of the transient (that state
+    #: included), whether the step was kept or not; ``(batch,)``
     largest_observable: FloatArray
 
 
 class LostTrajectoryError(FloatingPointError):
-    """A trajectory left the range of floating-point numbers.
-
-    Parameters
-    ----------
-    trajectory
-        Its number in the batch.
-    time_step
-        Step of the scheme.
-    """
+    """A trajectory left the range of floating-point numbers."""
 
     def __init__(self, trajectory: int, time_step: float) -> None:
         super().__init__(
@@ -186,19 +172,7 @@ def integrate_observed(
 
     A burst that peaks between two kept states is seen: this is how laminarisation is detected.
 
-    Parameters
-    ----------
-    system, state, time_step, stride
-        See `integrate`.
-    steps
-        Number of steps after the transient.
-    transient_steps
-        Number of steps before anything is kept or watched.
-
-    Raises
-    ------
-    ValueError, FloatingPointError
-        See `integrate`.
+    ``transient_steps``: Number of steps before anything is kept or watched.
     """
     check_batch(system, state, time_step)
     _check_steps(steps, stride)

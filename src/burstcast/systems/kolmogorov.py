@@ -39,35 +39,20 @@ class KolmogorovFlow(SemilinearSystem):
 
     Products are computed on a grid without aliasing (3/2 rule), so that the truncated equations
     conserve energy and enstrophy but for the force and viscosity.
-
-    Parameters
-    ----------
-    reynolds
-        Reynolds number, the inverse of the viscosity. The flow bursts at 40.
-    forcing_wavenumber
-        Wavenumber n of the force, a whole number.
-    largest_wavenumber
-        Largest wavenumber K in each direction, a whole number: a state has (2 K + 1)^2 - 1
-        components. Flows with 7 burst twice as often as those with 10 or 15.
-    large_scale_growth
-        Growth rate that a force in phase with the large-scale mode, the wave vector (1, 0), gives
-        its amplitude while it is small, in inverse units of time; 0: there is no such force. An
-        actuator that keeps up the mode whose collapse precedes a burst.
-    large_scale_limit
-        Modulus of the large-scale mode at which this force vanishes, and beyond which it damps the
-        mode: the growth rate falls with the squared modulus, so that no force diverges. At Re = 40
-        the modulus is 0.89 in the median, and 1.11 at most.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is not positive, a wavenumber is not whole, or the force is not resolved.
     """
 
-    reynolds: float = 40.0
-    forcing_wavenumber: float = 4
+    reynolds: float = 40.0  #: reynolds number, the inverse of the viscosity. The flow bursts at 40.
+    forcing_wavenumber: float = 4  #: wavenumber n of the force, a whole number
+    #: largest wavenumber K in each direction, a whole number: a state has (2 K + 1)^2 - 1
+    #: components. Flows with 7 burst twice as often as those with 10 or 15.
     largest_wavenumber: float = 10
+    #: growth rate that a force in phase with the large-scale mode, the wave vector (1, 0), gives
+    #: its amplitude while it is small, in inverse units of time; 0: there is no such force. An
+    #: actuator that keeps up the mode whose collapse precedes a burst.
     large_scale_growth: float = 0.0
+    #: modulus of the large-scale mode at which this force vanishes, and beyond which it damps the
+    #: mode: the growth rate falls with the squared modulus, so that no force diverges. At Re = 40
+    #: the modulus is 0.89 in the median, and 1.11 at most.
     large_scale_limit: float = 1.0
 
     observable_name: ClassVar[str] = "dissipation"
@@ -195,15 +180,7 @@ class KolmogorovFlow(SemilinearSystem):
     def vorticity(self, state: FloatArray, points: FloatArray) -> FloatArray:
         """Vorticity at points of the plane.
 
-        Parameters
-        ----------
-        state
-            ``(dimension, ...)``.
-        points
-            Coordinates (x, y), ``(points, 2)``.
-
-        Returns
-        -------
+        ``state``: ``(dimension, ...)``. ``points``: Coordinates (x, y), ``(points, 2)``. Shape
         ``(points, ...)``, in the inverse units of time.
         """
         return np.tensordot(self._modes.of_vorticity(points), state, axes=1)
@@ -211,16 +188,8 @@ class KolmogorovFlow(SemilinearSystem):
     def velocity(self, state: FloatArray, points: FloatArray) -> FloatArray:
         """Velocity at points of the plane.
 
-        Parameters
-        ----------
-        state
-            ``(dimension, ...)``.
-        points
-            Coordinates (x, y), ``(points, 2)``.
-
-        Returns
-        -------
-        Components u, then v: ``(2, points, ...)``.
+        ``state``: ``(dimension, ...)``. ``points``: Coordinates (x, y), ``(points, 2)``. Returns
+        components u, then v: ``(2, points, ...)``.
         """
         u, v = self._modes.of_velocity(points)
         return np.stack([np.tensordot(part, state, axes=1) for part in (u, v)])

@@ -36,17 +36,10 @@ _JACOBIAN_TOLERANCE = 1e-5
 
 @dataclass(frozen=True)
 class LyapunovSpectrum:
-    """Lyapunov exponents of each trajectory, in inverse time units.
+    """Lyapunov exponents of each trajectory, in inverse time units."""
 
-    Attributes
-    ----------
-    exponents
-        ``(batch, exponents)``, in the order of the QR method: from the largest to the smallest, up
-        to the statistical error of a trajectory of finite length.
-    duration
-        Time that they are averaged over, in time units.
-    """
-
+    #: ``(batch, exponents)``, in the order of the QR method: from the largest to the smallest, up
+    #: to the statistical error of a trajectory of finite length
     exponents: Annotated[
         FloatArray, Described("run exponent", RATE, "Lyapunov exponents of each run")
     ]
@@ -55,33 +48,20 @@ class LyapunovSpectrum:
 
 @dataclass(frozen=True)
 class PerturbationGrowth:
-    """Leading Lyapunov exponent of each trajectory, from the growth of finite perturbations.
+    """Leading Lyapunov exponent of each trajectory, from the growth of finite perturbations."""
 
-    Attributes
-    ----------
-    exponents
-        ``(batch,)``, in inverse time units.
-    restarts
-        How often the perturbation was brought back to its initial size; ``(batch,)``.
-    duration
-        Time that they are averaged over, in time units.
-    """
-
-    exponents: FloatArray
+    exponents: FloatArray  #: ``(batch,)``, in inverse time units
+    #: how often the perturbation was brought back to its initial size; ``(batch,)``
     restarts: IntArray
-    duration: float
+    duration: float  #: time that they are averaged over, in time units
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A mean over independent trajectories with its confidence interval.
+    """A mean over independent trajectories with its confidence interval."""
 
-    Attributes
-    ----------
-    mean, standard_error, low, high
-        Arrays of the shape of the averaged values, without the axis of the trajectories.
-    """
-
+    #: mean, standard_error, low, high: arrays of the shape of the averaged values, without the axis
+    #: of the trajectories
     mean: FloatArray
     standard_error: FloatArray
     low: FloatArray
@@ -93,11 +73,6 @@ def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Esti
 
     Exponents of long trajectories are averages over many correlation times, so that the central
     limit theorem makes them normal already before this mean is taken.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than two trajectories, or the confidence is not between 0 and 1.
     """
     count = len(per_series)
     if count < 2:
@@ -118,11 +93,8 @@ def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Esti
 def exponents_record(spectrum: Estimate, growth: Estimate) -> dict[str, Any]:
     """Lists and numbers that a file of Lyapunov exponents has.
 
-    Parameters
-    ----------
-    spectrum, growth
-        All exponents by QR, and the leading one by the growth of perturbations, each with its
-        interval (`mean_with_interval`).
+    ``spectrum``, ``growth``: All exponents by QR, and the leading one by the growth of
+    perturbations, each with its interval (`mean_with_interval`).
     """
     ends = ("mean", "low", "high")
     return {
@@ -139,12 +111,8 @@ def alignment_of(steps: int, orthonormalisation_steps: int) -> int:
 
     The first exponents lie so close together that this takes long (see `lyapunov_spectrum`).
 
-    Parameters
-    ----------
-    steps
-        Integration steps of the series.
-    orthonormalisation_steps
-        Steps between two factorisations; the quarter is rounded down to whole intervals.
+    ``orthonormalisation_steps``: Steps between two factorisations; the quarter is rounded down to
+    whole intervals.
     """
     return steps // 4 // orthonormalisation_steps * orthonormalisation_steps
 
@@ -249,21 +217,7 @@ def lyapunov_spectrum(
 def checked_jacobian(system: DynamicalSystem, states: FloatArray) -> float:
     """Compare the Jacobian that a system gives with differences of its right-hand side.
 
-    Parameters
-    ----------
-    system
-        The equations.
-    states
-        ``(dimension, batch)``.
-
-    Returns
-    -------
-    The largest difference, in units of the largest entry.
-
-    Raises
-    ------
-    ValueError
-        If it is more than differences err by; the message names the entry.
+    ``states``: ``(dimension, batch)``.
     """
     found = jacobian(system.right_hand_side, states, "finite differences")
     difference = np.abs(system.jacobian(states) - found).max(axis=2)
@@ -290,29 +244,10 @@ def tangent_growth(
     the closed loop of a network. The perturbations may be fewer than the state has components;
     their growth is then that along the leading directions.
 
-    Parameters
-    ----------
-    advance
-        Takes states and perturbations over one interval: the derivative of the map that takes the
-        states.
-    state
-        ``(..., batch)``.
-    tangent
-        Perturbations in columns, ``(batch, size, perturbations)``; orthonormal unless there is an
-        alignment.
-    intervals
-        Number of intervals that growth is summed over.
-    alignment_intervals
-        Number of intervals before.
-
-    Returns
-    -------
-    ``(batch, perturbations)``; NaN for directions so weak that an interval loses them to rounding.
-
-    Raises
-    ------
-    FloatingPointError
-        If a trajectory leaves the range of floating-point numbers.
+    ``advance``: Takes states and perturbations over one interval: the derivative of the map that
+    takes the states. ``state``: ``(..., batch)``. ``tangent``: Perturbations in columns, ``(batch,
+    size, perturbations)``; orthonormal unless there is an alignment. Shape ``(batch,
+    perturbations)``; NaN for directions so weak that an interval loses them to rounding.
     """
     batch, _, perturbations = tangent.shape
     log_growth = np.zeros((batch, perturbations))
@@ -343,16 +278,10 @@ def kaplan_yorke_dimension(exponents: FloatArray) -> float:
     j + S_j / abs(exponent j + 1) (Kaplan & Yorke, in Functional Differential Equations and
     Approximation of Fixed Points, Lecture Notes in Mathematics 730 (1979) 204).
 
-    Parameters
-    ----------
-    exponents
-        The leading ones, ``(exponents,)``; they are taken from the largest to the smallest, and
-        NaN, too weak to be known, as none.
-
-    Returns
-    -------
-    Zero where the first exponent is negative; NaN where the sum of all that are known is not: the
-    dimension is larger than their number.
+    ``exponents``: The leading ones, ``(exponents,)``; they are taken from the largest to the
+    smallest, and NaN, too weak to be known, as none. Returns zero where the first exponent is
+    negative; NaN where the sum of all that are known is not: the dimension is larger than their
+    number.
 
     Examples
     --------
@@ -381,15 +310,7 @@ def tangent_flow(system: DynamicalSystem) -> DynamicalSystem:
     Where the system has no Jacobian, J(x) v is found by complex steps or differences; where it has
     an integrator of its own, so is the derivative of that.
 
-    Parameters
-    ----------
-    system
-        The equations of x; their parameters are numbers.
-
-    Returns
-    -------
-    DynamicalSystem
-        Of twice the dimension: the components of x, then of v. It has no Jacobian.
+    Of twice the dimension: the components of x, then of v. It has no Jacobian.
     """
     if not has_own(system, "flow_map"):
         if has_own(system, "jacobian"):
@@ -468,27 +389,9 @@ def with_perturbations(
 ) -> tuple[FloatArray, FloatArray]:
     """Integrate a system together with perturbations of its states.
 
-    Parameters
-    ----------
-    system
-        The equations; their parameters are numbers.
-    state
-        ``(dimension, batch)``.
-    tangent
-        Perturbations of each state, ``(dimension, number, batch)``.
-    time_step
-        Step of the scheme, in time units.
-    steps
-        Number of steps.
-
-    Returns
-    -------
-    Both, so many steps later: the states bit for bit those without perturbations.
-
-    Raises
-    ------
-    FloatingPointError
-        If a trajectory leaves the range of floating-point numbers.
+    ``state``: ``(dimension, batch)``. ``tangent``: Perturbations of each state, ``(dimension,
+    number, batch)``. Returns both, so many steps later: the states bit for bit those without
+    perturbations.
     """
     columns = np.ascontiguousarray(tangent.transpose(2, 0, 1))
     state, columns = _propagated(tangent_flow(system), state, columns, time_step, steps)
@@ -534,27 +437,10 @@ def perturbation_growth(
     when the perturbation has grown by a fixed factor, so that fast phases are short, and a mean
     that gives each phase one vote would count the bursts of growth too much.
 
-    Parameters
-    ----------
-    system, state, time_step
-        See `lyapunov_spectrum`.
-    steps
-        Number of steps that growth is averaged over.
-    initial_distance, saturation_distance
-        Distances between neighbours at the start of a growth phase and at its end, in units of the
-        state (see `attractor_size`).
-    generator
-        Draws the directions of the first perturbations.
-    alignment_steps
-        Number of steps before growth counts, so that the perturbations find the leading direction
-        (see `lyapunov_spectrum`).
-
-    Raises
-    ------
-    ValueError
-        If an argument has the wrong shape or sign.
-    FloatingPointError
-        If a trajectory leaves the range of floating-point numbers, or neighbours coincide.
+    ``initial_distance``, ``saturation_distance``: Distances between neighbours at the start of a
+    growth phase and at its end, in units of the state (see `attractor_size`). ``alignment_steps``:
+    Number of steps before growth counts, so that the perturbations find the leading direction (see
+    `lyapunov_spectrum`).
     """
     check_batch(system, state, time_step)
     if not 0.0 < initial_distance < saturation_distance < np.inf:
@@ -591,13 +477,7 @@ def perturbation_growth(
 
 
 def attractor_size(states: FloatArray) -> float:
-    """Root-mean-square distance of states ``(dimension, count)`` from their mean.
-
-    Raises
-    ------
-    ValueError
-        If the states have another shape.
-    """
+    """Root-mean-square distance of states ``(dimension, count)`` from their mean."""
     if states.ndim != 2:
         raise ValueError(f"states must have the shape (dimension, count), not {states.shape}")
     deviation = states - states.mean(axis=1, keepdims=True)

@@ -16,23 +16,13 @@ class MeasuredSeries:
     The observable is a component or an expression of components, and then evaluated on whatever
     states are asked about, measured or forecast. If it is something else, it was measured beside
     the components, and is the last component of the state: it is forecast as all others are.
-
-    Parameters
-    ----------
-    components
-        Names of what was measured, in the order of a state.
-    observable_of
-        One of these names, an expression of them, or something else.
-    observable_name
-        What it is, for axes and tables; the observable as it is written if left out.
-    observable_symbol
-        Its symbol in TeX, without dollars; made of its name if left out.
     """
 
-    components: Sequence[str]
-    observable_of: str
+    components: Sequence[str]  #: names of what was measured, in the order of a state
+    observable_of: str  #: one of these names, an expression of them, or something else
+    #: what it is, for axes and tables; the observable as it is written if left out
     observable_name: str = ""
-    observable_symbol: str = ""
+    observable_symbol: str = ""  #: its symbol in TeX, without dollars; made of its name if left out
 
     def __post_init__(self) -> None:
         # lists of JSON, as tuples: equal descriptions are equal
@@ -66,13 +56,7 @@ class MeasuredSeries:
 
 
 def derives(components: Sequence[str], observable: str) -> bool:
-    """Whether an observable is a component, or an expression of components.
-
-    Raises
-    ------
-    ValueError
-        If it is neither a component nor an expression of whatever there may be.
-    """
+    """Whether an observable is a component, or an expression of components."""
     return observable in components or set(Expression(observable).names) <= set(components)
 
 

@@ -81,16 +81,10 @@ class ProfileMatrices:
     With the mean amplitudes m_i and the second moments M_ij (the averages over time of a_i and of
     a_i a_j), the profiles averaged over x, z and time are ``u @ m``, ``sum_ij uu_ij M_ij`` and
     ``sum_ij uv_ij M_ij``. See `profiles`.
-
-    Attributes
-    ----------
-    u
-        ``(points in y, 9)``.
-    uu, uv
-        ``(points in y, 9, 9)``.
     """
 
-    u: FloatArray
+    u: FloatArray  #: ``(points in y, 9)``
+    #: uu, uv: ``(points in y, 9, 9)``
     uu: FloatArray
     uv: FloatArray
 
@@ -99,12 +93,8 @@ class ProfileMatrices:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Profiles of u, u^2 and uv over y, from the moments of the amplitudes.
 
-        Parameters
-        ----------
-        mean
-            Mean of a over time, ``(9,)``.
-        second_moments
-            Mean of the products a_i a_j (not of the deviations from the mean), ``(9, 9)``.
+        ``mean``: Mean of a over time, ``(9,)``. ``second_moments``: Mean of the products a_i a_j
+        (not of the deviations from the mean), ``(9, 9)``.
         """
         return (
             self.u @ mean,
@@ -120,18 +110,9 @@ class MoehlisFaisstEckhardtModes:
     Fields are returned with the component first, then the further axes of the amplitudes (times,
     say), then the axes of the grid: ``(3, ..., *grid)``. The coordinates are arrays that broadcast
     to the grid, such as the arrays of ``numpy.meshgrid(x, y, z, indexing="ij", sparse=True)``.
-
-    Parameters
-    ----------
-    length_x, length_z
-        Periods of the flow in x and z.
-
-    Raises
-    ------
-    ValueError
-        If a length is not positive and finite.
     """
 
+    #: length_x, length_z: periods of the flow in x and z
     length_x: float = 4.0 * math.pi
     length_z: float = 2.0 * math.pi
 
@@ -162,17 +143,8 @@ class MoehlisFaisstEckhardtModes:
     def midplane_velocity(self, amplitudes: FloatArray, x: FloatArray, z: FloatArray) -> FloatArray:
         """Velocity u along x in the midplane y = 0.
 
-        Parameters
-        ----------
-        amplitudes
-            ``(9, ...)``.
-        x, z
-            Coordinates of the grid's lines, ``(points in x,)`` and ``(points in z,)``.
-
-        Returns
-        -------
-        FloatArray
-            ``(..., points in x, points in z)``.
+        ``amplitudes``: ``(9, ...)``. ``x``, ``z``: Coordinates of the grid's lines, ``(points in
+        x,)`` and ``(points in z,)``. Shape ``(..., points in x, points in z)``.
         """
         u = self._velocity_terms()[0]
         plane: FloatArray = _fields([u], amplitudes, x[:, np.newaxis], np.zeros(()), z)[0]
@@ -183,17 +155,8 @@ class MoehlisFaisstEckhardtModes:
     ) -> FloatArray:
         """Time average of u^2 in the midplane, from the second moments of the amplitudes.
 
-        Parameters
-        ----------
-        second_moments
-            Mean over time of the products a_i a_j, ``(9, 9)``.
-        x, z
-            Coordinates of the grid's lines.
-
-        Returns
-        -------
-        FloatArray
-            ``(points in x, points in z)``.
+        ``second_moments``: Mean over time of the products a_i a_j, ``(9, 9)``. Shape ``(points in
+        x, points in z)``.
         """
         modes = self.midplane_velocity(np.eye(_MODES), x, z)
         square: FloatArray = np.einsum(

@@ -25,27 +25,13 @@ SHARE = "share"
 
 @dataclass(frozen=True)
 class Parameters:
-    """Named parameters of a case that schedules are about.
+    """Named parameters of a case that schedules are about."""
 
-    Attributes
-    ----------
-    names
-        One name for each parameter, in the order of a schedule's second axis.
-    own
-        Values in force where there is no schedule; empty where nothing is known without one.
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  #: one name for each parameter, in the order of a schedule's second axis
+    #: values in force where there is no schedule; empty where nothing is known without one
     own: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        """Check names and values.
-
-        Raises
-        ------
-        ValueError
-            If there is no name, or there are values, but not as many as names.
-        """
         if not self.names or len(self.own) not in (0, len(self.names)):
             raise ValueError(
                 f"parameters need a value for each name, one at least: not the names "
@@ -53,22 +39,11 @@ class Parameters:
             )
 
     def system(self, values: Sequence[float]) -> DynamicalSystem:
-        """Equations under these values, one for each name.
-
-        Raises
-        ------
-        ValueError
-            If there are no equations: the series were measured.
-        """
+        """Equations under these values, one for each name."""
         raise ValueError(f"no equations are known for the parameters {', '.join(self.names)}")
 
     def constant(self, steps: int, batch: int, values: Sequence[float] | None = None) -> FloatArray:
         """Schedule of constant values, ``(steps, parameters, batch)``; by default the case's own.
-
-        Raises
-        ------
-        ValueError
-            If no values are given, and the case has none of its own.
 
         Examples
         --------
@@ -85,13 +60,7 @@ class Parameters:
         return np.tile(column[:, np.newaxis], (steps, 1, batch))
 
     def check(self, schedule: FloatArray, steps: int, batch: int) -> None:
-        """Check a schedule.
-
-        Raises
-        ------
-        ValueError
-            If it has another shape than ``(steps, parameters, batch)``, or a value is not finite.
-        """
+        """Check a schedule."""
         expected = (steps, len(self.names), batch)
         if schedule.shape != expected:
             raise ValueError(
@@ -106,11 +75,6 @@ class Parameters:
 class SystemParameters(Parameters):
     """Parameters that are fields of a system: a Reynolds number, for instance.
 
-    Attributes
-    ----------
-    free
-        The equations, whose own values are in force where there is no schedule.
-
     Examples
     --------
     >>> from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -119,17 +83,12 @@ class SystemParameters(Parameters):
     ((400.0,), 600.0)
     """
 
+    #: the equations, whose own values are in force where there is no schedule
     free: DynamicalSystem = field(kw_only=True)
 
     @classmethod
     def of(cls, system: DynamicalSystem, names: Sequence[str]) -> "SystemParameters":
-        """Parameters of a system by the names of its fields.
-
-        Raises
-        ------
-        ValueError
-            If the system has no such parameter.
-        """
+        """Parameters of a system by the names of its fields."""
         known: list[str] = []
         if is_dataclass(system):
             known = [one.name for one in fields(system) if one.init]
@@ -154,14 +113,8 @@ class SystemParameters(Parameters):
 def stretches(schedule: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
     """Stretches of a schedule over which no trajectory's values change.
 
-    Parameters
-    ----------
-    schedule
-        ``(steps, parameters, batch)``.
-
-    Yields
-    ------
-    Steps of each stretch in the order of time, and the values over it, ``(parameters, batch)``.
+    ``schedule``: ``(steps, parameters, batch)``. Returns steps of each stretch in the order of
+    time, and the values over it, ``(parameters, batch)``.
     """
     steps = len(schedule)
     changed = (schedule[1:] != schedule[:-1]).any(axis=(1, 2))
@@ -173,15 +126,9 @@ def stretches(schedule: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
 def values_in(values: FloatArray) -> tuple[FloatArray, IntArray]:
     """Different values in a schedule.
 
-    Parameters
-    ----------
-    values
-        ``(steps, parameters, batch)``, or ``(parameters, batch)``.
-
-    Returns
-    -------
-    The different values ``(number, parameters)``, and which of them each step and trajectory has,
-    ``(steps, batch)`` or ``(batch,)``.
+    ``values``: ``(steps, parameters, batch)``, or ``(parameters, batch)``. Returns the different
+    values ``(number, parameters)``, and which of them each step and trajectory has, ``(steps,
+    batch)`` or ``(batch,)``.
     """
     last = np.moveaxis(values, -2, -1)
     different, which = np.unique(
@@ -199,25 +146,9 @@ def integrate_scheduled(
 ) -> FloatArray:
     """Integrate a batch of trajectories under parameters that change in time.
 
-    Parameters
-    ----------
-    parameters
-        The equations by the values of their parameters.
-    schedule
-        Values in force during each step of the result, ``(steps, parameters, batch)``: ``stride``
-        integration steps each.
-    state, time_step, stride
-        See `burstcast.systems.integration.integrate`.
-
-    Returns
-    -------
-    ``(steps + 1, dimension, batch)``; the first entry is the initial state.
-
-    Raises
-    ------
-    ValueError, FloatingPointError
-        See `burstcast.systems.integration.integrate`; also if the schedule has another shape, or
-        no equations are known.
+    ``schedule``: Values in force during each step of the result, ``(steps, parameters, batch)``:
+    ``stride`` integration steps each. Shape ``(steps + 1, dimension, batch)``; the first entry is
+    the initial state.
     """
     steps = len(schedule)
     parameters.check(schedule, steps, state.shape[1])

@@ -33,21 +33,9 @@ def available_systems() -> list[str]:
 def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     """Make the system ``name`` with these parameters.
 
-    Parameters
-    ----------
-    name
-        Name of a module of `burstcast.systems` ("mfe", "lorenz63", ...), or module and class of
-        one's own, "my_flows.kuramoto:KuramotoSivashinsky".
-    parameters
-        Values of the fields of the system's class; those with a default may be left out.
-
-    Raises
-    ------
-    ValueError
-        If there is no such system, or its module has a mistake; if a parameter is unknown, missing
-        or not a finite number; or if the system itself rejects a value.
-    TypeError
-        If the module defines more than one system, or the class is no dataclass.
+    ``name``: Name of a module of `burstcast.systems` ("mfe", "lorenz63", ...), or module and class
+    of one's own, "my_flows.kuramoto:KuramotoSivashinsky". ``parameters``: Values of the fields of
+    the system's class; those with a default may be left out.
     """
     found = system_class(name)
     values = checked_values(f"system {name!r}", "parameter", found, parameters)
@@ -67,15 +55,7 @@ def make_space(name: str, parameters: Mapping[str, Any]) -> StateSpace:
 
 
 def system_class(name: str) -> type[DynamicalSystem]:
-    """Find the class of the system ``name`` (see `make_system`).
-
-    Raises
-    ------
-    ValueError
-        If there is no such system, or its module or class has a mistake: the message says which.
-    TypeError
-        If the module defines more than one system.
-    """
+    """Find the class of the system ``name`` (see `make_system`)."""
     if ":" in name:
         return _own_class(*name.split(":", 1))
     if name not in module_names(burstcast.systems):

@@ -18,15 +18,7 @@ LARGEST_POWER = 16
 
 
 def whole_power(base: Any, exponent: object) -> Any:
-    """Power by products, from the left; ``NotImplemented`` for exponents that are not small whole.
-
-    Parameters
-    ----------
-    base
-        Anything that can be multiplied.
-    exponent
-        From 2 to `LARGEST_POWER`.
-    """
+    """Power by products, from the left; ``NotImplemented`` unless the exponent is small and whole."""
     if not isinstance(exponent, int | float) or exponent not in range(2, LARGEST_POWER + 1):
         return NotImplemented
     product = base * base

@@ -9,13 +9,7 @@ from burstcast.systems.base import DynamicalSystem
 def sampled_initial_states(
     system: DynamicalSystem, series: int, generator: np.random.Generator
 ) -> FloatArray:
-    """Initial states ``(dimension, series)`` from a system's own sampler.
-
-    Raises
-    ------
-    ValueError
-        If they have another shape, or one is not finite.
-    """
+    """Initial states ``(dimension, series)`` from a system's own sampler."""
     name = f"{type(system).__name__}.sample_initial_states"
     states = np.array(float_array(system.sample_initial_states(series, generator), name))
     if states.shape != (system.dimension, series):

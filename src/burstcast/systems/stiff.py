@@ -24,13 +24,7 @@ class StiffSystem(DynamicalSystem):
     absolute_tolerance: ClassVar[float] = 1e-12
 
     def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
-        """State one integration step later, both of shape ``(dimension, ...)``.
-
-        Raises
-        ------
-        FloatingPointError
-            If the scheme cannot go on.
-        """
+        """State one integration step later, both of shape ``(dimension, ...)``."""
         # jobs of other systems would pay for this import
         from scipy.integrate import solve_ivp
 

@@ -31,14 +31,8 @@ def with_ends(name: str, value: Any, low: Any, high: Any) -> dict[str, Any]:
 def medians_over_seeds(found: Iterable[tuple[ForecasterName, Scores]]) -> dict[str, Scores]:
     """Scores by forecaster, with the median over networks that differ by their seeds.
 
-    Parameters
-    ----------
-    found
-        Forecasters or controllers, and their scores by name.
-
-    Returns
-    -------
-    By identifier, in the order in which they come; "median of" networks by what these share.
+    ``found``: Forecasters or controllers, and their scores by name. By identifier, in the order in
+    which they come; "median of" networks by what these share.
     """
     alike: dict[ForecasterName, list[tuple[str, Scores]]] = {}
     for name, scores in found:

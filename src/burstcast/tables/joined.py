@@ -11,12 +11,8 @@ def joined_tables(
 ) -> dict[str, str]:
     """Texts of tables by their names; the files of their parts have the same names.
 
-    Parameters
-    ----------
-    parts
-        Files of comma-separated values, in the order of their rows.
-    columns
-        Names of all columns that a table may have, in their order, by the name of the table.
+    ``parts``: Files of comma-separated values, in the order of their rows. ``columns``: Names of
+    all columns that a table may have, in their order, by the name of the table.
     """
     paths = [Path(part) for part in parts]
     return {
@@ -30,12 +26,8 @@ def joined_tables(
 def joined(texts: Iterable[str], columns: Iterable[str]) -> str:
     """Text of several tables as one; columns that a table lacks are empty in its rows.
 
-    Parameters
-    ----------
-    texts
-        Tables as comma-separated values, in the order of their rows.
-    columns
-        Names of all columns that they may have, in their order.
+    ``texts``: Tables as comma-separated values, in the order of their rows. ``columns``: Names of
+    all columns that they may have, in their order.
     """
     readers = [csv.DictReader(io.StringIO(text)) for text in texts]
     there = {name for reader in readers for name in reader.fieldnames or ()}

@@ -34,11 +34,6 @@ def latex_number(value: float, digits: int = 4) -> str:
 
     Whole multiples of pi up to 20 are written as such (lengths of periodic domains), powers of
     ten without a mantissa, other numbers with ``digits`` significant digits; whole numbers in full.
-
-    Raises
-    ------
-    ValueError
-        If the value is not finite.
     """
     if not math.isfinite(value):
         raise ValueError(f"a table cannot show {value}")
@@ -68,23 +63,10 @@ def data_parameters(
 ) -> pd.DataFrame:
     """Parameters used for data generation (the paper's first table).
 
-    Parameters
-    ----------
-    system
-        Parameters of the equations: symbol (LaTeX in math mode), explanation, value.
-    time_step, series_duration
-        Time step and series duration in time units.
-    laminarisation_threshold, event_threshold
-        Both in units of the observable. Without a laminarisation threshold there is no row for it.
-    series_kept, training_series
-        Numbers of series in all and for training.
-    symbol
-        Symbol of the observable.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``Parameter``, ``Explanation``, ``Value``; the first and the last are LaTeX.
+    ``system``: Parameters of the equations: symbol (LaTeX in math mode), explanation, value.
+    ``laminarisation_threshold``, ``event_threshold``: Both in units of the observable. Without a
+    laminarisation threshold there is no row for it. Returns columns ``Parameter``, ``Explanation``,
+    ``Value``; the first and the last are LaTeX.
     """
     rows = [(f"${name}$", explanation, latex_number(value)) for name, explanation, value in system]
     rows.append(("$dt$", "Integration time step", latex_number(time_step)))
@@ -111,21 +93,9 @@ def network_parameters(
 ) -> pd.DataFrame:
     """Hyperparameters of the echo state networks (the paper's second table).
 
-    Parameters
-    ----------
-    spectral_radius, input_scaling
-        Bounds of the search.
-    tikhonov
-        Values tried.
-    connectivity, input_bias
-        Mean number of connections of a neuron; the constant input.
-    noise
-        Standard deviation of the training noise, in standard deviations of the data.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``Parameter``, ``Explanation``, ``Value``; the first and the last are LaTeX.
+    ``connectivity``, ``input_bias``: Mean number of connections of a neuron; the constant input.
+    ``noise``: Standard deviation of the training noise, in standard deviations of the data. Returns
+    columns ``Parameter``, ``Explanation``, ``Value``; the first and the last are LaTeX.
     """
 
     def several(values: Sequence[float]) -> str:
@@ -149,16 +119,9 @@ def network_parameters(
 def side_by_side(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """Join parameter tables of several cases: one column of values for each.
 
-    Parameters
-    ----------
-    tables
-        By case: ``Parameter``, ``Explanation``, ``Value``, each pair of the first two once.
-
-    Returns
-    -------
-    DataFrame
-        ``Parameter``, ``Explanation`` and a column per case, empty where a case has no such
-        parameter; the table itself if there is one only.
+    ``tables``: By case: ``Parameter``, ``Explanation``, ``Value``, each pair of the first two once.
+    Returns ``Parameter``, ``Explanation`` and a column per case, empty where a case has no such
+    parameter; the table itself if there is one only.
     """
     if len(tables) == 1:
         return next(iter(tables.values()))
@@ -190,12 +153,8 @@ _FLOW_PARAMETERS: tuple[tuple[str, str, str | float], ...] = (
 def described_parameters(name: str, values: Mapping[str, float]) -> list[list[Any]]:
     """Symbol in LaTeX, explanation and value of each parameter of a system's equations.
 
-    Parameters
-    ----------
-    name
-        Name of the system: the shear flow ``mfe`` has the paper's symbols, others their own names.
-    values
-        Values of the parameters, by their names.
+    ``name``: Name of the system: the shear flow ``mfe`` has the paper's symbols, others their own
+    names.
     """
     if name == "mfe":
         return [

@@ -44,29 +44,14 @@ _PERCENTILES = ["p25", "p50", "p75"]
 def published_percentiles(published: pd.DataFrame, table: str) -> pd.DataFrame:
     """Select the published percentiles that belong to one of the percentile tables.
 
-    Parameters
-    ----------
-    published
-        Columns ``kind``, ``reynolds``, ``neurons``, ``validation``, ``prediction_time``,
-        ``metric``, ``p25``, ``p50``, ``p75``. Rows with the validation ``TRAIN`` are the training
-        set's own.
-    table
-        "classification", "horizon", "hyperparameters", "statistics" or "control".
-
-    Returns
-    -------
-    DataFrame
-        Columns ``reynolds``, ``forecaster``, ``neurons``, ``validation``, ``prediction_time_lt``,
-        ``metric``, ``p25``, ``p50``, ``p75``, with the names of our metrics and in our
-        definitions: the error of the mean velocity is normalised by its range from wall to wall,
-        exceedances count steps. Input scalings are left out. Classification is as it was
-        published: with the paper's washout in place of the authors' the F-score would be lower by
-        0.002 to 0.008.
-
-    Raises
-    ------
-    ValueError
-        If nothing is published for that table.
+    ``published``: Columns ``kind``, ``reynolds``, ``neurons``, ``validation``, ``prediction_time``,
+    ``metric``, ``p25``, ``p50``, ``p75``. Rows with the validation ``TRAIN`` are the training set's
+    own. ``table``: "classification", "horizon", "hyperparameters", "statistics" or "control".
+    Returns columns ``reynolds``, ``forecaster``, ``neurons``, ``validation``,
+    ``prediction_time_lt``, ``metric``, ``p25``, ``p50``, ``p75``, with the names of our metrics and
+    in our definitions: the error of the mean velocity is normalised by its range from wall to wall,
+    exceedances count steps. Input scalings are left out. Classification is as it was published:
+    with the paper's washout in place of the authors' the F-score would be lower by 0.002 to 0.008.
     """
     rows = published[published["kind"].map(_TABLES) == table]
     if rows.empty:
@@ -93,12 +78,7 @@ def published_beside(
 ) -> pd.DataFrame | None:
     """Published percentiles at the Reynolds numbers of one of our tables; None if none are wanted.
 
-    Parameters
-    ----------
-    ours
-        Our table; without the column ``reynolds``, nothing can stand beside it.
-    published, table
-        As `published_percentiles` takes them.
+    ``ours``: Our table; without the column ``reynolds``, nothing can stand beside it.
     """
     if published is None or "reynolds" not in ours:  # as of a system without one
         return None
@@ -111,19 +91,11 @@ def published_reductions(exceedances: pd.DataFrame, ours: pd.DataFrame) -> pd.Da
 
     How much of the exceedance there was without control is not published.
 
-    Parameters
-    ----------
-    exceedances
-        Of "control", as `published_percentiles` gives them.
-    ours
-        Our percentile table of control, of one case: ``forecaster``, ``neurons``, ``validation``,
-        ``prediction_time_lt``, ``metric`` (``exceedance_uncontrolled``), ``p50``.
-
-    Returns
-    -------
-    DataFrame
-        Rows of ``exceedances`` that we have as well, with the metric ``reduction``: one minus the
-        published exceedance over the median of ours without control.
+    ``exceedances``: Of "control", as `published_percentiles` gives them. ``ours``: Our percentile
+    table of control, of one case: ``forecaster``, ``neurons``, ``validation``,
+    ``prediction_time_lt``, ``metric`` (``exceedance_uncontrolled``), ``p50``. Returns rows of
+    ``exceedances`` that we have as well, with the metric ``reduction``: one minus the published
+    exceedance over the median of ours without control.
     """
     keys = ["forecaster", "neurons", "validation", "prediction_time_lt"]
     without = ours[(ours["metric"] == "exceedance_uncontrolled") & (ours["p50"] > 0)]
@@ -143,37 +115,25 @@ def compare(
 ) -> pd.DataFrame:
     """Our value beside each published value, and whether they agree.
 
-    Parameters
-    ----------
-    published
-        As `published_percentiles` takes them.
-    percentiles
-        Our percentile tables by name ("classification", "horizon", "hyperparameters",
-        "statistics", "control"; others are ignored): ``case``, ``reynolds``, ``forecaster``,
-        ``neurons``, ``validation``, ``prediction_time_lt`` where there are several, ``metric``,
-        ``p25``, ``p50``, ``p75``, ``networks``.
-    intervals
-        Bootstrap intervals of single networks under the same names, where there are any: the same
-        keys, ``seed``, ``low``, ``high``. Those of control are found by `intervals_of_control`.
-
-    Returns
-    -------
-    DataFrame
-        One row for each published value and each of our cases with the same Reynolds number:
-        ``kind`` (the name of our table), ``case``, ``reynolds``,
-        ``forecaster`` ("esn", or "training" for the training set's own errors), ``neurons``,
-        ``validation``, ``prediction_time_lt``, ``metric``; ``published_p25``, ``published_p50``,
-        ``published_p75`` in our definitions; our ``p25``, ``p50``, ``p75`` over ``networks``;
-        ``low`` and ``high``, the bootstrap interval of one network over test series, events,
-        closed loops or flows, each end the median over the networks; ``inside``.
-
-        ``inside`` says that the published median lies in our bootstrap interval, or between our
-        quartiles where these are of two networks or more: it is no farther from ours than another
-        test set, or other seeds, would move ours. Missing where there is neither (the training
-        set's own errors). It knows nothing of the paper's own sampling error, which is as large
-        as ours, nor of another choice of training series: were there no difference but these, a
-        sixth or so of all published values would still lie outside, many of them together, since
-        all networks and prediction times share one test set.
+    ``percentiles``: Our percentile tables by name ("classification", "horizon", "hyperparameters",
+    "statistics", "control"; others are ignored): ``case``, ``reynolds``, ``forecaster``,
+    ``neurons``, ``validation``, ``prediction_time_lt`` where there are several, ``metric``,
+    ``p25``, ``p50``, ``p75``, ``networks``. ``intervals``: Bootstrap intervals of single networks
+    under the same names, where there are any: the same keys, ``seed``, ``low``, ``high``. Those of
+    control are found by `intervals_of_control`. Returns one row for each published value and each
+    of our cases with the same Reynolds number: ``kind`` (the name of our table), ``case``,
+    ``reynolds``, ``forecaster`` ("esn", or "training" for the training set's own errors),
+    ``neurons``, ``validation``, ``prediction_time_lt``, ``metric``; ``published_p25``,
+    ``published_p50``, ``published_p75`` in our definitions; our ``p25``, ``p50``, ``p75`` over
+    ``networks``; ``low`` and ``high``, the bootstrap interval of one network over test series,
+    events, closed loops or flows, each end the median over the networks; ``inside``. ``inside``
+    says that the published median lies in our bootstrap interval, or between our quartiles where
+    these are of two networks or more: it is no farther from ours than another test set, or other
+    seeds, would move ours. Missing where there is neither (the training set's own errors). It knows
+    nothing of the paper's own sampling error, which is as large as ours, nor of another choice of
+    training series: were there no difference but these, a sixth or so of all published values would
+    still lie outside, many of them together, since all networks and prediction times share one test
+    set.
     """
     parts = [
         _compared(name, published_percentiles(published, name), percentiles[name], intervals)
@@ -217,21 +177,11 @@ def intervals_of_control(strategies: pd.DataFrame, control: pd.DataFrame) -> pd.
     The paper's strategy may have been run under other conditions, too: of its runs, those are
     meant that the table of the paper's control has, with the same value.
 
-    Parameters
-    ----------
-    strategies
-        A row for each run and metric: ``case``, ``reynolds``, ``forecaster``, ``neurons``,
-        ``validation``, ``seed``, ``strategy``, ``prediction_time_lt``, ``metric``, ``value``,
-        ``low``, ``high`` (``control_strategies.csv``).
-    control
-        A row for each network and prediction time: the same keys, and metrics as columns
-        (``control.csv``).
-
-    Returns
-    -------
-    DataFrame
-        Rows of the exceedance with control: the keys, ``prediction_time_lt``, ``metric``, ``low``,
-        ``high``.
+    ``strategies``: A row for each run and metric: ``case``, ``reynolds``, ``forecaster``,
+    ``neurons``, ``validation``, ``seed``, ``strategy``, ``prediction_time_lt``, ``metric``,
+    ``value``, ``low``, ``high`` (``control_strategies.csv``). ``control``: A row for each network
+    and prediction time: the same keys, and metrics as columns (``control.csv``). Returns rows of
+    the exceedance with control: the keys, ``prediction_time_lt``, ``metric``, ``low``, ``high``.
     """
     metric = "exceedance_controlled"
     ours = strategies[

@@ -15,12 +15,9 @@ SAME_EVERYWHERE = (*BASELINES, PRECURSOR)
 def shown_once(ranking: pd.DataFrame) -> pd.DataFrame:
     """Rows with committees of networks in place of their members, and common alarms once.
 
-    Parameters
-    ----------
-    ranking
-        Rows of one event and one metric. Members of a filter's or of analogues' ensembles, which
-        rank as their forecaster does, are left out. A network without a committee stands for
-        itself.
+    ``ranking``: Rows of one event and one metric. Members of a filter's or of analogues' ensembles,
+    which rank as their forecaster does, are left out. A network without a committee stands for
+    itself.
     """
     there = set(zip(ranking["case"], ranking["alarm"], strict=True))
     shown = []

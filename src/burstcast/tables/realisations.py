@@ -14,17 +14,8 @@ def scatter_of_families(
 ) -> Iterator[dict[str, Any]]:
     """Rows of the scatter of each metric, of cases that differ by their training series only.
 
-    Parameters
-    ----------
-    scores
-        Rows of all cases.
-    kinds
-        Kinds of forecasters: what stands for none, as the sampling floor does, has other rows than
-        seeds.
-    keys
-        Key columns of an ensemble beside the key columns of its case.
-    metrics
-        Columns.
+    ``kinds``: Kinds of forecasters: what stands for none, as the sampling floor does, has other
+    rows than seeds. ``keys``: Key columns of an ensemble beside the key columns of its case.
     """
     bases = scores["case"].map(lambda case: realisation_of(case)[0])
     for base in dict.fromkeys(bases[bases != scores["case"]]):

@@ -42,13 +42,6 @@ def with_interval(value: float, low: float, high: float, write: Callable[[float]
     """A value with its interval: "0.818 (0.815 to 0.824)".
 
     A value without an interval, or with one of no width, stands alone; no value is a dash.
-
-    Parameters
-    ----------
-    value, low, high
-        NaN where there is none.
-    write
-        Writes one number.
     """
     if not np.isfinite(value):
         return "--"
@@ -74,28 +67,11 @@ def wide_table(
 ) -> pd.DataFrame:
     """One row for each of several keys, one column for each value of another one.
 
-    Parameters
-    ----------
-    table
-        Long form: one row for each cell.
-    rows
-        Columns that tell rows apart, in their order of appearance.
-    columns
-        Column whose values become columns, in their order of appearance.
-    interval
-        Columns of the value and the ends of its interval.
-    specs
-        Format specifications by the name in the column ``metric``, where there is one.
-
-    Returns
-    -------
-    DataFrame
-        Columns ``rows``, then the values of ``columns``; cells are LaTeX, a dash where nothing is.
-
-    Raises
-    ------
-    ValueError
-        If two rows of the table belong to one cell.
+    ``rows``: Columns that tell rows apart, in their order of appearance. ``columns``: Column whose
+    values become columns, in their order of appearance. ``interval``: Columns of the value and the
+    ends of its interval. ``specs``: Format specifications by the name in the column ``metric``,
+    where there is one. Returns columns ``rows``, then the values of ``columns``; cells are LaTeX, a
+    dash where nothing is.
     """
     specs = specs or {}
     if table.duplicated([*rows, columns]).any():
@@ -117,20 +93,9 @@ def panels(
 ) -> list[list[str]]:
     """Columns of a table, taken apart so that each part is as wide as the page at most.
 
-    Parameters
-    ----------
-    cells
-        Texts of the table, LaTeX.
-    heads
-        Heads of its columns; columns without one have their names.
-    keys
-        How many columns, the first ones, every part begins with.
-    width
-        Width of the page, in points.
-
-    Returns
-    -------
-    Names of the columns of each part; a column that does not fit beside the keys is alone.
+    ``heads``: Heads of its columns; columns without one have their names. ``keys``: How many
+    columns, the first ones, every part begins with. Returns names of the columns of each part; a
+    column that does not fit beside the keys is alone.
     """
     widths = {
         name: max(
@@ -162,24 +127,9 @@ def to_latex(
 ) -> str:
     r"""Write a table as a LaTeX ``table`` environment with booktabs rules, as wide as a page.
 
-    Parameters
-    ----------
-    cells
-        LaTeX; the index is not written.
-    caption, label
-        LaTeX: taken as they are.
-    heads
-        LaTeX heads of columns; a column without one shows its escaped name.
-    keys
-        How many columns, the first ones, tell rows apart. The others stand below one another where
-        they do not fit side by side.
-    width
-        Width of the page, in points.
-
-    Returns
-    -------
-    str
-        Ends with a newline.
+    ``heads``: LaTeX heads of columns; a column without one shows its escaped name. ``keys``: How
+    many columns, the first ones, tell rows apart. The others stand below one another where they do
+    not fit side by side.
     """
     shown = {name: (heads or {}).get(name, escape(str(name))) for name in cells.columns}
     lines = [

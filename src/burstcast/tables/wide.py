@@ -22,16 +22,7 @@ PERCENTILES, INTERVAL = ("p50", "p25", "p75"), ("value", "low", "high")
 def typeset(name: str, rows: pd.DataFrame, layout: Layout, keys: Sequence[str]) -> str:
     """Table environments with booktabs rules: one table, or one for each case.
 
-    Parameters
-    ----------
-    name
-        Name of the table for papers.
-    rows
-        Rows of all cases of the table that it is made of.
-    layout
-        What is shown of them, and how.
-    keys
-        Columns that say what a row is about.
+    ``rows``: Rows of all cases of the table that it is made of.
     """
     return "\n".join(
         to_latex(
@@ -55,19 +46,8 @@ def wide_tables(
 ) -> Iterator[tuple[str, pd.DataFrame, int]]:
     """Tables for papers, made of the rows of a table.
 
-    Parameters
-    ----------
-    rows
-        Rows of all cases.
-    layout
-        What is shown of them, and how.
-    keys
-        Columns that say what a row is about.
-
-    Yields
-    ------
-    Case (empty where cases are rows of one table), texts in LaTeX, and how many of the columns, the
-    first ones, tell rows apart.
+    Returns case (empty where cases are rows of one table), texts in LaTeX, and how many of the
+    columns, the first ones, tell rows apart.
     """
     chosen = rows if "metric" in rows.columns else _long_form(rows, layout["metrics"], keys)
     chosen = chosen[chosen["metric"].isin(layout["metrics"])]

@@ -9,40 +9,23 @@ import numpy as np
 
 @dataclass(frozen=True)
 class HyperparameterPoint:
-    """Hyperparameters at which a network is evaluated.
+    """Hyperparameters at which a network is evaluated."""
 
-    Attributes
-    ----------
-    spectral_radius
-        rho, of the recurrent matrix.
-    input_scaling
-        sigma_in, of the input matrix.
-    """
-
-    spectral_radius: float
-    input_scaling: float
+    spectral_radius: float  #: rho, of the recurrent matrix
+    input_scaling: float  #: sigma_in, of the input matrix
 
 
 @dataclass(frozen=True)
 class SurrogateSettings:
-    """Settings of the Gaussian process that chooses points after the grid.
+    """Settings of the Gaussian process that chooses points after the grid."""
 
-    Attributes
-    ----------
-    variance
-        Bounds of the process's variance, in variances of the known objectives.
-    length_scale
-        Bounds of its length scales, in decades of the hyperparameters.
-    first_length_scale
-        Length scale from which the fit to the known objectives starts.
-    random_state
-        Seed of the optimiser; None: each network has its own.
-    """
-
+    #: bounds of the process's variance, in variances of the known objectives
     variance: tuple[float, float] = (1e-2, 1e3)
+    #: bounds of its length scales, in decades of the hyperparameters
     length_scale: tuple[float, float] = (1e-2, 1e2)
+    #: length scale from which the fit to the known objectives starts
     first_length_scale: float = 1.0
-    random_state: int | None = None
+    random_state: int | None = None  #: seed of the optimiser; None: each network has its own
 
 
 DEFAULT_SURROGATE = SurrogateSettings()
@@ -50,25 +33,13 @@ DEFAULT_SURROGATE = SurrogateSettings()
 
 @dataclass(frozen=True)
 class SearchSpace:
-    """Bounds of the search, which goes on in logarithmic scale.
+    """Bounds of the search, which goes on in logarithmic scale."""
 
-    Attributes
-    ----------
-    spectral_radius, input_scaling
-        Lower and upper bound of each; positive.
-    """
-
+    #: spectral_radius, input_scaling: lower and upper bound of each; positive
     spectral_radius: tuple[float, float]
     input_scaling: tuple[float, float]
 
     def __post_init__(self) -> None:
-        """Check the bounds.
-
-        Raises
-        ------
-        ValueError
-            If they are not positive and increasing.
-        """
         for name in ("spectral_radius", "input_scaling"):
             low, high = getattr(self, name)
             if not 0 < low < high:

@@ -30,26 +30,8 @@ def search(
 ) -> list[Evaluation]:
     """Evaluate more points, where a Gaussian process expects the largest improvement.
 
-    Parameters
-    ----------
-    validator
-        Validator of the reservoir.
-    space
-        Bounds of the search.
-    strategy
-        Validation strategy whose objective is minimised.
-    scanned
-        Evaluations of the grid (`burstcast.tuning.scan`); those by other strategies are left out.
-    points
-        How many points to add.
-    seed
-        Seed of the optimiser (`optimiser_seed`).
-    surrogate
-        Settings of the Gaussian process.
-
-    Returns
-    -------
-    All evaluations by the strategy, beginning with the grid.
+    ``scanned``: Evaluations of the grid (`burstcast.tuning.scan`); those by other strategies are
+    left out.
     """
     trace = [one for one in scanned if one.validation.strategy == strategy.name]
     on_grid: dict[HyperparameterPoint, float] = {}

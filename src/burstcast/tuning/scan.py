@@ -11,20 +11,11 @@ from burstcast.tuning.validation import PointValidator, Validation
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Validation of one point by one strategy with one Tikhonov parameter.
+    """Validation of one point by one strategy with one Tikhonov parameter."""
 
-    Attributes
-    ----------
-    number
-        Number of the point in the search, from zero.
-    source
-        ``grid`` or ``bayesian``.
-    point, validation
-        Where, and its outcome.
-    """
-
-    number: int
-    source: str
+    number: int  #: number of the point in the search, from zero
+    source: str  #: ``grid`` or ``bayesian``
+    #: point, validation: where, and its outcome
     point: HyperparameterPoint
     validation: Validation
 
@@ -69,17 +60,8 @@ def scan(
 ) -> list[Evaluation]:
     """Evaluate all points of a grid.
 
-    Parameters
-    ----------
-    validator
-        Validator of the reservoir.
-    space
-        Bounds of the search.
-    strategies
-        Validated in one go. Others beside a strategy change where sums over the training series are
-        cut, and with it their rounding only (`scanned_with`).
-    grid
-        Points of the grid in each direction.
+    ``strategies``: Validated in one go. Others beside a strategy change where sums over the
+    training series are cut, and with it their rounding only (`scanned_with`).
     """
     return [
         Evaluation(number, "grid", point, validation)

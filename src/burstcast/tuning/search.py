@@ -35,20 +35,10 @@ def bayesian_search(
     targets; gp_hedge chooses among expected improvement, lower confidence bound and probability of
     improvement.
 
-    Parameters
-    ----------
-    space
-        Bounds of the search.
-    evaluated
-        Points that are known, with their objectives: the grid.
-    points
-        How many points to add.
-    evaluate
-        Objective at a point, to be minimised. The caller records what it needs of each evaluation.
-    seed
-        Seed of the optimiser, unless the settings of the Gaussian process have one.
-    surrogate
-        Settings of the Gaussian process. The fit of its variance starts from 1.
+    ``evaluated``: Points that are known, with their objectives: the grid. ``evaluate``: Objective
+    at a point, to be minimised. The caller records what it needs of each evaluation. ``seed``: Seed
+    of the optimiser, unless the settings of the Gaussian process have one. ``surrogate``: Settings
+    of the Gaussian process. The fit of its variance starts from 1.
     """
     seed = seed if surrogate.random_state is None else surrogate.random_state
     kernel = ConstantKernel(float(np.clip(1.0, *surrogate.variance)), surrogate.variance) * Matern(

@@ -13,11 +13,9 @@ from burstcast.arrays import BoolArray, FloatArray
 def as_good_as_the_best(excess: FloatArray, paired_standard_error: FloatArray) -> BoolArray:
     """Points within one paired standard error of the best, which is included, ``(points,)``.
 
-    Parameters
-    ----------
-    excess, paired_standard_error
-        Excess and paired standard error of `burstcast.tuning.uncertainty.ObjectiveUncertainty`,
-        ``(points,)``. Where the error is not known (NaN), only the best is as good as itself.
+    ``excess``, ``paired_standard_error``: Excess and paired standard error of
+    `burstcast.tuning.uncertainty.ObjectiveUncertainty`, ``(points,)``. Where the error is not known
+    (NaN), only the best is as good as itself.
     """
     return np.asarray(excess <= paired_standard_error)
 
@@ -25,19 +23,9 @@ def as_good_as_the_best(excess: FloatArray, paired_standard_error: FloatArray) -
 def nearest_escape_rate(rates: FloatArray, wanted: float) -> int:
     """Position of the rate that is nearest to the wanted one; the first of equals.
 
-    Parameters
-    ----------
-    rates
-        Escape rates of closed loops, the point with the best objective first, ``(points,)``. NaN
-        where all loops left so soon that there is no rate.
-    wanted
-        Wanted rate: the rate of the data. Where it is not known (NaN), or no rate is, the first
-        position is taken.
-
-    Raises
-    ------
-    ValueError
-        If there is no rate.
+    ``rates``: Escape rates of closed loops, the point with the best objective first, ``(points,)``.
+    NaN where all loops left so soon that there is no rate. ``wanted``: Wanted rate: the rate of the
+    data. Where it is not known (NaN), or no rate is, the first position is taken.
     """
     if rates.size == 0:
         raise ValueError("there is no point to choose")

@@ -14,20 +14,11 @@ from burstcast.arrays import FloatArray
 
 @dataclass(frozen=True)
 class ObjectiveUncertainty:
-    """Standard errors of objectives over the validation intervals; arrays ``(points,)``.
+    """Standard errors of objectives over the validation intervals; arrays ``(points,)``."""
 
-    Attributes
-    ----------
-    standard_error
-        Standard error of each objective by itself.
-    excess
-        Excess of each objective over the best one; zero for the best.
-    paired_standard_error
-        Standard error of that difference, over the same intervals for both; zero for the best.
-    """
-
-    standard_error: FloatArray
-    excess: FloatArray
+    standard_error: FloatArray  #: standard error of each objective by itself
+    excess: FloatArray  #: excess of each objective over the best one; zero for the best
+    #: standard error of that difference, over the same intervals for both; zero for the best
     paired_standard_error: FloatArray
 
 
@@ -36,21 +27,10 @@ def objective_uncertainty(log_errors: FloatArray) -> ObjectiveUncertainty:
 
     The intervals are taken for independent of each other: they are Lyapunov times long.
 
-    Parameters
-    ----------
-    log_errors
-        log10 of the mean square error of each point (and Tikhonov parameter) in each interval,
-        ``(points, intervals)``; the objective is the mean over the intervals.
-
-    Returns
-    -------
-    Standard errors; NaN, except for the best point's difference from itself, where there is a
+    ``log_errors``: log10 of the mean square error of each point (and Tikhonov parameter) in each
+    interval, ``(points, intervals)``; the objective is the mean over the intervals. Returns
+    standard errors; NaN, except for the best point's difference from itself, where there is a
     single interval.
-
-    Raises
-    ------
-    ValueError
-        If there is no point.
     """
     points, intervals = log_errors.shape
     if points == 0:

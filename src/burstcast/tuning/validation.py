@@ -28,25 +28,15 @@ DIVERGED_ERROR = 1e12
 
 @dataclass(frozen=True)
 class Validation:
-    """Outcome of one strategy at one point of the search and one Tikhonov parameter.
+    """Outcome of one strategy at one point of the search and one Tikhonov parameter."""
 
-    Attributes
-    ----------
-    strategy
-        Name of the strategy.
-    tikhonov
-        beta.
-    log_errors
-        log10 of the mean square error of the observable in each interval, in the order of the
-        strategy's folds.
-    solver, reciprocal_condition
-        How the ridge regression was solved, and the estimate of the reciprocal condition number of
-        its matrix: of the fold where it is the smallest.
-    """
-
-    strategy: str
+    strategy: str  #: name of the strategy
     tikhonov: float
+    #: log10 of the mean square error of the observable in each interval, in the order of the
+    #: strategy's folds
     log_errors: tuple[float, ...]
+    #: solver, reciprocal_condition: how the ridge regression was solved, and the estimate of the
+    #: reciprocal condition number of its matrix: of the fold where it is the smallest
     solver: str
     reciprocal_condition: float
 
@@ -64,32 +54,7 @@ def validate(
     tikhonov: Sequence[float],
     strategies: Sequence[ValidationStrategy],
 ) -> list[Validation]:
-    """Train one network and validate it by each strategy with each Tikhonov parameter.
-
-    Parameters
-    ----------
-    dynamics
-        Reservoir at the point of the search.
-    training
-        Observed training series.
-    observable
-        Function from states ``(dimension, ...)`` to the observable ``(...)``.
-    plan
-        Parameters of the strategies.
-    tikhonov
-        Values of beta.
-    strategies
-        How to validate.
-
-    Returns
-    -------
-    One validation for each strategy and beta, in their order.
-
-    Raises
-    ------
-    ValueError
-        If a strategy finds that the plan does not fit the series.
-    """
+    """Train one network and validate it by each strategy with each Tikhonov parameter."""
     folds = [strategy.folds(plan, training.series, training.length) for strategy in strategies]
     loops = _open_loops(dynamics, training, plan.washout, [fold for some in folds for fold in some])
     results = []
@@ -123,24 +88,14 @@ def validate(
 
 @dataclass(frozen=True)
 class PointValidator:
-    """Validates points of the search of one reservoir.
+    """Validates points of the search of one reservoir."""
 
-    Attributes
-    ----------
-    reservoir
-        The random matrices.
-    training, observable, plan, tikhonov
-        As in `validate`.
-    backend
-        Implementation of the dynamics (`Dynamics`).
-    """
-
-    reservoir: Reservoir
+    reservoir: Reservoir  #: the random matrices
     training: TrainingSeries
     observable: Callable[[FloatArray], FloatArray]
     plan: ValidationPlan
     tikhonov: Sequence[float]
-    backend: Literal["compiled", "scipy"]
+    backend: Literal["compiled", "scipy"]  #: implementation of the dynamics (`Dynamics`)
 
     def __call__(
         self, point: HyperparameterPoint, strategies: Sequence[ValidationStrategy]

@@ -132,17 +132,7 @@ class Campaign:
     Everything is in one order, whatever the order in the config: cases as people sort their names,
     then forecasters by kind, size, strategy and seed.
 
-    Parameters
-    ----------
-    config
-        The whole configuration (`burstcast_workflow.config.loading.load`).
-
-    Attributes
-    ----------
-    config
-        It, parsed.
-    cases
-        By name, in the order of their first use.
+    ``config``: The whole configuration (`burstcast_workflow.config.loading.load`).
     """
 
     def __init__(self, config: Mapping[str, Any]) -> None:
@@ -415,24 +405,13 @@ class Campaign:
     ) -> dict[str, Any]:
         """Settings of a job by their paths in the config, in canonical form.
 
-        Parameters
-        ----------
-        paths
-            And names of `GROUPS`. ``case.`` stands for the job's case, ``forecaster.options`` for
-            its kind's settings without ``forecaster.divergence_bound``, which only jobs that judge
-            long forecasts read (None where the kind has none; left out for controllers that ask
-            no forecaster), ``control.run`` for its plan of control. Kinds that see the truth are
-            given no noise, ``forecasters.aware`` is for forecasters that know the parameters, with
-            the case's own values (``own``), and ``control.cost`` is left out where it is false.
-        wildcards
-            Wildcards of the job.
-        values
-            Further settings by their names.
-
-        Raises
-        ------
-        KeyError
-            If the config has no such setting.
+        ``paths``: And names of `GROUPS`. ``case.`` stands for the job's case,
+        ``forecaster.options`` for its kind's settings without ``forecaster.divergence_bound``,
+        which only jobs that judge long forecasts read (None where the kind has none; left out for
+        controllers that ask no forecaster), ``control.run`` for its plan of control. Kinds that see
+        the truth are given no noise, ``forecasters.aware`` is for forecasters that know the
+        parameters, with the case's own values (``own``), and ``control.cost`` is left out where it
+        is false.
         """
         name = name_of(wildcards)
         left_out = {NOISE} if _sees_truth(name) else set()

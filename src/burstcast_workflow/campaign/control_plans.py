@@ -22,36 +22,18 @@ CONDITIONS = ("starts", "quiet_lt", "span_lt", "delay_lt", "strength", "noise")
 
 @dataclass(frozen=True)
 class ControlPlan:
-    """A strategy with its settings, and conditions; None is what the campaign and the case say.
+    """A strategy with its settings, and conditions; None is what the campaign and the case say."""
 
-    Attributes
-    ----------
-    strategy
-        Module of `burstcast.control.strategies`.
-    settings
-        Its settings, names and values.
-    starts
-        ``quiet``, free of events, or ``unselected``.
-    quiet_lt
-        The least time before steps count.
-    span_lt
-        How long each flow counts; None: ``control.span_lt``.
-    delay_lt, strength
-        Delay and strength of the actuator.
-    noise
-        Noise of the observations; None: the noise of the training series.
-    observed
-        Case that is the observed part of the controlled one; empty: all of it is observed.
-    """
-
-    strategy: str
-    settings: tuple[tuple[str, Any], ...]
-    starts: str
-    quiet_lt: float
-    span_lt: float | None
+    strategy: str  #: module of `burstcast.control.strategies`
+    settings: tuple[tuple[str, Any], ...]  #: its settings, names and values
+    starts: str  #: ``quiet``, free of events, or ``unselected``
+    quiet_lt: float  #: the least time before steps count
+    span_lt: float | None  #: how long each flow counts; None: ``control.span_lt``
+    #: delay_lt, strength: delay and strength of the actuator
     delay_lt: float
     strength: float
-    noise: float | None
+    noise: float | None  #: noise of the observations; None: the noise of the training series
+    #: case that is the observed part of the controlled one; empty: all of it is observed
     observed: str = ""
 
     @property

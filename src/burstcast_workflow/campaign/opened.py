@@ -50,7 +50,6 @@ class Shelf(Mapping[str, Found], Generic[Found]):
         return len(self._names)
 
     def __repr__(self) -> str:
-        """Number of results, and the first names."""
         some = ", ".join(self._names[:_MOST_NAMES])
         more = len(self._names) - _MOST_NAMES
         names = f": {some}" if some else ""
@@ -61,25 +60,7 @@ class Shelf(Mapping[str, Found], Generic[Found]):
 
 
 class OpenedCampaign:
-    """Results of a campaign, finished or not; nothing is changed.
-
-    Parameters
-    ----------
-    results
-        The results directory: ``results`` in the config.
-
-    Attributes
-    ----------
-    results
-        The results directory.
-    config
-        The whole config of the newest run.
-
-    Raises
-    ------
-    ValueError
-        If no run of the workflow has written there.
-    """
+    """Results of a campaign, finished or not; nothing is changed."""
 
     def __init__(self, results: str | Path) -> None:
         self.results = Path(results)
@@ -94,7 +75,6 @@ class OpenedCampaign:
         self._campaign = Campaign(self.config)
 
     def __repr__(self) -> str:
-        """Overview of the results, in a few lines."""
         return (
             f"campaign in {self.results} of {', '.join(self._campaign.case_names)}\n"
             f"  .forecasters  {self.forecasters} (of {len(self._campaign.forecasters)})\n"
@@ -139,23 +119,9 @@ class OpenedCampaign:
     ) -> FloatArray:
         """Series of a case; its first ``training.series`` series are the training series.
 
-        Parameters
-        ----------
-        case
-            Name of the case.
-        start, stop
-            Range of series; without ``stop``, all series from ``start`` on.
-        observed
-            Whether series have observation noise, as forecasters see them, or are the truth.
-
-        Returns
-        -------
-        ``(series, time, component)``.
-
-        Raises
-        ------
-        ValueError
-            If there is no such case, or its series do not exist yet.
+        ``start``, ``stop``: Range of series; without ``stop``, all series from ``start`` on.
+        ``observed``: Whether series have observation noise, as forecasters see them, or are the
+        truth. Shape ``(series, time, component)``.
         """
         names = self._campaign.case_names
         if case not in names:

@@ -39,10 +39,8 @@ def campaign_summary(tables: Path) -> str:
 def summary_table(tables: Path) -> pd.DataFrame | None:
     """Medians over the networks of each ensemble: F-score, prediction horizon, control.
 
-    Returns
-    -------
-    A row for each ensemble, the best of each case first: case, ``forecaster``, and a column for
-    each available score, by its name for people. None without any score.
+    Returns a row for each ensemble, the best of each case first: case, ``forecaster``, and a column
+    for each available score, by its name for people. None without any score.
     """
     columns = {}
     scores = _medians(tables / "classification_percentiles.csv", "f_score")

@@ -82,13 +82,7 @@ def versions(results: Path) -> dict[str, Any]:
 
 
 def write_archive(target: Path, files: Mapping[str, bytes]) -> None:
-    """Write files by their names into a zip, whole or not at all: equal files, equal bits.
-
-    Raises
-    ------
-    NothingToArchiveError
-        If there is a file already that is no archive of a campaign.
-    """
+    """Write files by their names into a zip, whole or not at all: equal files, equal bits."""
     if target.exists() and not _is_archive(target):
         raise NothingToArchiveError(
             f"{target} is there and no archive of a campaign: give another name (--output)"
@@ -108,13 +102,7 @@ def _is_archive(path: Path) -> bool:
 
 
 def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, bytes]:
-    """Files of the archive of a campaign, by their names in it.
-
-    Raises
-    ------
-    NothingToArchiveError
-        If there are neither tables nor figures.
-    """
+    """Files of the archive of a campaign, by their names in it."""
     found = {
         f"{directory}/{path.name}": path.read_bytes()
         for directory, suffixes in (("tables", (".csv", ".tex")), ("figures", (".pdf", ".png")))

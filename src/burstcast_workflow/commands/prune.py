@@ -27,13 +27,7 @@ class PartOfCampaignError(ValueError):
 
 
 def stale_files(results: str, workflow: Any) -> list[str]:
-    """Names of files in a results directory that a planned campaign does not make any more.
-
-    Raises
-    ------
-    PartOfCampaignError
-        If the plan does not cover the whole campaign.
-    """
+    """Names of files in a results directory that a planned campaign does not make any more."""
     if not covers_campaign(workflow):
         raise PartOfCampaignError("this looks at the whole campaign: leave out targets")
     records = Records(results)
@@ -57,11 +51,6 @@ def remove_files(results: str, names: Sequence[str]) -> list[str]:
 
     Files that are not what their jobs wrote stay: a user has put them there. Returns why each file
     stays that is not removed.
-
-    Raises
-    ------
-    OvertakenError
-        If a run is at work there.
     """
     Run("", results).check_idle()
     records, kept = Records(results), []

@@ -69,13 +69,7 @@ def presets() -> dict[str, Path]:
 
 
 def lay_out(directory: Path, preset: str) -> list[Path]:
-    """Lay out a study in a new or an empty directory; return its files.
-
-    Raises
-    ------
-    StudyExistsError
-        If the directory is not empty, or a file.
-    """
+    """Lay out a study in a new or an empty directory; return its files."""
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
         raise StudyExistsError(f"{directory} is there already and not empty: nothing is laid out")
     text = presets()[preset].read_text(encoding="utf-8")

@@ -41,43 +41,30 @@ Leaf = tuple[str, str]
 
 @dataclass(frozen=True)
 class Job:
-    """A job that would run: what it is, what it has now and what it last ran with.
+    """A job that would run: what it is, what it has now and what it last ran with."""
 
-    Attributes
-    ----------
-    rule, wildcards
-        Rule and wildcards of the job.
-    settings, code, inputs
-        Its parameters and inputs now.
-    recorded_settings, recorded_code, recorded_inputs
-        Parameters of the last run, and whether its inputs are still the same; None where nothing is
-        recorded.
-    missing, incomplete, changed_files
-        Outputs that are not there or half-written, and inputs that are newer than the outputs.
-    problems
-        What is wrong with outputs that are there: damaged, or without a record of what made them.
-    forced
-        Whether it was asked for by an option.
-    upstream
-        Numbers of the jobs that would run before it, among all jobs.
-    makers
-        Wildcards of the jobs that made the inputs, now and at its last run, by file.
-    """
-
+    #: rule, wildcards: rule and wildcards of the job
     rule: str
     wildcards: Mapping[str, str]
+    #: settings, code, inputs: its parameters and inputs now
     settings: Any
     code: Sequence[str]
     inputs: Sequence[str]
+    #: recorded_settings, recorded_code, recorded_inputs: parameters of the last run, and whether
+    #: its inputs are still the same; None where nothing is recorded
     recorded_settings: Any = None
     recorded_code: Sequence[str] | None = None
     recorded_inputs: Mapping[str, bool] | None = None
+    #: missing, incomplete, changed_files: outputs that are not there or half-written, and inputs
+    #: that are newer than the outputs
     missing: Sequence[str] = ()
     incomplete: Sequence[str] = ()
     changed_files: Sequence[str] = ()
+    #: what is wrong with outputs that are there: damaged, or without a record of what made them
     problems: Sequence[str] = ()
-    forced: bool = False
-    upstream: Sequence[int] = ()
+    forced: bool = False  #: whether it was asked for by an option
+    upstream: Sequence[int] = ()  #: numbers of the jobs that would run before it, among all jobs
+    #: wildcards of the jobs that made the inputs, now and at its last run, by file
     makers: Mapping[str, Identity] = field(default_factory=dict)
 
 

@@ -103,13 +103,7 @@ def _factors(config: Configuration, cases: Sequence[Case]) -> ParameterFactors:
 
 
 def _values(config: Configuration, case: Case, strength: float) -> tuple[float, ...]:
-    """Values of the parameters in a case, under a share of its actuation.
-
-    Raises
-    ------
-    ValueError
-        If its system has no such parameters, or it has no actuation.
-    """
+    """Values of the parameters in a case, under a share of its actuation."""
     names, actuation = config.forecasters.aware.parameters, case.actuation
     if names == [SHARE]:
         return (strength,)

@@ -78,11 +78,6 @@ def case_of(config: Configuration, name: str) -> Case:
 
     A name ``Re<number>`` sets the parameter ``reynolds``. A case of other training series
     (`realisation_of`) has the settings of the case that they are chosen for.
-
-    Raises
-    ------
-    ValidationError
-        If a setting is missing, or is not what it must be.
     """
     kind = Measured if data_of(config, name) else Simulated
     return kind.model_validate(case_record(config, name))

@@ -53,20 +53,9 @@ def load(
 
     The result has all defaults; `burstcast_workflow.config.model.Configuration` reads it.
 
-    Parameters
-    ----------
-    config
-        The content of config.yaml with everything laid over it.
-    files
-        The files that it was read from, to be searched for `misread`.
-    defaults
-        A configuration file for what is not said: the workflow's own, which another workflow that
-        takes it as a module has not read.
-
-    Raises
-    ------
-    ConfigError
-        If anything is wrong with it.
+    ``config``: The content of config.yaml with everything laid over it. ``files``: The files that
+    it was read from, to be searched for `misread`. ``defaults``: A configuration file for what is
+    not said: the workflow's own, which another workflow that takes it as a module has not read.
     """
     config = dict(config)
     if defaults is not None:
@@ -88,10 +77,7 @@ def load(
 def misread(paths: Iterable[str | Path]) -> list[str]:
     """Find what YAML reads otherwise than it looks: keys that are there twice, 0400, 6:40, dates.
 
-    Returns
-    -------
-    list of str
-        A message for each, with file, line, setting, and what to write.
+    ``list of str``: A message for each, with file, line, setting, and what to write.
     """
     problems: list[str] = []
     for path in dict.fromkeys(map(os.path.relpath, paths)):

@@ -52,14 +52,7 @@ def measured_record(
     added to it. Parts of another case's state have that case's thresholds, bins, noise and unit of
     time, and the same series, as long as they are about the same observable.
 
-    Parameters
-    ----------
-    defaults
-        The section ``case_defaults``.
-    own
-        The entry in ``cases``, with a section ``data``; settings that it lacks are null.
-    record_of
-        Makes the record of another case.
+    ``own``: The entry in ``cases``, with a section ``data``; settings that it lacks are null.
     """
     said = own.data
     assert said is not None
@@ -117,17 +110,7 @@ def undecoded(case: Case) -> str | None:
 def encoding_of(case: Case, source: Mapping[str, Any]) -> tuple[str, EncodingCase]:
     """Kind of the encoder of a case, and its inputs.
 
-    Parameters
-    ----------
-    case
-        The case, or its entry in ``cases``.
-    source
-        System and parameters of the case that it is encoded from.
-
-    Raises
-    ------
-    ValueError
-        If there are no such sensors.
+    ``source``: System and parameters of the case that it is encoded from.
     """
     space = make_space(source["system"], source.get("parameters", {}))
     sensors = case.sensors.model_dump() if case.sensors else None
@@ -152,13 +135,7 @@ def _in_header(data: Data) -> list[str]:
 
 
 def header(data: Data) -> list[str]:
-    """Columns that the first file has, but times and labels of series.
-
-    Raises
-    ------
-    ValueError, OSError
-        If they cannot be read.
-    """
+    """Columns that the first file has, but times and labels of series."""
     whole = Data.model_validate({"observable": "", **data.dump(), "cycle": None})
     return _header(data_files(data)[0], whole.model_dump_json())
 
@@ -202,13 +179,7 @@ def _space(system: str, parameters: Mapping[str, Any]) -> StateSpace | None:
 
 
 def data_files(data: Data) -> list[str]:
-    """Files of measured series, in their order: files of a pattern as people sort names.
-
-    Raises
-    ------
-    ValueError
-        If no file is called as a pattern says.
-    """
+    """Files of measured series, in their order: files of a pattern as people sort names."""
     found: dict[str, None] = {}
     for name in data.files:
         paths = [name]

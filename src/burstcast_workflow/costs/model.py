@@ -393,12 +393,8 @@ CLASSES: Mapping[str, Callable[[_Job], _Work]] = {
 class CostModel:
     """Predicts what the jobs of a campaign take: estimates, not bounds.
 
-    Attributes
-    ----------
-    classes
-        Class of work of each stage, as the rules state it.
-    records
-        Directory of Snakemake's records of what jobs took.
+    ``classes``: Class of work of each stage, as the rules state it. ``records``: Directory of
+    Snakemake's records of what jobs took.
     """
 
     def __init__(self, campaign: Campaign, seconds_per: Mapping[str, float] = SECONDS_PER) -> None:

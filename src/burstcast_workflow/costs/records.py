@@ -52,9 +52,7 @@ def costs_of_jobs(jobs: Iterable[Any], model: CostModel) -> Iterator[tuple[Any, 
 def job_costs(workflow: Any, model: CostModel, above: Path = Path()) -> pd.DataFrame:
     """Costs of the jobs of a planned campaign, predicted and measured.
 
-    Returns
-    -------
-    A row for each job, in the order of the rules: ``rule``, ``predicted_seconds``,
+    Returns a row for each job, in the order of the rules: ``rule``, ``predicted_seconds``,
     ``predicted_memory_mib``; empty for a job without a record, ``seconds`` (wall time),
     ``memory_mib`` (the largest that was sampled) and ``disk_mib`` (of outputs that are there).
     """
@@ -88,9 +86,7 @@ def _measured(record: Path, outputs: Iterable[Path]) -> dict[str, float]:
 def rule_costs(jobs: pd.DataFrame) -> pd.DataFrame:
     """Predicted costs of the jobs of each rule, and measured costs of jobs with records.
 
-    Returns
-    -------
-    A row for each rule: ``rule``; ``jobs``, how many the campaign has;
+    Returns a row for each rule: ``rule``; ``jobs``, how many the campaign has;
     ``predicted_longest_seconds`` and ``predicted_memory_mib``, the most of any;
     ``predicted_minutes``, of all; ``records``, how many have run. The rest is of these, and empty
     without any: ``median_seconds`` and ``predicted_median_seconds``; ``minutes`` of all;

@@ -14,19 +14,9 @@ def failure_summary(rule_logs: Path, scheduler_logs: Path, since: float) -> str:
     A job whose log does not end with its success has failed, or was killed: by a person, or for its
     memory or time, which only the log of the scheduler's job tells.
 
-    Parameters
-    ----------
-    rule_logs
-        Directory of the rules' logs.
-    scheduler_logs
-        Directory of the logs of the scheduler's jobs, where logs of failed jobs are kept. It need
-        not exist.
-    since
-        Logs that were last written before this are of other runs; seconds since the epoch.
-
-    Returns
-    -------
-    Some lines for each log; empty if there are none.
+    ``scheduler_logs``: Directory of the logs of the scheduler's jobs, where logs of failed jobs are
+    kept. It need not exist. ``since``: Logs that were last written before this are of other runs;
+    seconds since the epoch.
     """
     failed = [path for path in _written(rule_logs, since) if _DONE not in _end(path, 1)]
     parts = []

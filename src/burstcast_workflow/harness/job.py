@@ -85,11 +85,6 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
 
     Floating-point errors keep NumPy's defaults, a warning in the log: a diverged forecast is a
     result, and it is the library that knows when a number that is not finite is an error.
-
-    Raises
-    ------
-    SystemExit
-        With status 1 if ``function`` raises; the traceback is in the log, one line on stderr.
     """
     # at its end, Python would look through all objects for garbage: a tenth of a second with SciPy
     atexit.register(gc.freeze)

@@ -24,19 +24,9 @@ class Settings(Mapping[str, Any]):
     case, ``forecaster.options`` for the section of its kind of forecaster. The wildcards of the job
     are there by their names.
 
-    Parameters
-    ----------
-    declared
-        Values by path, as the rule passes them.
-    identity
-        Rule and wildcards of the job.
-
-    Attributes
-    ----------
-    provenance
-        Origin of the job's outputs, which every NetCDF and JSON file carries.
-    computed_exponent
-        Lyapunov exponent that sets the unit of time; None where the config knows it.
+    ``provenance``: Origin of the job's outputs, which every NetCDF and JSON file carries.
+    ``computed_exponent``: Lyapunov exponent that sets the unit of time; None where the config knows
+    it.
     """
 
     def __init__(
@@ -100,13 +90,7 @@ LONG_RUNS = "statistics.duration, statistics.fixed_point_interval_lt"
 
 @contextmanager
 def concerning(settings: str) -> Iterator[None]:
-    """Put the affected settings before the message of the library.
-
-    Raises
-    ------
-    ValueError
-        Where one is raised within.
-    """
+    """Put the affected settings before the message of the library."""
     try:
         yield
     except ValueError as error:

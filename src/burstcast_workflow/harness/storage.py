@@ -20,13 +20,7 @@ if TYPE_CHECKING:
 
 
 def atomic(path: str | Path) -> AbstractContextManager[Path]:
-    """Yield a temporary path to write to, which becomes ``path`` (`burstcast.files.atomic_files`).
-
-    Raises
-    ------
-    OvertakenError
-        If a newer run of the workflow has claimed the results directory.
-    """
+    """Temporary path that becomes ``path`` at the end (`burstcast.files.atomic_files`)."""
     return atomic_files.atomic(path, check_ownership)
 
 
@@ -35,26 +29,14 @@ def write_netcdf(
     variables: Mapping[str, "Variable"],
     attributes: Mapping[str, str | int | float],
 ) -> None:
-    """Write a NetCDF file (`burstcast.files.netcdf.write_netcdf`).
-
-    Raises
-    ------
-    OvertakenError
-        If a newer run of the workflow has claimed the results directory.
-    """
+    """Write a NetCDF file (`burstcast.files.netcdf.write_netcdf`)."""
     from burstcast.files import netcdf  # planning and jobs of tables write none: it is slow to load
 
     netcdf.write_netcdf(path, variables, attributes, check_ownership)
 
 
 def write_table(path: str | Path, table: "pd.DataFrame") -> "pd.DataFrame":
-    """Write a table; return it as it is read (`burstcast.files.tables.write_table`).
-
-    Raises
-    ------
-    OvertakenError
-        If a newer run of the workflow has claimed the results directory.
-    """
+    """Write a table; return it as it is read (`burstcast.files.tables.write_table`)."""
     from burstcast.files import tables  # pandas is slow to load, too
 
     return tables.write_table(path, table, check_ownership)
@@ -70,13 +52,6 @@ def write_json(path: str | Path, record: Any, provenance: Mapping[str, str] | No
     """Write plain data as JSON with sorted keys; what is undefined must be given as None.
 
     The record is a mapping if there is a provenance, which goes beside its entries.
-
-    Raises
-    ------
-    ValueError
-        If a number is not finite.
-    TypeError
-        If a value has no counterpart in JSON (an array, a NumPy integer, a path, ...).
     """
     if provenance is not None:
         record = {**record, "provenance": provenance}
@@ -88,13 +63,7 @@ def write_json(path: str | Path, record: Any, provenance: Mapping[str, str] | No
 
 
 def read_json(path: str | Path) -> Any:
-    """Read a JSON file.
-
-    Raises
-    ------
-    ValueError
-        If it is none; the message names the file.
-    """
+    """Read a JSON file."""
     try:
         return json.loads(Path(path).read_bytes())
     except ValueError as error:

@@ -38,10 +38,9 @@ def control_setup(
 ) -> tuple[ControlStrategy, ControlExperiment, list[Any], FloatArray | None]:
     """Set up a job of control from its settings and inputs.
 
-    Returns
-    -------
-    The strategy, the experiment, the forecasters that are asked, and the observation noise of each
-    flow at each step, ``(flows, steps, dimension)``; None for forecasters that see the truth.
+    Returns the strategy, the experiment, the forecasters that are asked, and the observation noise
+    of each flow at each step, ``(flows, steps, dimension)``; None for forecasters that see the
+    truth.
     """
     strategy = make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
     experiment = control_experiment(settings, ensemble, summary)

@@ -76,13 +76,7 @@ def observed_rows(
 
 
 def training_states(settings: Settings, ensemble: str) -> FloatArray:
-    """True states of the training series, ``(series, time, dimension)``.
-
-    Raises
-    ------
-    ValueError
-        If the ensemble has too few series.
-    """
+    """True states of the training series, ``(series, time, dimension)``."""
     series = settings["case.training.series"]
     check_kept_series(kept_series(ensemble), {"training.series": series})
     return read_rows(ensemble, "state", 0, series)

@@ -29,13 +29,7 @@ def boundaries_of(settings: Settings) -> tuple[int, ...]:
 
 
 def test_rows(settings: Settings, ensemble: str) -> range:
-    """Test series: the kept series after the training series.
-
-    Raises
-    ------
-    ValueError
-        If the ensemble has too few series.
-    """
+    """Test series: the kept series after the training series."""
     kept, first = kept_series(ensemble), settings["case.training.series"]
     series = test_series(settings, kept)
     check_kept_series(kept, {"training.series": first, "test_series": series})
@@ -74,23 +68,10 @@ def write_points(
 ) -> None:
     """Write starting points, observed washouts, and the true window summaries.
 
-    Parameters
-    ----------
-    path, settings
-        The file, and the job's settings.
-    series
-        What the points lie in: states, what is observed of them, both ``(series, time,
-        dimension)``, and the true observable, ``(series, time)``.
-    spacing
-        Setting of the distance of two points, and its value in Lyapunov times.
-    schedules
-        Parameters in force in each step, ``(series, time - 1, parameters)``; None: the parameters
-        of the case.
-
-    Raises
-    ------
-    ValueError
-        If the series are too short for a single point.
+    ``series``: What the points lie in: states, what is observed of them, both ``(series, time,
+    dimension)``, and the true observable, ``(series, time)``. ``spacing``: Setting of the distance
+    of two points, and its value in Lyapunov times. ``schedules``: Parameters in force in each step,
+    ``(series, time - 1, parameters)``; None: the parameters of the case.
     """
     system, steps = system_of(settings), lyapunov_time(settings)
     states, observed, observable = series

@@ -18,21 +18,11 @@ from burstcast_workflow.harness.storage import read_json
 
 @dataclass(frozen=True)
 class Origin:
-    """A file, and the job that wrote it.
-
-    Attributes
-    ----------
-    path
-        The file.
-    identity
-        Rule and wildcards of the job.
-    settings
-        Settings of the job by their paths in the config.
-    """
+    """A file, and the job that wrote it."""
 
     path: str
-    identity: Mapping[str, Any]
-    settings: Settings
+    identity: Mapping[str, Any]  #: rule and wildcards of the job
+    settings: Settings  #: settings of the job by their paths in the config
 
     @property
     def name(self) -> ForecasterName:
@@ -41,13 +31,7 @@ class Origin:
 
 
 def origins(paths: Iterable[str | Path]) -> list[Origin]:
-    """Origins of files, in their order.
-
-    Raises
-    ------
-    ValueError
-        If a file does not say which job wrote it, or if two files are of the same job.
-    """
+    """Origins of files, in their order."""
     found: dict[str, Origin] = {}
     for path in map(str, paths):
         is_json = path.endswith(".json")

@@ -37,11 +37,6 @@ def long_term_settings(settings: Settings, ensemble: str) -> LongTermSettings:
 
     A run has settled where it varies less than a hundredth of the bins' range, unless the config
     says otherwise.
-
-    Raises
-    ------
-    ValueError
-        If the runs are shorter than what their ends are judged by.
     """
     edges = density_edges(settings, ensemble)
     fixed_point = settings["case.fixed_point"] or {

@@ -27,18 +27,10 @@ def with_past(settings: Settings, states: FloatArray) -> FloatArray:
     Where the case has observation noise, it is here already: past values have the noise of their
     own time, and the observable of such states is not the true one.
 
-    Parameters
-    ----------
-    settings
-        With ``case.data`` and ``case.training.series``, and as ``noise`` what
-        `burstcast_workflow.campaign.campaign.Campaign.noise_of_data` says.
-    states
-        Kept series, `measured_series`.
-
-    Returns
-    -------
-    ``(series, time - longest delay, component)``: components, their past values, and last the
-    observable where it is none of the components.
+    ``settings``: With ``case.data`` and ``case.training.series``, and as ``noise`` what
+    `burstcast_workflow.campaign.campaign.Campaign.noise_of_data` says. Shape ``(series, time -
+    longest delay, component)``: components, their past values, and last the observable where it is
+    none of the components.
     """
     delays, noise = settings["case.data"]["delays"], settings["noise"]
     if not delays:
@@ -56,17 +48,8 @@ def with_past(settings: Settings, states: FloatArray) -> FloatArray:
 def measured_series(settings: Settings, sources: Sequence[str]) -> RecordedSeries:
     """Series of states without past values, checked.
 
-    Parameters
-    ----------
-    settings
-        With ``case.data``, ``case.parameters``, ``case.training.series`` and the time step.
-    sources
-        The files, in the order of their series.
-
-    Raises
-    ------
-    ValueError
-        If anything is wrong with them.
+    ``settings``: With ``case.data``, ``case.parameters``, ``case.training.series`` and the time
+    step.
     """
     data, time_step = settings["case.data"], sampling_interval(settings)
     space, training = present_space(settings), settings["case.training.series"]

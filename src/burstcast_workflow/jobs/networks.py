@@ -36,13 +36,7 @@ def knowledge(settings: Settings, scheduled: Sequence[str]) -> dict[str, Any]:
 def training_series(
     settings: Settings, ensemble: str, scheduled: Sequence[str] = ()
 ) -> TrainingSeries:
-    """Training series of a case as forecasters see them: scheduled ones, if there are any.
-
-    Raises
-    ------
-    ValueError
-        If the ensemble has too few series, or a component of them is constant.
-    """
+    """Training series of a case as forecasters see them: scheduled ones, if there are any."""
     whose = settings["forecasters.esn.input_range"]
     if scheduled:
         learnt = read_scheduled(scheduled, settings["case"])

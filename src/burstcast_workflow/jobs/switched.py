@@ -21,18 +21,8 @@ def switched_series(
 ) -> tuple[ScheduledSeries, FloatArray]:
     """Series under an actuator that switches at random, and their observations.
 
-    Parameters
-    ----------
-    settings
-        With ``parameters``, the names of the parameters that forecasters are given.
-    ensemble
-        Path of the ensemble.
-    rows
-        Its series, from whose ends the flows go on.
-    steps_per_lyapunov_time
-        Steps of a forecast in a Lyapunov time.
-    purpose
-        "training" or "test": the random streams are called after it.
+    ``settings``: With ``parameters``, the names of the parameters that forecasters are given.
+    ``purpose``: "training" or "test": the random streams are called after it.
     """
     given, actuation = settings["case.training.actuation"], settings["case.actuation"]
     system, names = equations_of(settings), settings["parameters"]

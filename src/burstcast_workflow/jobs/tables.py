@@ -35,13 +35,7 @@ def content(path: str, variables: str = "") -> Any:
 def gathered(
     settings: Settings, paths: Iterable[str | Path], variables: str = ""
 ) -> list[Gathered]:
-    """Files of a job's case for tables.
-
-    Raises
-    ------
-    ValueError
-        If a file is of another case (see `origins` for others).
-    """
+    """Files of a job's case for tables."""
     found = origins(paths)
     for one in found:
         if one.identity["case"] != settings["case"]:
@@ -72,11 +66,6 @@ def write_tables(paths: Iterable[str], settings: Settings, **rows: Rows) -> None
     """Write the tables of a job, and the percentiles over networks that they declare.
 
     Rows are given by the name of the table; files have the names of tables and percentiles.
-
-    Raises
-    ------
-    ValueError
-        If the columns of the rows differ from the declared columns; the message names them.
     """
     files = {Path(path).stem: path for path in paths}
     declared = settings["tables"]
@@ -96,11 +85,6 @@ def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:
     """Table with the declared columns in their order; messages give its name.
 
     A column with an asterisk is left out where no row has a value.
-
-    Raises
-    ------
-    ValueError
-        If rows have columns that are not declared, or none has one that is declared.
     """
     names = [column.removesuffix("*") for column in columns]
     optional = set(names) - set(columns)

@@ -20,13 +20,7 @@ def long_run_steps(settings: Settings, ensemble: str) -> int:
 
 
 def lyapunov_time(settings: Settings) -> int:
-    """Network steps in a Lyapunov time.
-
-    Raises
-    ------
-    ValueError
-        If the computed exponent gives no time unit.
-    """
+    """Network steps in a Lyapunov time."""
     published, interval = settings["case.lyapunov.published_exponent"], sampling_interval(settings)
     known = durations.known_exponent(settings["case.lyapunov.time_unit"], published)
     if known is not None:

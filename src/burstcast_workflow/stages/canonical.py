@@ -13,19 +13,8 @@ from typing import Any
 def canonical(value: Any, name: str = "settings") -> Any:
     """Copy plain data with sorted keys, tuples as lists, and whole floats as integers.
 
-    Parameters
-    ----------
-    value
-        Nested mappings with text as keys, lists, tuples, text, finite numbers, truth values, None.
-    name
-        What the value is called in messages.
-
-    Raises
-    ------
-    TypeError
-        If a value or key is of any other type; the message names where.
-    ValueError
-        If a number is not finite.
+    ``value``: Nested mappings with text as keys, lists, tuples, text, finite numbers, truth values,
+    None.
     """
     # exact types: subclasses (NumPy's float64, enumerations) have representations of their own
     if value is None or type(value) in (bool, int, str):

@@ -106,13 +106,7 @@ class Stages:
                 paths.append(path)
 
     def files(self, names: str) -> dict[str, Any]:
-        """Outputs of earlier stages by name: inputs of a stage.
-
-        Raises
-        ------
-        ValueError
-            If a name is ambiguous, or if no earlier stage has an output of that name.
-        """
+        """Outputs of earlier stages by name: inputs of a stage."""
         return {name: self._file(name) for name in names.split()}
 
     def _file(self, name: str) -> Any:
@@ -247,16 +241,10 @@ class Stages:
     ) -> dict[str, OfJob]:
         """Parameters of a stage: the settings that its script reads, and the code that it runs.
 
-        Parameters
-        ----------
-        script
-            Below ``workflow/scripts``.
-        paths
-            Paths of settings in the config, and names of groups of them (`Campaign.settings`).
-        found_by_name
-            Modules that all its jobs find by name, by package, beside `Campaign.modules`.
-        values
-            Given as they are, or by functions of the job's wildcards, without sizes and seeds.
+        ``paths``: Paths of settings in the config, and names of groups of them
+        (`Campaign.settings`). ``found_by_name``: Modules that all its jobs find by name, by
+        package, beside `Campaign.modules`. ``values``: Given as they are, or by functions of the
+        job's wildcards, without sizes and seeds.
         """
         names = paths.split()
 
@@ -277,14 +265,8 @@ class Stages:
     def needs(self, stage: str, cost_class: str, cached: bool = False) -> dict[str, Any]:
         """Resources of a stage: what a scheduler is asked for, and whether the cache has its files.
 
-        Parameters
-        ----------
-        stage
-            Its name, whatever the rule is called where this workflow is a module of another.
-        cost_class
-            The class of its work (`burstcast_workflow.costs.model.CLASSES`).
-        cached
-            Whether the cache keeps its results.
+        ``stage``: Its name, whatever the rule is called where this workflow is a module of another.
+        ``cost_class``: The class of its work (`burstcast_workflow.costs.model.CLASSES`).
         """
         self._costs.classes[stage] = cost_class
 

@@ -38,20 +38,10 @@ SETTINGS = {
 
 @dataclass(frozen=True)
 class CaseProbabilities:
-    """Forecasts of a case's test series, with choices made on the calibration series.
+    """Forecasts of a case's test series, with choices made on the calibration series."""
 
-    Attributes
-    ----------
-    points
-        Points of the evaluation set.
-    chosen
-        Content of ``calibration.json``.
-    case, root_seed, event_threshold, times, resamples, confidence
-        See `SETTINGS`.
-    """
-
-    points: ForecastPoints
-    chosen: Mapping[str, Any]
+    points: ForecastPoints  #: points of the evaluation set
+    chosen: Mapping[str, Any]  #: content of ``calibration.json``
     case: str
     root_seed: int
     event_threshold: float

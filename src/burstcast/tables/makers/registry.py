@@ -21,46 +21,28 @@ PATH = "path"
 
 @dataclass(frozen=True)
 class Declaration:
-    """Inputs of tables, by the names of the arguments of ``make``.
+    """Inputs of tables, by the names of the arguments of ``make``."""
 
-    Attributes
-    ----------
-    inputs
-        Variables that are read of each input, where it is a NetCDF file: none stands for all of
-        them; or `PATH`. The input is the content of the file: variables and attributes, what a JSON
-        file says, or a table; None where a case has no such file.
-    gathered
-        Likewise of inputs that are files of all forecasters, or of all runs of control: each is a
-        list of `Gathered`.
-    settings
-        Path of each setting in the config. ``case.`` stands for the case; ``case`` is its name.
-    """
-
+    #: variables that are read of each input, where it is a NetCDF file: none stands for all of
+    #: them; or `PATH`. The input is the content of the file: variables and attributes, what a JSON
+    #: file says, or a table; None where a case has no such file.
     inputs: Mapping[str, str] = field(default_factory=dict)
+    #: likewise of inputs that are files of all forecasters, or of all runs of control: each is a
+    #: list of `Gathered`
     gathered: Mapping[str, str] = field(default_factory=dict)
+    #: path of each setting in the config. ``case.`` stands for the case; ``case`` is its name.
     settings: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Gathered:
-    """A file of each forecaster, or of each run of control, of a case.
+    """A file of each forecaster, or of each run of control, of a case."""
 
-    Attributes
-    ----------
-    name
-        Forecaster, or controller, of the file.
-    content
-        Content of the file (see `Declaration`).
-    plan
-        Settings of a run of control; empty for other files.
-    strategy
-        Name of the strategy in paths and tables; empty for files of forecasters.
-    """
-
-    name: ForecasterName
-    content: Mapping[str, Any]
+    name: ForecasterName  #: forecaster, or controller, of the file
+    content: Mapping[str, Any]  #: content of the file (see `Declaration`)
+    #: settings of a run of control; empty for other files
     plan: Mapping[str, Any] = field(default_factory=dict)
-    strategy: str = ""
+    strategy: str = ""  #: name of the strategy in paths and tables; empty for files of forecasters
 
 
 def maker(name: str) -> ModuleType:

@@ -18,15 +18,7 @@ def available_strategies() -> list[str]:
 
 
 def make_strategy(name: str) -> ValidationStrategy:
-    """Make the strategy ``name``: "SSV", "RV", ...
-
-    Raises
-    ------
-    ValueError
-        If there is no such strategy.
-    TypeError
-        If two modules claim the same name.
-    """
+    """Make the strategy ``name``: "SSV", "RV", ..."""
     classes = _classes()
     if name not in classes:
         available = sorted(classes)
