@@ -18,7 +18,7 @@ LARGEST_POWER = 16
 
 
 def whole_power(base: Any, exponent: object) -> Any:
-    """Power by products, from the left; ``NotImplemented`` unless the exponent is small and whole."""
+    """Power by products; ``NotImplemented`` unless the exponent is whole and small."""
     if not isinstance(exponent, int | float) or exponent not in range(2, LARGEST_POWER + 1):
         return NotImplemented
     product = base * base
