@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 # What `make` and `make help` say: the words after ##.
-.PHONY: help demo test test-long test-slurm paper why prune report archive pages results bench slurm docs check clean
+.PHONY: help demo test test-long test-slurm paper why report archive pages results bench slurm docs check clean
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -37,10 +37,6 @@ test-slurm: $(VENV)/installed ## tests on a Slurm of their own
 # What would run again, and why: make why ARGS="--configfile workflow/presets/quick.yaml"
 why: $(VENV)/installed ## what would run again, and why
 	@$(BIN)/burstcast why $(ARGS)
-
-# What results are not of this campaign any more; ARGS=--remove removes them
-prune: $(VENV)/installed ## results that are not of the campaign any more
-	@$(BIN)/burstcast prune $(ARGS)
 
 # Of the demo: make report ARGS="--configfile workflow/presets/quick.yaml"
 report: $(VENV)/installed ## a finished campaign on one page to hand on, report.html

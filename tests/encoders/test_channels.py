@@ -88,10 +88,8 @@ def test_invariants_from_sensors_are_those_of_the_estimate(training):
         (FLOW, "pod", None, {}, "modes must be a number from 1 to 120"),
         (FLOW, "pod", GRID, {"modes": 121}, "modes must be a number from 1 to 120"),
         (FLOW, "state_estimate", None, {}, "there is nothing to estimate"),
-        (FLOW, "expressions", None, {"expressions": ["a_9_9"]}, "'a_9_9' names a_9_9"),
         (FLOW, "invariants", None, {"modes": 3}, "encoder.modes is no option of the encoder inv"),
-        (FLOW, "identity", GRID, {"expressions": ["a_0_1"]}, "encoder.expressions is no option"),
-        (FLOW, "pod", None, {"modes": 3, "expressions": ["a_0_1"]}, "encoder.expressions is no"),
+        (FLOW, "identity", GRID, {"modes": 3}, "encoder.modes is no option"),
         (KolmogorovFlow(), "pod", None, {"modes": 181}, "modes is 181; .* have 180 snapshots"),
         # sin(2 y) vanishes at multiples of pi / 2, and 4 sensors see 4 y as they see 0
         (

@@ -176,12 +176,9 @@ def test_the_state_estimate_is_the_best_linear_one(training):
     np.testing.assert_allclose(encoder.decode(states.T), SENSORS(states.T), atol=1e-12)
 
 
-def test_expressions_and_no_encoding():
-    case = EncodingCase(Lorenz63(), {"expressions": ["x", "x**2 + z"]})
+def test_no_encoding():
+    case = EncodingCase(Lorenz63())
     states = np.arange(24.0).reshape(3, 4, 2)
-    encoder = encoder_class("expressions").fit(states.T, case)
-    assert encoder.channel_names(case) == ("x", "x**2 + z")
-    assert np.array_equal(encoder.encode(states)[1], states[0] ** 2 + states[2])
     identity = encoder_class("identity").fit(states, case)
     assert identity.channel_names(case) == ("x", "y", "z")
     assert identity.encode(states) is states
@@ -190,7 +187,7 @@ def test_expressions_and_no_encoding():
 
 @pytest.mark.parametrize("kind", available_encoders())
 def test_channels_are_named_and_decoded_where_the_kind_can(kind, training):
-    options = {"pod": {"modes": 5}, "expressions": {"expressions": ["a_0_1 * b_1_0"]}}
+    options = {"pod": {"modes": 5}}
     estimated = kind == "state_estimate"
     seen = (SENSORS, np.ones(32)) if estimated else (None, None)
     case = EncodingCase(FLOW, options.get(kind, {}), *seen)
@@ -219,13 +216,6 @@ def test_channels_are_named_and_decoded_where_the_kind_can(kind, training):
         ("invariants", EncodingCase(Lorenz63()), "Lorenz63 has no invariants"),
         ("state_estimate", EncodingCase(FLOW), "nothing to estimate"),
         ("state_estimate", EncodingCase(FLOW, {}, SENSORS), "with noise"),
-        ("expressions", EncodingCase(FLOW), "one expression at least"),
-        ("expressions", EncodingCase(FLOW, {"expressions": ["a9"]}), "'a9' names a9"),
-        (
-            "expressions",
-            EncodingCase(FLOW, {"expressions": ["a_0_1", "1 / (a_1_0 - a_1_0)"]}),
-            r"'1 / \(a_1_0 - a_1_0\)' is not finite for some states",
-        ),
         ("podd", EncodingCase(FLOW), "did you mean 'pod'"),
     ],
 )

@@ -1,4 +1,4 @@
-"""How strategies are found, and what the walk forward leaves out."""
+"""How validation strategies are found, and the folds that they lay out."""
 
 from dataclasses import replace
 
@@ -12,15 +12,15 @@ from burstcast.tuning.strategies.registry import (
     make_strategy,
     strategy_module,
 )
-from burstcast.tuning.strategies.walk_forward import WalkForwardValidation
+from burstcast.tuning.strategies.single_shot import SingleShotValidation
 
 PLAN = ValidationPlan(washout=5, interval=10, series=2, intervals=3)
 
 
 def test_strategies_are_found_by_their_names():
-    assert available_strategies() == ["RV", "SSV", "WFV"]
+    assert available_strategies() == ["RV", "SSV"]
     assert isinstance(make_strategy("RV"), RecycleValidation)
-    assert strategy_module("WFV") == "burstcast.tuning.strategies.walk_forward"
+    assert strategy_module("RV") == "burstcast.tuning.strategies.recycle"
 
 
 def test_unknown_strategies_are_refused():
@@ -29,7 +29,7 @@ def test_unknown_strategies_are_refused():
 
 
 def test_a_name_belongs_to_one_strategy(monkeypatch):
-    monkeypatch.setattr(WalkForwardValidation, "name", "RV")
+    monkeypatch.setattr(SingleShotValidation, "name", "RV")
     with pytest.raises(TypeError, match="both define 'RV'"):
         available_strategies()
 
@@ -45,27 +45,6 @@ def test_folds_never_train_on_a_step_twice_and_keep_within_the_series(name):
         assert set(rows) <= set(range(series))
         assert all(PLAN.washout < block.stop <= length for block in fold.trained)
         assert all(PLAN.washout <= start <= length - PLAN.interval for start in fold.starts)
-
-
-def test_the_walk_forward_knows_the_past_of_its_series_and_all_of_the_others():
-    folds = WalkForwardValidation().folds(PLAN, 4, 40)
-    assert [(fold.series[0], *fold.starts) for fold in folds] == [
-        (row, start) for row in (0, 1) for start in (5, 15, 25)
-    ]
-    for fold in folds:
-        stops = {row: block.stop for block in fold.trained for row in block.series}
-        own = stops.pop(fold.series[0], PLAN.washout)
-        assert own == fold.starts[0]
-        assert len(stops) == 3
-        assert set(stops.values()) == {40}
-
-
-def test_the_walk_forward_in_one_series_starts_with_its_second_interval():
-    plan = ValidationPlan(washout=5, interval=10, series=1, intervals=3)
-    folds = WalkForwardValidation().folds(plan, 1, 40)
-    assert [fold.starts for fold in folds] == [(15,), (25,)]
-    with pytest.raises(ValueError, match="nothing to train on"):
-        WalkForwardValidation().folds(ValidationPlan(5, 10, 1, 1), 1, 40)
 
 
 def test_use_of_a_series():

@@ -107,14 +107,6 @@ def textbook_objective(strategy, tikhonov, solver, plan=PLAN):
         weights = network.weights([cut] * SERIES, tikhonov, solver)
         return network.log_error(weights, 0, cut, plan.interval)
     starts = [plan.washout + number * plan.interval for number in range(plan.intervals)]
-    if strategy == "WFV":
-        errors = []
-        for series in range(plan.series):
-            for start in starts:
-                stops = [start if other == series else length for other in range(SERIES)]
-                weights = network.weights(stops, tikhonov, solver)
-                errors.append(network.log_error(weights, series, start, plan.interval))
-        return sum(errors) / len(errors)
     weights = network.weights([length] * SERIES, tikhonov, solver)
     errors = [
         network.log_error(weights, series, start, plan.interval)
@@ -129,7 +121,7 @@ def validations(tikhonov=(1e-6,), strategies=("SSV", "RV"), plan=PLAN, training=
     return validate(DYNAMICS, training, observable, plan, tikhonov, made)
 
 
-ALL = ("SSV", "RV", "WFV")
+ALL = ("SSV", "RV")
 
 
 @pytest.mark.parametrize("strategy", ALL)
@@ -212,8 +204,8 @@ def test_the_papers_intervals():
 @pytest.mark.parametrize(
     ("strategies", "plan", "message"),
     [
-        (("RV", "WFV"), ValidationPlan(15, 24, 5, 5), "5 series .* there are only 4"),
-        (("RV", "WFV"), ValidationPlan(15, 24, 3, 11), "11 validation intervals .* only 10"),
+        (("RV",), ValidationPlan(15, 24, 5, 5), "5 series .* there are only 4"),
+        (("RV",), ValidationPlan(15, 24, 3, 11), "11 validation intervals .* only 10"),
         (("SSV",), ValidationPlan(100, 160, 1, 1), "leave nothing to train on"),
     ],
 )

@@ -671,8 +671,8 @@ def test_all_mistakes_are_told_at_once(config):
         ),
         (
             "statistics.forecasters.esn.validation",
-            ["WFV"],
-            ["statistics.forecasters.esn.validation has WFV", "RV, SSV"],
+            ["SV"],
+            ["statistics.forecasters.esn.validation", "RV, SSV"],
         ),
         ("control.sweep.cases", ["Re40"], ["control.sweep.cases", "did you mean Re400"]),
         (

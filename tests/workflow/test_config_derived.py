@@ -54,7 +54,7 @@ def test_an_overlay_that_changes_the_campaign_needs_no_other_line(
 
 
 def test_strategies_and_times_that_the_campaign_has(config):
-    config["campaign"] = [{"reynolds": [400], "forecasters": networks([30], ["WFV", "SSV"])}]
+    config["campaign"] = [{"reynolds": [400], "forecasters": networks([30], ["SSV", "RV"])}]
     config["classification"]["prediction_times_lt"] = [1, 4.5]
     config["control"]["prediction_times_lt"] = [1]
     loaded = load(config)

@@ -118,10 +118,6 @@ def controlled(strategy, kind, observed="invariants", conditions=None, **setting
             ["encoder.modes is no option of the encoder invariants"],
         ),
         (
-            case("sensors_pod", encoder={"expressions": ["a_1_0"]}),
-            ["encoder.expressions is no option of the encoder pod"],
-        ),
-        (
             {
                 "cases": {
                     "turbulence": {"parameters": {"largest_wavenumber": 10}},

@@ -86,7 +86,7 @@ class EventForecaster(Estimator):
     neurons
         Size of each network.
     validation
-        Validation strategy: "RV", "SSV", "WFV" (`burstcast.tuning.strategies`).
+        Validation strategy: "RV", "SSV" (`burstcast.tuning.strategies`).
     validation_interval
         Length of a validation interval.
     validation_series, intervals_per_series

@@ -6,10 +6,9 @@
 
 It holds tables, figures, the config, ``versions.json`` (libraries, and the git revisions that the
 results were made by), ``why.txt`` (whether anything would run again, and why), the licence's
-citation, a page that says what is what, and ``ro-crate-metadata.json``, the provenance of each file
-(`burstcast_workflow.commands.crate`). Files are in one order and have no time: the same results
-make the same archive. Equal results of another run differ in their provenance alone. Series and
-forecasters, which are large and follow from the config, are left out.
+citation, and a page that says what is what. Files are in one order and have no time: the same
+results make the same archive. Series and forecasters, which are large and follow from the config,
+are left out.
 """
 
 import json
@@ -24,14 +23,13 @@ from typing import Any
 
 import yaml
 
-from burstcast_workflow.commands.crate import METADATA, WORKFLOW, metadata
 from burstcast_workflow.commands.why import jobs_to_run, report
 from burstcast_workflow.harness.environment import library_version
 from burstcast_workflow.harness.storage import atomic
-from burstcast_workflow.project import project_root, snakefile, source_revision
+from burstcast_workflow.project import project_root, source_revision
 from burstcast_workflow.start import names_of_rules
 from snaketrust.plan import planned
-from snaketrust.records import DIRECTORY, Records
+from snaketrust.records import DIRECTORY
 from snaketrust.run import CLAIM
 
 LIBRARIES = (
@@ -51,8 +49,6 @@ Results of a campaign of burstcast, {revision}.
 * `versions.json`: Python, the libraries, and the revisions of burstcast and the kernels of linear
   algebra that the results were computed with.
 * `why.txt`: what would run again when this was packed, and why.
-* `ro-crate-metadata.json`: which jobs made the results, from what and when, as a Provenance Run
-  Crate; `Snakefile` is the workflow that it names.
 * `CITATION.cff`: how to cite burstcast, and the paper whose method it is.
 """
 
@@ -120,19 +116,7 @@ def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, by
     found["why.txt"] = f"{why}\n".encode()
     readme = _README.format(name=results.name, revision=f"revision {told['revision']}")
     found["README.md"] = readme.encode()
-    citation = (project_root() / "CITATION.cff").read_bytes()
-    found["CITATION.cff"] = citation
-    known = Records(str(results))
-    read = (known.read(known.path(name))[0] for name in known.names())
-    if records := [record for record in read if record is not None]:
-        found[WORKFLOW] = Path(snakefile()).read_bytes()
-        found[METADATA] = metadata(
-            results.name,
-            found,
-            records,
-            revision=told["revision"],
-            licence=yaml.safe_load(citation)["license"],
-        )
+    found["CITATION.cff"] = (project_root() / "CITATION.cff").read_bytes()
     return {f"{results.name}/{name}": content for name, content in found.items()}
 
 

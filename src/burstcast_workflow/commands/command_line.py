@@ -8,8 +8,6 @@ from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
-from burstcast_workflow.commands.study import presets
-
 _OF_SNAKEMAKE = "options of snakemake follow, such as --configfile"
 
 
@@ -32,29 +30,16 @@ def _parser() -> argparse.ArgumentParser:
         added.set_defaults(module=module, of_snakemake=of_snakemake)
         return added
 
-    init = command("init", "commands.study", "lay out a study: Snakefile, config, README")
-    init.add_argument("directory", type=Path, help="directory of the study; it is created")
-    init.add_argument(
-        "--preset",
-        choices=list(presets()),
-        default="quick",
-        help="config to begin with (%(default)s)",
-    )
     command(
         "settings", "config.reference", "list all settings with their units, defaults and bounds"
     )
-    check = command(
-        "check-system",
-        "commands.check_system",
-        "examine a dynamical system and propose a case of it",
-    )
+    check = command("check-system", "commands.check_system", "check a dynamical system")
     check.add_argument("system", help="lorenz63, ..., or <module>:<class> of your own")
     check.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of its equations")
     command("why", "commands.why", "what would run again, and why, in words", of_snakemake=True)
-    stale = command(
+    command(
         "prune", "commands.prune", "list results that the campaign does not make", of_snakemake=True
     )
-    stale.add_argument("--remove", action="store_true", help="remove them with their records")
     command(
         "costs",
         "costs.records",

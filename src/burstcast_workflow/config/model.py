@@ -78,9 +78,7 @@ class NetworkAxes(Section):
     """Echo state networks of a block: neurons x validation strategies x seeds."""
 
     neurons: Some[Size] = setting("sizes of the reservoir")
-    validation: Some[Strategy] = setting(
-        "validation strategies: Single Shot (SSV), Recycle (RV), Walk Forward (WFV)"
-    )
+    validation: Some[Strategy] = setting("validation strategies: Single Shot (SSV), Recycle (RV)")
     seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1", le=10_000)
 
 
@@ -349,7 +347,7 @@ class Actuation(Section):
 
 
 class RecycleValidation(Section):
-    """Validation intervals, of Recycle and Walk Forward Validation."""
+    """Validation intervals of Recycle Validation."""
 
     series: Count = setting("training series with validation intervals", at_most="training.series")
     intervals_per_series: CountOrNull = setting(
@@ -473,9 +471,6 @@ class CaseEncoder(Section):
 
     kind: EncoderName = setting("a module of burstcast.encoders")
     modes: CountOrNull = optional("number of modes, of the kind pod")
-    expressions: Distinct[str] = setting(
-        "expressions of components of the state, of the kind expressions", default=[]
-    )
 
 
 class Case(Section):

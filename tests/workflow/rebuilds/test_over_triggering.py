@@ -261,12 +261,6 @@ WITHOUT_EFFECT = [
     Edit("a new strategy", f"{LIBRARY}/tuning/strategies/last_series.py", "", LAST_SERIES),
     Edit("a new system", f"{LIBRARY}/systems/decay.py", "", DECAY),
     Edit(
-        "a strategy that nobody uses",
-        f"{LIBRARY}/tuning/strategies/walk_forward.py",
-        "if start > plan.washout",
-        "if start >= plan.washout",
-    ),
-    Edit(
         "a system that nobody uses",
         f"{LIBRARY}/systems/lorenz63.py",
         "rho: float = 28.0",

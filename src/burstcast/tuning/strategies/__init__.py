@@ -1,1 +1,1 @@
-"""Validation strategies: Single Shot, Recycle and Walk Forward Validation."""
+"""Validation strategies: Single Shot and Recycle Validation."""
