@@ -81,7 +81,7 @@ CORES = 2  # of the machine that the campaign's duration is predicted for
 BEYOND_THE_PAPER = (
     *("lyapunov_spectrum", "lyapunov_spectrum_table", "calibration_set", "calibration_forecast"),
     *("calibrate", "committee_event", "probability_scores", "probability_diagrams"),
-    *("lead_times", "threshold_sweep"),
+    *("lead_times"),
 )
 OF_NETWORKS = ("scan", "search", "forecast", "horizon", "long_term", "control")
 # Operations of one hyperbolic tangent in the compiled backend, and of what joins its argument.

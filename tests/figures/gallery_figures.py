@@ -19,7 +19,6 @@ from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
 from burstcast.figures.control_schematic import control_schematic
 from burstcast.figures.control_tradeoff import control_tradeoff
-from burstcast.figures.economic_value import draw as economic_value
 from burstcast.figures.encoder_loss import encoder_loss
 from burstcast.figures.forecast_skill import draw as forecast_skill
 from burstcast.figures.horizon_by_size import horizon_by_size
@@ -447,13 +446,6 @@ def score_rows(*metrics: str, x: str = "prediction_time_lt") -> pd.DataFrame:
     return pd.concat([alarm_rows(x, (1.0, 2.0, 3.0, 4.0), metric=metric) for metric in metrics])
 
 
-def value_rows() -> pd.DataFrame:
-    ratios = (0.01, 0.03, 0.1, 0.3, 0.9)
-    return pd.concat(
-        [alarm_rows("cost_loss_ratio", ratios, prediction_time_lt=time) for time in (2.0, 3.0)]
-    )
-
-
 def reliability_rows() -> pd.DataFrame:
     """Committees tell many probabilities, who forecasts once tells two, climatology one."""
     rows = []
@@ -557,7 +549,6 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     ),
     "forecast_skill": lambda: forecast_skill(score_rows("f_score", "brier_skill"), 2000, "RV"),
     "reliability": lambda: reliability(reliability_rows(), [3.0], 2000, "RV"),
-    "economic_value": lambda: economic_value(value_rows(), [2.0, 3.0], 2000, "RV"),
     "alarm_lead_times": lambda: alarm_lead_times(
         score_rows("warned_fraction", "false_alarms_per_lt", x="lead_time_lt"), 2000, "RV"
     ),

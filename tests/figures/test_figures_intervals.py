@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 
 from burstcast.figures.control_tradeoff import control_tradeoff, over_flows
-from burstcast.figures.economic_value import from_zero
 from burstcast.figures.parts.alarm_scores import median_network
 from burstcast.figures.parts.percentile_curves import draw_percentiles
 from burstcast.figures.parts.style import observable_label, validation_style
@@ -67,25 +66,6 @@ def test_the_band_of_the_median_network_is_of_the_same_kind_as_all_others():
     found = median_network(pd.concat([table, other]), "time").set_index("forecaster")
     assert found.loc["esn", ["value", "low", "high"]].tolist() == [0.6, 0.4, 0.8]
     assert found.loc["equations", ["value", "low", "high"]].tolist() == [0.5, 0.3, 0.6]
-
-
-def test_an_economic_value_ends_where_it_meets_zero():
-    curve = pd.DataFrame(
-        {
-            "forecaster": "esn",
-            "ratio": [0.01, 0.1, 1.0],
-            "value": [0.5, 0.5, -0.5],
-            "low": [0.4, 0.4, -0.9],
-            "high": [0.6, 0.6, -0.1],
-        }
-    )
-    cut = from_zero(curve, "ratio")
-    assert cut["ratio"].tolist() == pytest.approx([0.01, 0.1, 10**-0.5, 1.0])
-    assert cut["value"].tolist()[:3] == [0.5, 0.5, 0.0]
-    assert cut["value"].iloc[3] == 0
-    assert (cut[["low", "high"]] >= 0).all(axis=None)
-    above = from_zero(curve.assign(value=0.2), "ratio")
-    assert len(above) == 3
 
 
 def test_bins_of_few_forecasts_are_not_joined():

@@ -651,7 +651,6 @@ def test_all_mistakes_are_told_at_once(config):
             1695,
             ["probability.calibration_series is 1695", "together", "ensemble.series, 2000"],
         ),
-        ("probability.cost_loss_ratios", [0.1, 1], ["cost_loss_ratios[1] is 1", "below 1"]),
         ("case_defaults.training.series", 3, ["recycle_validation.series is 4", "training.series"]),
         ("case_defaults.lyapunov.saturation", 1e-8, ["lyapunov.perturbation", "below"]),
         ("case_defaults.lyapunov.orthonormalisation_interval", 0.3, ["is 0.3", "multiple"]),

@@ -383,7 +383,7 @@ def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
         f"{rule}/{network}" for rule in ("train", "forecast", "calibration_forecast", "horizon")
     }
     tables = {
-        *("probability_scores", "probability_diagrams", "lead_times", "threshold_sweep"),
+        *("probability_scores", "probability_diagrams", "lead_times"),
         *("classification_table", "horizon_table", "warnings_table"),
     }
     joined = {f"all_{name}" for name in tables}

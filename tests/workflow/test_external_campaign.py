@@ -32,7 +32,7 @@ EXTERNAL = {
 }
 NAMES = (
     *("classification", "classification_intervals", "horizon", "horizon_intervals"),
-    *("probability_scores", "lead_times", "threshold_sweep"),
+    *("probability_scores", "lead_times"),
 )
 TARGETS = [f"{RESULTS}/{CASE}/tables/{name}.csv" for name in NAMES]
 
@@ -158,15 +158,6 @@ def test_forecasts_without_the_horizon_have_no_row_there(tables):
     assert set(tables["horizon"]["forecaster"]) == {"persistence", "analogues", "external_same"}
 
 
-def test_other_event_thresholds_are_for_trajectories(tables):
-    thresholds = {
-        name: set(rows(tables["threshold_sweep"], name)["event_threshold"])
-        for name in ("external_same", "external_given", "persistence")
-    }
-    assert thresholds["external_same"] == thresholds["persistence"] > {THRESHOLD}
-    assert thresholds["external_given"] == {THRESHOLD}
-
-
 def test_an_exchanged_file_runs_again_what_depends_on_it(project, tables, tmp_path):
     """Its forecasts are read again, and the tables made; a new time stamp alone does nothing."""
     changed = project.copy(tmp_path / "changed")
@@ -183,7 +174,7 @@ def test_an_exchanged_file_runs_again_what_depends_on_it(project, tables, tmp_pa
     assert {name for name in ran if "external_forecasts" in name} == {
         f"external_forecasts/{CASE}/external-given.log"
     }
-    made = {"classification_table", "probability_scores", "lead_times", "threshold_sweep"}
+    made = {"classification_table", "probability_scores", "lead_times"}
     assert made <= rules_of(ran) <= made | {"external_forecasts", "horizon_table"}
 
 

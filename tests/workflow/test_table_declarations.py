@@ -11,7 +11,7 @@ import pytest
 from burstcast.files.tables import read_table
 from burstcast.statistics import warning_signs
 from burstcast.tables.joined import joined
-from burstcast.tables.makers.warnings_table import ADVICE
+from burstcast.tables.makers.warnings_table import ADVICE, OF_NETWORKS
 from burstcast_report import tables_page
 from burstcast_workflow.jobs.tables import as_declared, write_tables
 from burstcast_workflow.tables import registry
@@ -70,7 +70,8 @@ def test_a_declaration_agrees_with_itself(name):
 def test_every_sign_has_its_advice():
     tree = ast.parse(Path(warning_signs.__file__).read_text())
     functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-    assert functions == set(ADVICE)
+    assert functions == set(ADVICE) > set(OF_NETWORKS)
+    assert not [text for text in ADVICE.values() if "neurons" in text or "seeds" in text]
 
 
 # -- what jobs are told ----------------------------------------------------------------------------
@@ -167,6 +168,14 @@ def test_tables_and_their_percentiles_are_written_where_they_are_declared(tmp_pa
         ["case,metric,p25,p50,p75,networks", "a,f_score,0.5,0.5,0.5,1"],
         ["case,seed,f_score", "a,1,0.5"],
     ]
+
+
+def test_other_metrics_than_those_declared_are_refused(tmp_path):
+    settings = {"tables": {"scores": {"columns": ["metric", "value"], "metrics": ["recall"]}}}
+    rows = [{"metric": name, "value": 0.5} for name in ("recall", "specificity")]
+    with pytest.raises(ValueError, match="table scores declares no metric specificity"):
+        write_tables([str(tmp_path / "scores.csv")], settings, scores=rows)
+    write_tables([str(tmp_path / "scores.csv")], settings, scores=rows[:1])
 
 
 def test_rows_of_all_cases_have_the_columns_of_any():

@@ -56,7 +56,7 @@ stage(
     outputs={"calibration": f"{CASE}/calibration.json"},
     settings="TIME case.event_threshold classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt "
-    "probability.prior_forecasts probability.threshold_factors",
+    "probability.prior_forecasts",
     uncalibrated=of_case(Campaign.alarm_thresholds),
 )
 stage(
@@ -89,9 +89,9 @@ table_stage(
 )
 table_stage(
     "probability_diagrams",
-    "reliability, economic value, curves over all thresholds",
+    "reliability, curves over all thresholds",
     inputs=PROBABILITIES,
-    settings="KEYS SCORED case.event_threshold probability.bins probability.cost_loss_ratios",
+    settings="KEYS SCORED case.event_threshold probability.bins",
     cost="bootstrap",
 )
 table_stage(
@@ -107,12 +107,5 @@ table_stage(
     inputs={**files("ensemble"), **PROBABILITIES},
     settings="KEYS SCORED case.event_threshold case.training.series "
     "classification.start_spacing_lt",
-    cost="bootstrap",
-)
-table_stage(
-    "threshold_sweep",
-    "score alarms for other event thresholds",
-    inputs=PROBABILITIES,
-    settings="KEYS SCORED case.event_threshold probability.bins probability.threshold_factors",
     cost="bootstrap",
 )

@@ -51,12 +51,8 @@ class AlarmRule:
 
 
 def rules_of(
-    chosen: Mapping[str, Any], alarm: str, prediction_time_lt: float, factor: float = 1.0
+    chosen: Mapping[str, Any], alarm: str, prediction_time_lt: float
 ) -> dict[str, AlarmRule]:
-    """Rules of an alarm: by `CALIBRATED` probabilities, and, if it has any, by `VOTES`.
-
-    ``prediction_time_lt``, ``factor``: Prediction time, and the event threshold in units of the
-    case's.
-    """
-    found = chosen["alarms"][alarm][f"{factor:g}"][f"{prediction_time_lt:g}"]
+    """Rules of an alarm: by `CALIBRATED` probabilities, and, if it has any, by `VOTES`."""
+    found = chosen["alarms"][alarm][f"{prediction_time_lt:g}"]
     return {name: AlarmRule.restore(record) for name, record in found.items()}

@@ -1,6 +1,6 @@
 """Calibrations and alarm thresholds of all sources of alarms in a case."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast.probability.alarm_rule import CALIBRATED, VOTES, AlarmRule
@@ -13,47 +13,38 @@ def calibrated_alarms(
     points: ForecastPoints,
     prediction_times_lt: Sequence[float],
     event_threshold: float,
-    factors: Iterable[float],
     prior: float,
 ) -> dict[str, Any]:
-    """Rules of the alarms of all sources (`burstcast.probability.alarm_rule.rules_of`).
+    """Records of `AlarmRule` by source of alarms, prediction time, and kind of probability.
 
-    ``event_threshold``, ``factors``: The case's event threshold, and others as multiples of it,
-    which are for compared forecasters alone. ``prior``: Weight of the prior of `isotonic`, for
-    shares of votes. Returns records of `AlarmRule` by source, factor, prediction time, and kind of
-    probability.
+    ``prior``: Weight of the prior of `isotonic`, for shares of votes.
     """
-    alarms: dict[str, Any] = {}
-    for alarm in points.alarms:
-        for factor in sorted({1.0, *(factors if alarm.compared else ())}):
-            threshold = factor * event_threshold
-            if points.knows(alarm, threshold):
-                alarms.setdefault(alarm.identifier, {})[f"{factor:g}"] = {
-                    f"{time:g}": _rules(points, alarm, time, threshold, prior)
-                    for time in prediction_times_lt
-                }
-    return alarms
+    return {
+        alarm.identifier: {
+            f"{time:g}": _rules(points, alarm, time, event_threshold, prior)
+            for time in prediction_times_lt
+        }
+        for alarm in points.alarms
+    }
 
 
 def uncalibrated_alarms(
-    alarm_thresholds: Mapping[str, float],
-    prediction_times_lt: Sequence[float],
-    factors: Iterable[float],
+    alarm_thresholds: Mapping[str, float], prediction_times_lt: Sequence[float]
 ) -> dict[str, Any]:
     """Rules of sources whose probabilities are taken as they are, by their alarm thresholds."""
-    times, multiples = [*prediction_times_lt], sorted({1.0, *factors})
     found = {}
     for identifier, threshold in alarm_thresholds.items():
         rule = AlarmRule(UNCALIBRATED, threshold).record()
-        of_times = {f"{time:g}": {CALIBRATED: rule, VOTES: rule} for time in times}
-        found[identifier] = {f"{factor:g}": of_times for factor in multiples}
+        found[identifier] = {
+            f"{time:g}": {CALIBRATED: rule, VOTES: rule} for time in prediction_times_lt
+        }
     return found
 
 
 def _rules(
     points: ForecastPoints, alarm: AlarmSource, time: float, threshold: float, prior: float
 ) -> dict[str, Any]:
-    """Records of the rules of one alarm, at one prediction time and event threshold."""
+    """Records of the rules of one alarm at one prediction time."""
     outcomes = points.outcomes(alarm, time, threshold).total()
     if not alarm.forecasters:  # what a baseline is raised by is no probability
         return {CALIBRATED: AlarmRule.chosen(outcomes, isotonic(outcomes)).record()}

@@ -48,11 +48,6 @@ class ForecastPoints:
         found = [self.forecasts[name] for name in alarm.forecasters]
         return found[0] if len(found) == 1 and isinstance(found[0], EventProbabilities) else None
 
-    def knows(self, alarm: AlarmSource, event_threshold: float) -> bool:
-        """Whether it forecasts events beyond a threshold: classifiers have learnt one alone."""
-        classifier = self.classifier(alarm)
-        return classifier is None or classifier.event_threshold == event_threshold
-
     def values(
         self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float
     ) -> FloatArray:

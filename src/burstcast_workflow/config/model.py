@@ -878,12 +878,6 @@ class Probability(Section):
         "weight of the prior at each share of votes, as a number of forecasts; 0: none", ge=0
     )
     bins: Whole = setting("equally wide bins of the probability", ge=2, le=1000)
-    threshold_factors: SomeRising[Positive] = setting(
-        "event thresholds that alarms are scored for, too", "event thresholds of the case"
-    )
-    cost_loss_ratios: SomeRising[Annotated[Positive, Field(lt=1)]] = setting(
-        "cost-loss ratios at which the economic value is evaluated"
-    )
 
 
 class Bootstrap(Section):

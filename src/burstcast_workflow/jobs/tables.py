@@ -72,6 +72,9 @@ def write_tables(paths: Iterable[str], settings: Settings, **rows: Rows) -> None
     if set(rows) != set(declared):
         raise ValueError(f"the job writes {sorted(rows)}; its rule declares {sorted(declared)}")
     for name, found in rows.items():
+        known = declared[name].get("metrics", [])
+        if known and (strange := sorted({row["metric"] for row in found} - set(known))):
+            raise ValueError(f"table {name} declares no metric {', '.join(strange)}")
         table = write_table(files[name], as_declared(found, declared[name]["columns"], name))
         if "percentiles" in declared[name]:
             keys, metrics = (

@@ -90,7 +90,7 @@ def made_by(script: str) -> list[str]:
 
 
 def written(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
-    """Declarations for a job that writes tables: columns, and metrics with percentiles.
+    """Declarations for a job that writes tables: columns, metrics, and those with percentiles.
 
     Columns that a campaign has no use for are left out.
     """
@@ -103,6 +103,8 @@ def _written(table: Table, unused: Container[str]) -> dict[str, Any]:
             name for name in (*table.keys, *table.columns) if plain([name])[0] not in unused
         ]
     }
+    if "metric" in table.columns:
+        columns["metrics"] = table.metrics
     if not table.percentiles:
         return columns
     return {**columns, "percentiles": table.percentiles, "by": plain([*ENSEMBLE, *table.over])}

@@ -104,11 +104,10 @@ READS = {
     "calibration_forecast/quadratic_filtered": f"{_CALIBRATION_FORECAST} {_OBSERVED} {_LEARNT}",
     "calibrate": f"""{_TIME} case.event_threshold classification.prediction_times_lt
         classification.window_lt classification.resolution_lt
-        probability.prior_forecasts probability.threshold_factors""",
+        probability.prior_forecasts""",
     "probability_scores": f"{_SCORED} probability.bins",
-    "probability_diagrams": f"{_SCORED} probability.bins probability.cost_loss_ratios",
+    "probability_diagrams": f"{_SCORED} probability.bins",
     "lead_times": f"{_SCORED} case.training.series classification.start_spacing_lt",
-    "threshold_sweep": f"{_SCORED} probability.bins probability.threshold_factors",
     "data_generation_parameters": f"""{_SYSTEM} case.ensemble.time_step case.ensemble.duration
         case.training.series case.laminarisation_threshold case.event_threshold""",
     "network_hyperparameters": """case.training.noise
@@ -173,7 +172,6 @@ COMES_FROM = {
     "probability_scores": f"{_FORECASTS} calibrate",
     "probability_diagrams": f"{_FORECASTS} calibrate",
     "lead_times": f"simulate {_FORECASTS} calibrate",
-    "threshold_sweep": f"{_FORECASTS} calibrate",
     "data_generation_parameters": "simulate",
 }
 
@@ -183,7 +181,7 @@ TABLES_OF_CASES = (
     *("dataset_table", "hyperparameters_table", "classification_table", "horizon_table"),
     *("statistics_table", "survival_table", "lyapunov_spectrum_table"),
     *("control_table", "control_density_table", "control_strategies_table", "warnings_table"),
-    *("probability_scores", "probability_diagrams", "lead_times", "threshold_sweep"),
+    *("probability_scores", "probability_diagrams", "lead_times"),
 )
 COMES_FROM |= {f"all_{table}": table for table in TABLES_OF_CASES}
 # Those that are typeset, too, by another script.
@@ -191,7 +189,7 @@ JOINING = dict.fromkeys((f"all_{table}" for table in TABLES_OF_CASES), "all_case
 JOINING |= dict.fromkeys(
     (
         *("all_control_density_table", "all_warnings_table", "all_probability_diagrams"),
-        *("all_lead_times", "all_threshold_sweep"),
+        *("all_lead_times"),
     ),
     "all_cases",
 )

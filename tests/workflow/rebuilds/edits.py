@@ -24,7 +24,7 @@ TABLES_OF_CONTROL = {"control_table", "control_density_table", "control_strategi
 OF_CONTROLLING_NETWORKS = {"control/esn", "control/esn-random", *TABLES_OF_CONTROL}
 TABLES_OF_FORECASTERS = {
     *("classification_table", "horizon_table", "calibrate", "probability_scores"),
-    *("probability_diagrams", "lead_times", "threshold_sweep"),
+    *("probability_diagrams", "lead_times"),
 }
 TABLES_OF_LONG_RUNS = {"statistics_table", "survival_table", "lyapunov_spectrum_table"}
 TABLES_OF_NETWORKS = {*TABLES_OF_FORECASTERS, "hyperparameters_table"}
@@ -198,7 +198,6 @@ _VALUES: dict[str, Any] = {
         },
     ],
     "control.sweep.prediction_times_lt": [1, 2],
-    "probability.threshold_factors": [0.9, 1, 1.25],
     "bootstrap.confidence": 0.9,
     "figures.example_case": "Re400",  # the only one there is: the same again
     "figures.example_forecaster": "esn-N30-SSV-seed0",

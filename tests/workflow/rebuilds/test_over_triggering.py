@@ -283,11 +283,11 @@ def test_edits_that_run_nothing(project):
 
 # What has rows of every forecaster, and of those that control.
 GATHERED = """classification_table/* horizon_table/* warnings_table/*
-    calibrate/* probability_scores/* probability_diagrams/* lead_times/* threshold_sweep/*
+    calibrate/* probability_scores/* probability_diagrams/* lead_times/*
     all_classification_table all_horizon_table all_warnings_table all_probability_scores
-    all_probability_diagrams all_lead_times all_threshold_sweep
+    all_probability_diagrams all_lead_times
     figure/classification_scores figure/horizon_by_size
-    figure/forecast_skill figure/reliability figure/economic_value figure/alarm_lead_times
+    figure/forecast_skill figure/reliability figure/alarm_lead_times
     committee_event/* figure/committee_event"""
 GATHERED_CONTROL = """control_table/* control_density_table/* control_strategies_table/*
     all_control_table all_control_density_table all_control_strategies_table

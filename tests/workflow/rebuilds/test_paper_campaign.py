@@ -35,10 +35,7 @@ FORECASTS = ("forecast", "calibration_forecast")
 LONG_RUNS = ("long_term", "lyapunov_spectrum")
 # tables of each case
 SCORES = ("classification_table",)
-PROBABILITIES = (
-    *("calibrate", "probability_scores", "probability_diagrams", "lead_times"),
-    "threshold_sweep",
-)
+PROBABILITIES = (*("calibrate", "probability_scores", "probability_diagrams", "lead_times"),)
 CONTROL_TABLES = ("control_table", "control_density_table", "control_strategies_table")
 LONG_RUN_TABLES = ("statistics_table", "survival_table", "lyapunov_spectrum_table")
 OF_NETWORKS = (
@@ -47,7 +44,7 @@ OF_NETWORKS = (
 )
 # figures of each case: scores, skill, density, survival, exponents, profiles, midplane, trade-off
 OF_CASES = 8 * CASES
-# of the example: reliability, economic value, lead times, a committee's event; by Reynolds number
+# of the example: reliability, lead times, a committee's event; by Reynolds number
 OF_ALARMS = 5
 
 

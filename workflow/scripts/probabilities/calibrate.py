@@ -10,17 +10,15 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 def calibrate(
     *, calibration_set: str, calibration_forecasts: list[str], calibration: str, settings: Settings
 ) -> None:
-    """Write calibrations and thresholds by alarm, event threshold and prediction time."""
+    """Write calibrations and thresholds by alarm and prediction time."""
     times = settings["classification.prediction_times_lt"]
-    factors = settings["probability.threshold_factors"]
     alarms = calibrated_alarms(
         forecast_points(settings, calibration_set, calibration_forecasts),
         times,
         settings["case.event_threshold"],
-        factors,
         settings["probability.prior_forecasts"],
     )
     # of these, there are no forecasts of the calibration set
-    alarms |= uncalibrated_alarms(settings["uncalibrated"], times, factors)
+    alarms |= uncalibrated_alarms(settings["uncalibrated"], times)
     record = {"steps_per_lyapunov_time": lyapunov_time(settings), "alarms": alarms}
     write_json(calibration, record, settings.provenance)

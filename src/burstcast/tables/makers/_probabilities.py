@@ -84,23 +84,21 @@ class CaseProbabilities:
         """Key columns of a source of alarms in tables."""
         return {**alarm.name.keys, "alarm": alarm.identifier}
 
-    def rules(
-        self, alarm: AlarmSource, prediction_time_lt: float, factor: float = 1.0
-    ) -> dict[str, AlarmRule]:
+    def rules(self, alarm: AlarmSource, prediction_time_lt: float) -> dict[str, AlarmRule]:
         """Rules of an alarm (`burstcast.probability.alarm_rule.rules_of`)."""
-        return rules_of(self.chosen, alarm.identifier, prediction_time_lt, factor)
+        return rules_of(self.chosen, alarm.identifier, prediction_time_lt)
 
     def probabilities(
-        self, alarm: AlarmSource, prediction_time_lt: float, factor: float = 1.0
+        self, alarm: AlarmSource, prediction_time_lt: float
     ) -> dict[str, tuple[Outcomes, float]]:
         """Outcomes by probability and series, and the alarm threshold.
 
         By what they are called in tables (`rules`).
         """
-        raw = self.points.outcomes(alarm, prediction_time_lt, factor * self.event_threshold)
+        raw = self.points.outcomes(alarm, prediction_time_lt, self.event_threshold)
         return {
             name: (raw.at(rule.calibration(raw.levels)), rule.threshold)
-            for name, rule in self.rules(alarm, prediction_time_lt, factor).items()
+            for name, rule in self.rules(alarm, prediction_time_lt).items()
         }
 
     def weights(self, prediction_time_lt: float) -> IntArray:

@@ -1,13 +1,10 @@
-"""Data of diagrams of probabilities: reliability, economic value, curves over thresholds."""
+"""Data of diagrams of probabilities: reliability, curves over thresholds."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast.probability.alarms import counts_at_all_levels, false_alarm_rate
-from burstcast.probability.economic_value import economic_value
 from burstcast.probability.reliability import reliability_diagram
-from burstcast.statistics.resampled_score import ResampledScore
-from burstcast.tables.cells import with_interval
 from burstcast.tables.makers._probabilities import (
     GATHERED,
     INPUTS,
@@ -19,11 +16,7 @@ from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 TABLES = Declaration(
     inputs=INPUTS,
     gathered=GATHERED,
-    settings={
-        **SETTINGS,
-        "bins": "probability.bins",
-        "cost_loss_ratios": "probability.cost_loss_ratios",
-    },
+    settings={**SETTINGS, "bins": "probability.bins"},
 )
 
 
@@ -33,12 +26,10 @@ def make(
     evaluation_set: Mapping[str, Any],
     calibration: Mapping[str, Any],
     bins: int,
-    cost_loss_ratios: Sequence[float],
     **scored: Any,
 ) -> dict[str, Rows]:
-    """Three tables, of committees and of all others but single networks."""
+    """Two tables, of committees and of all others but single networks."""
     in_bins: Rows = []
-    ratios: Rows = []
     points: Rows = []
     case = CaseProbabilities.of(forecasts, evaluation_set, calibration, **scored)
     for time in case.times:
@@ -65,13 +56,7 @@ def make(
                     }
                     for number in range(bins)
                 ]
-                whole, resampled = outcomes.total(), outcomes.resampled(weights)
-                for ratio in cost_loss_ratios:
-                    saved = ResampledScore(
-                        economic_value(whole, ratio), economic_value(resampled, ratio)
-                    )
-                    cells = with_interval(saved, case.confidence)
-                    ratios.append({**keys, "cost_loss_ratio": ratio, **cells})
+                whole = outcomes.total()
                 counts = counts_at_all_levels(whole)
                 points += [
                     {
@@ -89,4 +74,4 @@ def make(
                         strict=True,
                     )
                 ]
-    return {"reliability": in_bins, "economic_value": ratios, "alarm_curves": points}
+    return {"reliability": in_bins, "alarm_curves": points}

@@ -47,8 +47,7 @@ ADVICE = {
     "in classification_intervals.csv",
     "nothing_to_calibrate_with": "raise training.series, ensemble.duration or event_threshold, or "
     "shorten washout_lt; calibrated probabilities and their scores are empty until then",
-    "lost_long_runs": "try other seeds, more neurons or more noise (training.noise); read the "
-    "statistics beside survival.csv",
+    "lost_long_runs": "more noise (training.noise); read the statistics beside survival.csv",
     "ill_conditioned_readout": "leave out the smallest values of search.tikhonov",
     "exponents_differ": "raise lyapunov.series, check lyapunov.saturation and perturbation; set "
     "lyapunov.time_unit to computed where the published exponent is of something else",
@@ -56,17 +55,23 @@ ADVICE = {
     "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.published_exponent",
     "no_exponent": "read no_estimate in lyapunov.json; longer series, or more components of the "
     "state; check lyapunov.published_exponent by other means",
-    "no_chaos_learnt": "more neurons, longer series, or another sampling of them; their exponent "
-    "is no unit of time",
+    "no_chaos_learnt": "longer series, or another sampling of them; their exponent is no unit of "
+    "time",
     "outside_bins": "widen density.range",
-    "no_better_than_permanent_alarm": "more neurons or longer series; shorter prediction times, "
-    "or rarer events (event_threshold)",
+    "no_better_than_permanent_alarm": "longer series, shorter prediction times, or rarer events "
+    "(event_threshold)",
     "unresolved_flow": "raise parameters.largest_wavenumber, or lower the Reynolds number",
     "slow_trend": "train on later series, or remove the trend from the file; a cycle longer than "
     "the record looks like a trend, too",
     "noise_drowns_components": "lower training.noise, or raise ensemble.sampling_stride",
 }
 """Settings to change where a sign of `burstcast.statistics.warning_signs` was found."""
+OF_NETWORKS = {
+    "lost_long_runs": "other seeds, more neurons, ",
+    "no_chaos_learnt": "more neurons, ",
+    "no_better_than_permanent_alarm": "more neurons, ",
+}
+"""Further advice where the forecaster is a network."""
 
 
 def make(
@@ -126,11 +131,15 @@ def make(
             **keys,
             "warning": finding.warning,
             "finding": finding.text,
-            "advice": ADVICE[finding.warning],
+            "advice": _advice(finding.warning, network=pd.notna(keys.get("neurons"))),
         }
         for keys, finding in found
     ]
     return {"warnings": rows}
+
+
+def _advice(warning: str, network: bool) -> str:
+    return (OF_NETWORKS.get(warning, "") if network else "") + ADVICE[warning]
 
 
 def _of_truncation(space: StateSpace, states: FloatArray) -> list[Finding]:
