@@ -25,13 +25,13 @@ paper: $(VENV)/installed ## the paper's whole campaign: hours
 	$(SNAKEMAKE) $(ARGS)
 
 # Two processes, each of which takes a file of tests at a time: what they share is made once.
-test: $(VENV)/installed check docs ## linters, types, the site, tests
+test: $(VENV)/developed check docs ## linters, types, the site, tests
 	$(BIN)/pytest -n 2 --dist loadfile $(ARGS)
 
-test-long: $(VENV)/installed ## tests that take long
+test-long: $(VENV)/developed ## tests that take long
 	$(BIN)/pytest -m long $(ARGS)
 
-test-slurm: $(VENV)/installed ## tests on a Slurm of their own
+test-slurm: $(VENV)/developed ## tests on a Slurm of their own
 	$(BIN)/pytest -m slurm $(ARGS)
 
 # What would run again, and why: make why ARGS="--configfile workflow/presets/quick.yaml"
@@ -55,33 +55,45 @@ pages: $(VENV)/installed ## pages and the schema of settings, from the model and
 results: $(VENV)/installed ## docs/results.md, from the tables in docs/results
 	$(BIN)/python -m burstcast_report.results_page $(ARGS)
 
-docs: $(VENV)/documented ## the site, build/site/index.html
+docs: $(VENV)/documented ## the site, build/site/index.html, in two minutes
 	$(BIN)/python docs/site/build.py $(ARGS)
 
-bench: $(VENV)/installed ## time what the work is made of
+bench: $(VENV)/developed ## time what the work is made of
 	$(BIN)/python benchmarks/bench.py $(ARGS)
 
 slurm: $(VENV)/installed ## the paper's campaign on a Slurm cluster
 	$(SNAKEMAKE) --workflow-profile profiles/slurm $(ARGS)
 
-check: $(VENV)/installed ## linters and types alone
+check: $(VENV)/developed ## linters and types alone
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check src tests workflow/scripts benchmarks examples docs/site
 	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow/rules
 
-# The lock file holds every version; the package itself comes from this directory. Python compiles what
-# is imported when it is imported: compiling all of it here would double the time.
+# Lock files hold every version; the package itself comes from this directory. Python compiles what is
+# imported when it is imported: compiling all of it here would double the time. uv, where it is
+# there, takes a fraction of the time of pip.
+INSTALL := { command -v uv >/dev/null && \
+	uv pip install --quiet --python $(BIN)/python --no-deps -r $$lock 2>/dev/null; } || \
+	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check --no-deps -r $$lock
+
 $(VENV)/installed: requirements.lock pyproject.toml setup.py
 	$(PYTHON) -c 'import sys; sys.exit("burstcast needs Python 3.11 or newer: make PYTHON=...") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check -r requirements.lock
+	@echo installing the libraries that campaigns use
+	@lock=requirements.lock; $(INSTALL)
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -e .
 	touch $@
 
-# What the site needs beyond the lock file
-$(VENV)/documented: $(VENV)/installed requirements-docs.lock
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -r requirements-docs.lock
+# What linters, types, tests, benchmarks and the site need beyond it
+$(VENV)/developed: $(VENV)/installed requirements-development.lock
+	@echo installing the tools of development
+	@lock=requirements-development.lock; $(INSTALL)
+	touch $@
+
+$(VENV)/documented: $(VENV)/developed requirements-docs.lock
+	@echo installing the tools of the site
+	@lock=requirements-docs.lock; $(INSTALL)
 	touch $@
 
 # Beside this file alone, and never what VENV= on the command line names

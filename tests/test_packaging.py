@@ -20,8 +20,8 @@ ROOT = Path(__file__).parents[1]
 CONDA = {"matplotlib-base": "matplotlib", "netcdf4": "netCDF4", "pyyaml": "PyYAML"}
 
 
-def locked() -> dict[str, str]:
-    lines = (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines()
+def locked(name: str = "requirements.lock") -> dict[str, str]:
+    lines = (ROOT / name).read_text(encoding="utf-8").splitlines()
     return dict(line.split("==") for line in lines if "==" in line)
 
 
@@ -34,6 +34,13 @@ def test_the_conda_environment_has_the_versions_of_the_lock_file():
     # conda-forge has no post-releases of these names
     expected = {name: re.sub(r"\.post\d+$", "", versions[CONDA.get(name, name)]) for name in found}
     assert found == expected
+
+
+def test_users_install_what_campaigns_use_and_no_more():
+    users, developers = locked(), locked("requirements-development.lock")
+    assert {"snakemake", "numpy", "matplotlib", "Jinja2"} <= set(users)
+    assert {"pytest", "ruff", "mypy", "snakefmt", "playwright"} <= set(developers)
+    assert not {name.lower() for name in users} & {name.lower() for name in developers}
 
 
 def test_the_conda_environment_has_what_jobs_import():
