@@ -23,6 +23,11 @@ from snakemake_logger_plugin_burstcast.config_files import unreadable_config
 SHARE_OF_A_LINE = 0.04
 """Without a terminal, a line of progress is written when this share more is done."""
 
+# Seconds without a line after which one names the jobs that run, in a terminal and elsewhere.
+_HEARTBEAT = {True: 2.0, False: 60.0}
+# A job that takes longer than predicted counts as nearly done.
+_NEARLY = 0.95
+
 # Of what Snakemake itself says, the information that a person wants.
 _WANTED = ("Nothing to be done", "Unlocking", "Removing", "Trying to restart", "Touching")
 # That a job has failed is said once, when it does; these say it again, or where in Snakemake.
@@ -59,7 +64,12 @@ class Progress:
     def __init__(self, expected: Mapping[int, float], cores: int, started: float) -> None:
         self._expected, self._cores, self._started = dict(expected), max(1, cores), started
         self._total, self._done = sum(self._expected.values()), 0.0
+        self._begun: dict[int, float] = {}
         self.jobs, self.finished = len(self._expected), 0
+
+    def start(self, job: int, now: float) -> None:
+        """Take note that a job has started, perhaps once more."""
+        self._begun[job] = now
 
     def finish(self, job: int) -> None:
         """Count a job that is done; targets are no jobs."""
@@ -74,10 +84,16 @@ class Progress:
 
     def remaining(self, now: float) -> float:
         """Seconds that the rest takes: as predicted, and more and more as measured."""
-        predicted = (self._total - self._done) / self._cores
+        running = (
+            min(now - begun, _NEARLY * self._expected[job])
+            for job, begun in self._begun.items()
+            if job in self._expected
+        )
+        done = self._done + sum(running)
+        predicted = (self._total - done) / self._cores
         if not self._done:
             return predicted
-        measured = (now - self._started) * (self._total - self._done) / self._done
+        measured = (now - self._started) * (self._total - done) / done
         return (1.0 - self.share) * predicted + self.share * measured
 
     def line(self, now: float) -> str:
@@ -118,7 +134,8 @@ class TerminalHandler(LogHandlerBase):
         self.setFormatter(DefaultFormatter(self.common_settings.quiet, False))
         self._stream: TextIO = sys.stdout if self.common_settings.stdout else sys.stderr
         self._live = self._stream.isatty()
-        self._labels: dict[int, str] = {}
+        self._labels: dict[int, tuple[str, float]] = {}
+        self._said = time.monotonic()
         self._progress: Progress | None = None
         self._cores = 1
         self._last_share = 0.0
@@ -159,15 +176,18 @@ class TerminalHandler(LogHandlerBase):
                 seconds = self._progress.remaining(time.monotonic())
                 cores = "1 core" if self._cores == 1 else f"{self._cores} cores"
                 self._say(f"{counted(self._progress.jobs)}, about {duration(seconds)} on {cores}")
+                threading.Thread(target=self._beat, daemon=True).start()
             if fields["output"]:  # a target has none
-                self._labels[fields["jobid"]] = fields["rule_msg"] or fields["rule_name"]
+                job, now = fields["jobid"], time.monotonic()
+                self._labels[job] = (fields["rule_msg"] or fields["rule_name"], now)
+                self._progress.start(job, now)
                 self._show()
         elif event == LogEvent.JOB_FINISHED and self._progress is not None:
             self._progress.finish(fields["job_id"])
             if self._labels.pop(fields["job_id"], None) is not None:
                 self._show()
         elif event == LogEvent.JOB_ERROR:
-            what = self._labels.pop(fields["jobid"], fields["rule_name"])
+            what, _ = self._labels.pop(fields["jobid"], (fields["rule_name"], 0.0))
             if not interrupted():
                 logs = ", ".join(fields["log"] or ())
                 self._say(f"FAILED  {what}" + (f" (log: {logs})" if logs else ""))
@@ -179,11 +199,10 @@ class TerminalHandler(LogHandlerBase):
         assert self._progress is not None
         line = self._progress.line(time.monotonic())
         if self._live:
-            running = ", ".join(self._labels.values())
             width = shutil.get_terminal_size().columns - 1
-            text = f"{line}  {running}" if running else line
-            self._stream.write(f"\r\x1b[K{text[:width]}")
+            self._stream.write(f"\r\x1b[K{f'{line}  {self._running()}'.strip()[:width]}")
             self._stream.flush()
+            self._said = time.monotonic()
         elif (
             self._progress.share >= self._last_share + SHARE_OF_A_LINE
             or self._progress.finished == self._progress.jobs
@@ -191,7 +210,32 @@ class TerminalHandler(LogHandlerBase):
             self._last_share = self._progress.share
             self._say(line)
 
+    def _running(self) -> str:
+        """Jobs that run, with the time for which they do."""
+        now = time.monotonic()
+        return ", ".join(
+            f"{what} ({duration(now - begun)})" for what, begun in self._labels.values()
+        )
+
+    def _beat(self) -> None:
+        """Name the jobs that run where nothing has been written for a while."""
+        while self._progress is not None and self._progress.finished < self._progress.jobs:
+            time.sleep(_HEARTBEAT[self._live])
+            with self.lock:  # type: ignore[union-attr]
+                self.beat()
+
+    def beat(self) -> None:
+        """Renew the line of progress, or write one with what runs after a silent minute."""
+        assert self._progress is not None
+        now = time.monotonic()
+        if self._labels and now - self._said >= _HEARTBEAT[self._live] and not interrupted():
+            if self._live:
+                self._show()
+            else:
+                self._say(f"{self._progress.line(now)}  {self._running()}")
+
     def _say(self, text: str) -> None:
         """Write lines that stay, above the line of progress."""
+        self._said = time.monotonic()
         self._stream.write(f"\r\x1b[K{text}\n" if self._live else f"{text}\n")
         self._stream.flush()

@@ -38,6 +38,16 @@ def test_time_left_goes_from_predicted_to_measured():
     assert progress.line(100.0) == "100%  3 of 3 jobs"
 
 
+def test_the_time_left_advances_while_jobs_run():
+    progress = Progress({1: 10.0, 2: 30.0}, cores=1, started=0.0)
+    progress.start(1, 0.0)
+    assert [progress.remaining(now) for now in (0.0, 4.0, 500.0)] == [40.0, 36.0, 30.5]
+    progress.finish(1)
+    progress.start(2, 10.0)
+    # as measured, 10 + 15 seconds of work took 25 seconds: as predicted
+    assert progress.remaining(25.0) == pytest.approx(15.0)
+
+
 @pytest.fixture
 def handler(monkeypatch):
     monkeypatch.setattr(terminal, "_interruption", type(terminal._interruption)())
@@ -126,6 +136,19 @@ def test_the_line_of_a_terminal_renews_itself(handler):
     assert "Re400: train" in text
     assert text.endswith("\r\x1b[Ksomething is odd\n")
     assert text.count("\n") == 2  # the plan and the warning
+
+
+def test_a_silent_minute_ends_with_what_runs(handler, monkeypatch):
+    job = {"jobid": 1, "rule_msg": "Re400: train", "rule_name": "train", "output": ["a"]}
+    send(handler, event=LogEvent.JOB_INFO, **job)
+    before = handler._stream.getvalue()
+    handler.beat()
+    assert handler._stream.getvalue() == before  # a line has just been written
+    now = terminal.time.monotonic()
+    monkeypatch.setattr(terminal.time, "monotonic", lambda: now + 61.0)
+    handler.beat()
+    (line,) = handler._stream.getvalue().removeprefix(before).splitlines()
+    assert line.endswith("left  Re400: train (1 min 01 s)")
 
 
 def test_a_dry_run_is_shown_as_snakemake_shows_it(handler):
