@@ -3,9 +3,11 @@
 ::
 
     python benchmarks/planning.py [--seeds 1,10,50] [targets and options of snakemake]
+    python benchmarks/planning.py --paper 5       # the paper's campaign, five times
 
 A campaign of Reynolds numbers x sizes x seeds is generated, and ``snakemake -n`` plans it in an
-empty directory. Nothing is computed. With 50 seeds it has 50,000 jobs.
+empty directory, in turn with a Snakefile of as many trivial jobs. Nothing is computed. With 50
+seeds it has 50,000 jobs.
 """
 
 import argparse
@@ -46,20 +48,38 @@ def campaign(reynolds_numbers: int, sizes: int, seeds: int) -> dict[str, object]
     }
 
 
-def plan(overlay: dict[str, object], arguments: list[str]) -> tuple[int, float, float, float]:
-    """Jobs, seconds, seconds of the processor, and MiB of one planning."""
+def bare(jobs: int) -> str:
+    """A Snakefile of chains of five trivial jobs each."""
+    rules = "".join(
+        f"rule r{number}:\n    input: '{number - 1}/{{n}}'\n    output: '{number}/{{n}}'\n"
+        "    params: seed=1\n    script: 'a.py'\n"
+        for number in range(1, 6)
+    )
+    first = f"rule all:\n    input: expand('5/{{n}}', n=range({-(-jobs // 5)}))\n"
+    return first + rules
+
+
+def plan(arguments: list[str], overlay: dict[str, object] | str) -> tuple[int, ...]:
+    """Jobs, seconds, seconds of the processor, MiB of planning a campaign, or a bare Snakefile."""
     with tempfile.TemporaryDirectory() as directory:
-        config = Path(directory) / "campaign.yaml"
-        config.write_text(yaml.safe_dump(overlay))
+        command = [sys.executable, "-m", "snakemake", "--dry-run", "--quiet", "rules"]
+        if isinstance(overlay, str):
+            Path(directory, "0").mkdir()
+            Path(directory, "Snakefile").write_text(overlay)
+            Path(directory, "a.py").touch()
+            for number in range(int(overlay.split("range(")[1].split(")")[0])):
+                Path(directory, "0", str(number)).touch()
+        else:
+            config = Path(directory) / "campaign.yaml"
+            config.write_text(yaml.safe_dump(overlay))
+            command += [*arguments, "--snakefile", str(ROOT / "Snakefile")]
+            command += ["--configfile", str(ROOT / "config.yaml"), str(config)]
         output = Path(directory) / "plan.txt"
-        command = [
-            *(sys.executable, "-m", "snakemake", "--dry-run", *arguments, "--quiet", "rules"),
-            *("--snakefile", str(ROOT / "Snakefile"), "--directory", directory),
-            *("--configfile", str(ROOT / "config.yaml"), str(config)),
-        ]
         start = time.perf_counter()
         with output.open("w") as stream:
-            process = subprocess.Popen(command, stdout=stream, stderr=subprocess.STDOUT)
+            process = subprocess.Popen(
+                command, cwd=directory, stdout=stream, stderr=subprocess.STDOUT
+            )
             _, status, usage = os.wait4(process.pid, 0)
         seconds = time.perf_counter() - start
         process.returncode = os.waitstatus_to_exitcode(status)
@@ -79,13 +99,16 @@ def main() -> None:
     parser.add_argument("--seeds", default="1,10,50", help="of each size: 50 make 50,000 jobs")
     parser.add_argument("--reynolds", type=int, default=20, help="Reynolds numbers")
     parser.add_argument("--sizes", type=int, default=10, help="reservoir sizes")
+    parser.add_argument("--paper", type=int, default=0, help="times to plan the paper's campaign")
     options, others = parser.parse_known_args()
+    seeds = list(map(int, options.seeds.split(",")))
+    overlays = [campaign(options.reynolds, options.sizes, number) for number in seeds]
     # on a machine that is busy otherwise, the processor's time is what planning takes
-    print(f"{'jobs':>8} {'seconds':>8} {'of processor':>13} {'MiB':>6}")
-    for seeds in options.seeds.split(","):
-        overlay = campaign(options.reynolds, options.sizes, int(seeds))
-        jobs, seconds, processor, memory = plan(overlay, others)
-        print(f"{jobs:8d} {seconds:8.1f} {processor:13.1f} {memory:6.0f}", flush=True)
+    print(f"{'jobs':>8} {'seconds':>8} {'of processor':>13} {'MiB':>6} {'times bare':>11}")
+    for overlay in [{"results": "results/planning"}] * options.paper or overlays:
+        jobs, seconds, processor, memory = plan(others, overlay)
+        ratio = processor / plan([], bare(jobs))[2]
+        print(f"{jobs:8d} {seconds:8.1f} {processor:13.1f} {memory:6.0f} {ratio:11.2f}", flush=True)
 
 
 if __name__ == "__main__":
