@@ -13,7 +13,7 @@ import numbers
 import os
 import pkgutil
 import traceback
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from types import ModuleType
 from typing import Any, TypeVar
@@ -44,16 +44,16 @@ def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[t
 
 def classes_in(module: ModuleType, base: type[Base]) -> list[type[Base]]:
     """Subclasses, abstract ones too, that a module itself defines, without its own ``_Classes``."""
-    return list(_classes_in(module, base))
+    return list(_classes_in(module, base))  # type: ignore[arg-type]
 
 
 @cache
-def _classes_in(module: ModuleType, base: Hashable) -> tuple[Any, ...]:
+def _classes_in(module: ModuleType, base: type) -> tuple[Any, ...]:
     return tuple(
         candidate
         for candidate in vars(module).values()
         if inspect.isclass(candidate)
-        and issubclass(candidate, base)  # type: ignore[arg-type]
+        and issubclass(candidate, base)
         and candidate.__module__ == module.__name__
         and not candidate.__name__.startswith("_")
     )
