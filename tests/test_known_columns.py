@@ -1,15 +1,11 @@
 """Columns of a record that are known in advance, and what learns from them and forecasts."""
 
-import re
 from dataclasses import replace
-from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 
-from burstcast.data.cycles import with_calendar
-from burstcast.data.measured_data import Run
-from burstcast.data.records import problems_of_known, recorded_series
+from burstcast.data.records import recorded_series
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
@@ -29,9 +25,8 @@ OPTIONS = {**options_of_kind("quadratic_aware"), "transform": "identity", "diver
 SIMULATED = ForecastingCase(Lorenz63(), 0.0025, 8, 50, OPTIONS, RHO)
 SPACE = MeasuredSeries(("x", "y", "z"), "z")
 DATA = {
-    **{"components": ["x", "y", "z"], "known": ["rho"], "observable": "z", "time": None},
-    **dict.fromkeys(("blocks", "joined", "gaps", "longest_interpolation", "cycle", "series")),
-    **dict.fromkeys(("time_unit", "time_zone", "columns", "header", "array", "axes")),
+    **{"components": ["x", "y", "z"], "known": ["rho"], "time_step": 0.02},
+    **{"blocks": None, "gaps": None},
 }
 # what is known of rho in a record: its column, and no value of the case's own
 MEASURED = replace(SIMULATED, system=SPACE, parameters=Parameters(("rho",), ()))
@@ -56,10 +51,10 @@ def record(flow, tmp_path_factory):
     for number, (states, schedule) in enumerate(zip(*flow, strict=True)):
         column = np.concatenate([[99.0], schedule[:, 0]])  # of the first row nothing is used
         paths.append(str(directory / f"{number}.csv"))
-        rows = np.column_stack([states, column])
-        header = {"delimiter": ",", "header": "x,y,z,rho", "comments": ""}
+        rows = np.column_stack([0.02 * np.arange(len(states)), states, column])
+        header = {"delimiter": ",", "header": "time,x,y,z,rho", "comments": ""}
         np.savetxt(paths[-1], rows, fmt="%.17g", **header)
-    return recorded_series(paths, DATA, SPACE, 0.02, 3)
+    return recorded_series(paths, DATA, SPACE)
 
 
 def trained(kind, case, states, schedules):
@@ -182,89 +177,3 @@ def test_classifiers_learn_from_what_is_known():
             same = again.probabilities(washouts[series >= 7], later)[:, 0]
             np.testing.assert_array_equal(same, chance)
         assert scores[1] < 0.5 * scores[0], kind
-
-
-def test_waves_of_the_calendar_are_those_of_dates():
-    begin = datetime(2021, 11, 3, 5, 30, tzinfo=UTC)
-    moments = [begin + timedelta(hours=7 * number) for number in range(400)]
-    time = np.array([one.timestamp() / 60 for one in moments])
-    names = ["day_cos", "day_sin", "week_sin", "year_cos"]
-    (found,) = with_calendar([Run("a.csv", {"t": time})], names, "t", "minute")
-    hours = np.array([one.hour + one.minute / 60 for one in moments])
-    angle = 2 * np.pi * hours / 24
-    np.testing.assert_allclose(found.columns["day_cos"], np.cos(angle), atol=1e-9)
-    np.testing.assert_allclose(found.columns["day_sin"], np.sin(angle), atol=1e-9)
-    # 1 January 1970 was a Thursday
-    days = np.array([(one.weekday() - 3) % 7 for one in moments]) + hours / 24
-    np.testing.assert_allclose(found.columns["week_sin"], np.sin(2 * np.pi * days / 7), atol=1e-9)
-    years = np.array(
-        [(one - datetime(1970, 1, 1, tzinfo=UTC)) / timedelta(365.2425) for one in moments]
-    )
-    np.testing.assert_allclose(found.columns["year_cos"], np.cos(2 * np.pi * years), atol=1e-8)
-    with pytest.raises(
-        ValueError, match=r"a.csv has a column 'day_cos', as a wave of the calendar"
-    ):
-        with_calendar([found], names, "t", "minute")
-
-
-def test_known_columns_are_cut_with_the_record(tmp_path):
-    """Gaps of a known column cut the record; its values stay beside those of their rows."""
-    path = tmp_path / "a.csv"
-    lines = ["t,u,rain"]
-    for day in range(30):
-        rain = "nan" if day == 11 else f"{day % 4}"
-        lines.append(f"2020-01-{day + 1:02d},{day},{rain}")
-    path.write_text("\n".join(lines) + "\n")
-    data = {
-        **{
-            **DATA,
-            "components": ["u"],
-            "observable": "u",
-            "known": ["twice = 2 * rain", "year_cos"],
-        },
-        **{"time": "t", "time_unit": "hour", "gaps": "cut"},
-        "blocks": {"duration": 96, "gap": 24},
-    }
-    found = recorded_series([str(path)], data, MeasuredSeries(("u",), "u"), 24.0, 2)
-    assert found.states[:, 0, 0].tolist() == [0, 5, 12, 17, 22]
-    np.testing.assert_array_equal(found.known[..., 0], 2 * (found.states[..., 0] % 4))
-    with pytest.raises(ValueError, match=r"column 'rain' has no number in row 12 of 30"):
-        recorded_series(
-            [str(path)],
-            {**data, "gaps": None, "known": ["rain"]},
-            MeasuredSeries(("u",), "u"),
-            24.0,
-            2,
-        )
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"known": ["rhoo"]}, "known: there is no column 'rhoo' (did you mean 'rho'?)"),
-        ({"known": ["x"]}, "known has x, which forecasters see and forecast as a component"),
-        ({"known": ["mine = z"]}, "known has mine = z, which forecasters see"),
-        ({"known": ["x = rho"]}, "known has x = rho, which forecasters see"),
-        ({"known": ["r = rho", "r = 2 * rho"]}, "known has r twice"),
-        (
-            {"known": ["day_cos"]},
-            "known has day_cos, a wave of the calendar, which takes dates",
-        ),
-        ({"known": ["rho", "x + rho"]}, None),
-    ],
-)
-def test_mistakes(changes, message):
-    found = list(problems_of_known({**DATA, **changes}, ["x", "y", "z", "rho"]))
-    assert len(found) == (message is not None)
-    assert message is None or found[0].startswith(message), found
-
-
-def test_all_mistakes_are_told():
-    data = {**DATA, "known": ["rhoo", "x", "rho", "rho", "sigma"]}
-    found = list(problems_of_known(data, ["x", "y", "z", "rho"]))
-    assert [re.split(r" \(|,|;", one)[0] for one in found] == [
-        "known: there is no column 'rhoo'",
-        "known has x",
-        "known has rho twice",
-        "known: there is no column 'sigma'",
-    ]

@@ -44,7 +44,7 @@ NAVIGATION = {
     "Run and change": ["installing", "settings", "figures", "tables", "cluster"],
     "Your data, system, model": [
         *("notebook", "event_forecast", "own_data", "what_if", "campaign"),
-        *("tutorial_data", "real_records", "tutorial", "fitzhugh_nagumo", "aware"),
+        *("tutorial_data", "data_recipes", "real_records", "tutorial", "fitzhugh_nagumo", "aware"),
         "sensors",
         *("benchmark", "leaderboard"),
     ],

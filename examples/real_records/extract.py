@@ -3,15 +3,17 @@
 Usage: python extract.py [DIRECTORY]. The packages are found, not imported: what they need is not.
 """
 
-import csv
-import gzip
 import sys
-from datetime import datetime
 from importlib.metadata import distribution
 from pathlib import Path
 
-LEAST = 3
-"""Minutes. The receiver of the glucose record wrote some samples twice, a minute apart or less."""
+import numpy as np
+import pandas as pd
+
+DAY, YEAR = 1440.0, 365.2425
+"""Periods of the two cycles, in minutes and in days."""
+TRAINING = 20 * 91
+"""Days of the training series of the Fulda, which its yearly cycle is fitted to."""
 
 
 def inside(package: str, path: str) -> Path:
@@ -22,40 +24,46 @@ def inside(package: str, path: str) -> Path:
     return found
 
 
-def glucose(target: Path) -> None:
+def with_cycle(table: pd.DataFrame, unit: str, period: float) -> pd.DataFrame:
+    """The table with the cosine and the sine of a cycle, by its dates."""
+    time = (table["time"] - pd.Timestamp("1970-01-01")) / pd.Timedelta(1, unit)
+    angle = 2 * np.pi * np.mod(time, period) / period
+    return table.assign(cycle_cos=np.cos(angle), cycle_sin=np.sin(angle))
+
+
+def glucose() -> pd.DataFrame:
     """Glucose (mg/dl) and current of the sensor (nA), without samples that are there twice."""
-    with gzip.open(inside("bokeh-sampledata", "bokeh_sampledata/_data/CGM.csv.gz"), "rt") as file:
-        rows = list(csv.DictReader(file))
-    last, dropped = datetime.min, 0
-    with target.open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["time", "current", "glucose"])
-        for row in rows:
-            time = datetime.fromisoformat(row["datetime"])
-            if (time - last).total_seconds() < 60 * LEAST:
-                dropped += 1
-                continue
-            last = time
-            current = "nan" if row["isig"] == "nil" else row["isig"]
-            table.writerow([time.isoformat(), current, row["glucose"]])
-    print(f"{target}: {len(rows) - dropped} rows, {dropped} that were there twice left out")
+    raw = pd.read_csv(
+        inside("bokeh-sampledata", "bokeh_sampledata/_data/CGM.csv.gz"), na_values=["nil"]
+    )
+    raw["time"] = pd.to_datetime(raw["datetime"])
+    # the receiver wrote some samples twice, less than three minutes apart
+    kept = [0]
+    for row, time in enumerate(raw["time"]):
+        if time - raw["time"][kept[-1]] >= pd.Timedelta("3min"):
+            kept.append(row)
+    table = raw.loc[kept, ["time", "isig", "glucose"]].rename(columns={"isig": "current"})
+    print(f"{len(table)} rows, {len(raw) - len(table)} that were there twice left out")
+    return with_cycle(table, "min", DAY)
 
 
-def fulda(target: Path) -> None:
-    """Temperature (degrees Celsius), rain (mm per day) and discharge (m^3/s) of the Fulda."""
+def fulda() -> pd.DataFrame:
+    """Temperature without its yearly cycle, rain (mm per day), and discharge (m^3/s) of the Fulda.
+
+    The cycle is fitted to the training series alone, and its mean is removed with it.
+    """
     source = inside("spotpy", "spotpy/examples/cmf_data/fulda_climate.csv")
-    with source.open(encoding="utf-8", newline="") as file:
-        _units, *rows = csv.DictReader(file)
-    with target.open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["date", "temperature", "rain", "discharge"])
-        for row in rows:
-            date = datetime.strptime(row["date"], "%d.%m.%Y").date()
-            table.writerow([date.isoformat(), row["tmean"], row["Prec"], row["Q"]])
-    print(f"{target}: {len(rows)} rows")
+    raw = pd.read_csv(source, skiprows=[1])  # the second row has units
+    names = {"tmean": "temperature", "Prec": "rain", "Q": "discharge"}
+    table = raw[list(names)].rename(columns=names)
+    table.insert(0, "time", pd.to_datetime(raw["date"], format="%d.%m.%Y"))
+    table = with_cycle(table, "D", YEAR)
+    terms = np.column_stack([np.ones(len(table)), table["cycle_cos"], table["cycle_sin"]])
+    usual, *_ = np.linalg.lstsq(terms[:TRAINING], table["temperature"][:TRAINING], rcond=None)
+    return table.assign(temperature=table["temperature"] - terms @ usual)
 
 
 if __name__ == "__main__":
     directory = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
-    glucose(directory / "glucose.csv")
-    fulda(directory / "fulda.csv")
+    glucose().to_csv(directory / "glucose.csv", index=False, date_format="%Y-%m-%dT%H:%M:%S")
+    fulda().to_csv(directory / "fulda.csv", index=False)

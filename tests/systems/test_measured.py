@@ -40,7 +40,9 @@ def test_anything_else_is_a_component_of_its_own() -> None:
 def test_what_it_is_called() -> None:
     assert MeasuredSeries(["q"], "q").observable_symbol == "q"
     assert MeasuredSeries(["q_1"], "q_1").observable_symbol == r"\mathrm{q\_1}"
-    assert MeasuredSeries(["q"], "-q").observable_symbol == r"\mathrm{observable}"
+    assert MeasuredSeries(["q"], "-glucose").observable_symbol == r"-\mathrm{glucose}"
+    assert MeasuredSeries(["q"], "q**2").observable_symbol == r"\mathrm{observable}"
+    assert MeasuredSeries(["q"], "exp(q)", "discharge").observable_symbol == r"\mathrm{discharge}"
     named = MeasuredSeries(["q"], "-q", "depth", "d")
     assert (named.observable_name, named.observable_symbol) == ("depth", "d")
 

@@ -32,7 +32,7 @@ def config(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "lab").mkdir()
     for number in (10, 9, 1):
-        (tmp_path / "lab" / f"run_{number}.csv").write_text("u,v\n1,2\n")
+        (tmp_path / "lab" / f"run_{number}.csv").write_text("time,u,v\n0,1,2\n")
     config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
     config["cases"] |= {"lab": dict(LAB), "part": dict(PART)}
     networks = {"neurons": [2000], "validation": ["RV"], "seeds": 1}
@@ -176,6 +176,14 @@ def changed(name, value):
         ("lab.data.observable", ..., "case lab: data.observable is missing"),
         ("lab.data.time_step", ..., "case lab: data.time_step is missing: the time between"),
         ("lab.data.time_step", 0, "data.time_step is 0; it must be a number above 0"),
+        ("lab.data.time_step", "5 months", "time_step is the text '5 months'; it must be a number"),
+        ("lab.data.gaps", "fill", "data.gaps is the text 'fill'; it must be cut"),
+        ("lab.data.gaps", "cut", "case lab: data.gaps needs data.blocks beside it"),
+        ("lab.data.time", "t", "unknown setting cases.lab.data.time"),
+        ("lab.data.files", ["lab/run_2.csv"], "data.files: lab/run_2.csv: there is no such file"),
+        ("lab.data.files", ["lab/run_1.mat"], "lab/run_1.mat: files of series end in .csv"),
+        ("lab.data.components", ["w"], "data.files: lab/run_1.csv: there is no column 'w'"),
+        ("lab.data.known", ["w"], "data.known: there is no column 'w'"),
         ("lab.data.files", [], "case lab: data needs files"),
         ("lab.data.case", "Re400", "case lab: data needs files: [...], or else the name"),
         ("lab.data.files", ["lab/x_*"], "case lab: data.files: no file is called lab/x_*"),
@@ -184,7 +192,6 @@ def changed(name, value):
         ("lab.data.components", ["u", "u = v"], "data.components has u twice"),
         ("lab.data.step", 1, "unknown setting cases.lab.data.step"),
         ("lab.data.blocks", {"gap": 1}, "case lab: data.blocks.duration is missing"),
-        ("lab.data.axes", ["x"], "cases.lab.data.axes[0] is the text 'x'; it must be series"),
         ("lab.data.delays", [2, 0], "cases.lab.data.delays[1] is 0; it must be a whole number"),
         ("lab.data.delays", [2, 2], "cases.lab.data.delays has 2 twice"),
         ("lab.data.observable", "u(t-2)", "u(t - 2) is not understood"),
@@ -236,21 +243,36 @@ def test_long_runs_are_as_long_as_the_series(config):
 
 
 def test_components_are_the_columns_of_the_header(config, tmp_path):
-    (tmp_path / "lab" / "run_1.csv").write_text("t,u,w,v,run\n0,1,2,3,1\n")
     config["cases"] |= changed("lab.data.components", ...)
-    config["cases"]["lab"]["data"] |= {"time": "t", "series": "run"}
+    for name in (1, 9, 10):
+        (tmp_path / "lab" / f"run_{name}.csv").write_text("time,u,w,v,rain\n0,1,2,3,1\n")
+    config["cases"]["lab"]["data"] |= {"known": ["rain"]}
+    config["campaign"][1]["forecasters"] = {"persistence": {}}
     lab = case_records(load(config))["lab"]
     assert lab["data"]["components"] == ["u", "w", "v"]
     assert lab["parameters"]["components"] == ["u", "w", "v"]
 
 
-def test_what_no_header_says(config, tmp_path):
-    config["cases"] |= changed("lab.data.components", ...)
-    (tmp_path / "lab" / "run_1.csv").unlink()
-    (tmp_path / "lab" / "run_9.csv").write_text("1,2\n3.5,4\n")  # names, or numbers?
-    assert "case lab: data.components is missing, and the columns cannot be" in problem(config)
-    (tmp_path / "lab" / "run_9.csv").write_text("")
-    assert "lab/run_9.csv is empty" in problem(config)
+def test_an_observable_with_a_name(config):
+    config["cases"] |= changed("lab.data.observable", "speed = sqrt(u**2 + v**2)")
+    parameters = case_records(load(config))["lab"]["parameters"]
+    assert parameters["observable_of"] == "sqrt(u**2 + v**2)"
+    assert Campaign(load(config)).space("lab").observable_name == "speed"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("1,2\n3.5,4\n", "line 1 has numbers where the names of the columns are expected"),
+        ("", "lab/run_9.csv is empty"),
+        ("date,u,v\n2020-01-01,1,2\n", "has no column 'time'; its columns are date, u, v: rename"),
+        (",u,v\n2020-01-01,1,2\n", "column 1 has no name: pandas writes an index so; call it time"),
+    ],
+)
+def test_what_headers_show_is_told_before_any_job(config, tmp_path, content, message):
+    (tmp_path / "lab" / "run_9.csv").write_text(content)
+    assert message in problem(config)
+    assert "lab/run_9.csv" in problem(config)
 
 
 def test_what_is_left_out_of_a_case_follows_from_the_data(config):
@@ -263,11 +285,3 @@ def test_what_is_left_out_of_a_case_follows_from_the_data(config):
     costs.classes["forecast"] = "forecast"
     network = {"case": "lab", "forecaster": "esn-N2000-RV-seed0"}
     assert costs.predicted("forecast", network).minutes_for(1) >= 0
-
-
-def test_axes_by_other_names(config):
-    config["cases"] |= changed("lab.data.axes", ["Realisation", "time", "variable"])
-    assert case_records(load(config))["lab"]["data"]["axes"] == ["series", "time", "component"]
-    config["cases"] |= changed("lab.data.axes", ["row", "time"])
-    assert "data.axes" in problem(config)
-    assert "realisation" in problem(config)

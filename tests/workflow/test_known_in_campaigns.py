@@ -30,9 +30,8 @@ CONFIG = {
         "plant": {
             "data": {
                 "files": ["plant.csv"],
-                "time": "time",
-                "time_unit": "hour",
-                "time_step": 1,
+                "time_step": "1 hour",
+                "components": ["x", "y"],
                 "observable": "x",
                 "known": ["push", "day_sin"],
                 "blocks": {"duration": BLOCK - 1},
@@ -90,9 +89,12 @@ def plant():
 def write_record(directory, push):
     states, _ = plant()
     stamps = np.datetime64("2020-01-01T00") + np.arange(SAMPLES).astype("timedelta64[h]")
-    rows = zip(stamps.astype("datetime64[m]"), *states.T, push, strict=True)
-    lines = [f"{stamp},{x:.17g},{y:.17g},{push:.17g}" for stamp, x, y, push in rows]
-    (directory / "plant.csv").write_text("\n".join(["time,x,y,push", *lines, ""]))
+    phase = np.sin(2 * np.pi * np.arange(SAMPLES) / 24)  # the record begins at midnight
+    rows = zip(stamps.astype("datetime64[m]"), *states.T, push, phase, strict=True)
+    lines = [
+        ",".join([str(stamp), *(f"{one:.17g}" for one in numbers)]) for stamp, *numbers in rows
+    ]
+    (directory / "plant.csv").write_text("\n".join(["time,x,y,push,day_sin", *lines, ""]))
 
 
 @pytest.fixture(scope="module")
@@ -252,7 +254,6 @@ def test_other_values_in_advance_are_other_forecasts(project, results):
     [
         ("data.known", ["pusch"], "data.known: there is no column 'pusch' (did you mean 'push'?)"),
         ("data.known", ["x"], "data.known has x, which forecasters see and forecast"),
-        ("data.time_unit", None, "data.known has day_sin, a wave of the calendar, which takes da"),
         (
             "data.known",
             [],

@@ -48,7 +48,6 @@ MEASURED = {
     **SETTINGS,
     "data": {
         "files": ["lab/run_*.csv"],
-        "columns": ["x", "y", "z"],
         "observable": "z",
         "time_step": 0.02,
     },
@@ -81,6 +80,11 @@ CAMPAIGN = {
 }
 
 
+def write_table(path, names, step, states):
+    rows = np.column_stack([step * np.arange(len(states)), states])
+    np.savetxt(path, rows, delimiter=",", header=f"time,{names}", comments="", fmt="%.17g")
+
+
 def campaign(results, cases):
     blocks = [{"cases": list(cases), "forecasters": FORECASTERS}]
     return {"results": f"results/{results}", "campaign": blocks, "cases": cases, **CAMPAIGN}
@@ -98,7 +102,7 @@ def project(tmp_path_factory, job_server):
     (directory / "lab").mkdir()
     states = read_netcdf(directory / "results/simulated/lorenz/ensemble.nc")["state"]
     for number, series in enumerate(states, 4):  # run_10 after run_9
-        np.savetxt(directory / f"lab/run_{number}.csv", series, delimiter=",", fmt="%.17g")
+        write_table(directory / f"lab/run_{number}.csv", "x,y,z", 0.02, series)
     measured = campaign("measured", {"lorenz": MEASURED})
     (directory / "measured.yaml").write_text(yaml.safe_dump(measured))
     project = replace(project, preset="measured.yaml")
@@ -227,7 +231,7 @@ def test_what_an_edit_of_the_data_runs_again(project, tmp_path):
     assert digests(copy.directory / "results/measured/tables") == before
     assert "train" not in outcome.text
     lines = text.splitlines()
-    lines[6] = lines[6].replace(lines[6].split(",")[1], "nan")
+    lines[7] = lines[7].replace(lines[7].split(",")[2], "nan")
     path.write_text("\n".join(lines))
     outcome = copy.snakemake("forecasters", "tables")
     assert outcome.status == 1
@@ -257,8 +261,7 @@ def test_series_without_an_exponent(tmp_path, job_server):
     angle = 0.1 * np.arange(400)
     for number in range(8):
         circle = np.stack([np.cos(angle + 0.7 * number), np.sin(angle + 0.7 * number)], axis=1)
-        path = project.directory / f"circle_{number}.csv"
-        np.savetxt(path, circle, delimiter=",", header="x,y", comments="", fmt="%.17g")
+        write_table(project.directory / f"circle_{number}.csv", "x,y", 0.05, circle)
     case = {
         **{"event_threshold": 0.9, "test_series": 5, "training": {"series": 3}},
         **{"recycle_validation": {"series": 2}, "lyapunov": {"published_exponent": 1.0}},

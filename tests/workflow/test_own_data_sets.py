@@ -144,8 +144,9 @@ def test_from_generation_to_summary(name, tmp_path, job_server):
     assert len(data.config.splitlines()) == 5
     (project.directory / "own.yaml").write_text(data.config)
     for number, series in enumerate(data.integrate()):
-        header = {"delimiter": ",", "header": data.header, "comments": ""}
-        np.savetxt(project.directory / f"own_{number}.csv", series, **header)
+        rows = np.column_stack([data.step * data.stride * np.arange(len(series)), series])
+        header = {"delimiter": ",", "header": f"time,{data.header}", "comments": ""}
+        np.savetxt(project.directory / f"own_{number}.csv", rows, **header)
     outcome = project.snakemake()
     assert outcome.status == 0, outcome.text[-3000:]
     summary = outcome.text.partition("F-score")[2]

@@ -3,24 +3,23 @@
 A package is found, not imported: what it needs itself is not needed.
 """
 
-import csv
-import gzip
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from burstcast.arrays import FloatArray
 from burstcast.data.measured_data import Blocks, Quantity, Run, series_of_runs
-from burstcast.data.records import Record, Timing, long_runs, runs_without_gaps
-from burstcast.data.time_stamps import TimeStamps
+from burstcast.data.records import long_runs, runs_without_gaps
+from burstcast.data.times import TIME, moments_in
 from burstcast.systems.measured import MeasuredSeries
 
 GLUCOSE_BLOCK = 144
 """Samples of a series of glucose: twelve hours."""
 GLUCOSE = MeasuredSeries(("glucose", "current"), "-glucose")
 """What a state is: glucose in mg/dl and the current of the sensor in nA."""
-_TIMING = Timing(5.0, "time", "minute")
+_STEP = 5.0
 _TWICE = 3.0
 """Samples that follow another one sooner, in minutes, were written twice."""
 
@@ -38,17 +37,16 @@ def glucose() -> FloatArray:
     Shape ``(series, 144, 2)``, in the order of time.
     """
     path = _inside("bokeh-sampledata", "bokeh_sampledata/_data/CGM.csv.gz")
-    stamp = TimeStamps("minute")
-    rows: list[tuple[float, float, float]] = []
-    with gzip.open(path, "rt", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            time = stamp(row["datetime"])
-            if not rows or time - rows[-1][0] >= _TWICE:
-                current = float("nan") if row["isig"] == "nil" else float(row["isig"])
-                rows.append((time, float(row["glucose"]), current))
-    columns = dict(zip(("time", "glucose", "current"), np.array(rows).T, strict=True))
-    runs = runs_without_gaps(Record([Run(path.name, columns)]), _TIMING)
-    kept, _ = long_runs(runs, GLUCOSE_BLOCK)
+    raw = pd.read_csv(path, na_values=["nil"])
+    time = moments_in(pd.DatetimeIndex(raw["datetime"]), "minute")
+    rows = [0]
+    for row in range(1, len(time)):
+        if time[row] - time[rows[-1]] >= _TWICE:
+            rows.append(row)
+    columns = {TIME: time[rows]}
+    for name, source in (("glucose", "glucose"), ("current", "isig")):
+        columns[name] = raw[source].to_numpy(dtype=np.float64)[rows]
+    kept, _ = long_runs(runs_without_gaps(Run(path.name, columns), _STEP), GLUCOSE_BLOCK)
     return series_of_runs(
         kept, GLUCOSE, [Quantity("glucose"), Quantity("current")], Blocks(GLUCOSE_BLOCK, 1)
     )

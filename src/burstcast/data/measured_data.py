@@ -26,6 +26,16 @@ class Run:
     #: numbers by the names of their columns, each ``(time,)``; NaN where there is none
     columns: Mapping[str, FloatArray]
 
+    @property
+    def length(self) -> int:
+        """Number of rows."""
+        return len(next(iter(self.columns.values())))
+
+    def rows(self, first: int, last: int) -> "Run":
+        """The rows from one to another, both included."""
+        columns = {name: column[first : last + 1] for name, column in self.columns.items()}
+        return Run(f"{self.name}, rows {first + 1} to {last + 1}", columns)
+
 
 def runs_of_states(
     source: str, states: FloatArray, observable: FloatArray, components: Sequence[str]
@@ -96,6 +106,18 @@ class Blocks:
     samples: int  #: number of samples of each block
     gap: int  #: samples from the last one of a block to the first one of the next, 1 at least
 
+    @classmethod
+    def of(cls, duration: float, gap: float, time_step: float) -> "Blocks":
+        """Blocks of a duration, with gaps between them, both in time units.
+
+        Both ends of a block are samples, as in a simulated series.
+        """
+        return cls(round(duration / time_step) + 1, max(1, math.ceil(gap / time_step - 1e-9)))
+
+    def starts(self, length: int) -> range:
+        """First samples of the blocks of a run of some length."""
+        return range(0, length - self.samples + 1, self.samples - 1 + self.gap)
+
 
 def series_of_runs(
     runs: Sequence[Run],
@@ -121,15 +143,20 @@ def series_of_runs(
         for name, values in zip(space.component_names, states.T, strict=True):
             check_numbers(run.name, f"the component {name!r}", values)
         found.append(states)
-    series = _equal(runs, found) if blocks is None else _cut(runs, found, blocks)
-    for name, values in zip(space.component_names, series.T, strict=True):
-        if np.all(values == values.flat[0]):
-            others = " and all other series" if len(runs) > 1 else ""
+    return _equal(runs, found) if blocks is None else _cut(runs, found, blocks)
+
+
+def check_varying(series: FloatArray, names: Sequence[str], which: str) -> None:
+    """Check that no component of ``(series, time, component)`` is constant.
+
+    ``which`` series they are, for the message: "the training series".
+    """
+    for name, values in zip(names, series.reshape(-1, series.shape[-1]).T, strict=True):
+        if np.all(values == values[0]):
             raise ValueError(
-                f"{runs[0].name}{others}: the component {name!r} is {values.flat[0]:g} always: a "
-                f"constant teaches nothing, and inputs are divided by their range; leave it out"
+                f"the component {name!r} is {values[0]:g} in all of {which}: a constant teaches "
+                f"nothing, and inputs are divided by their range; leave it out"
             )
-    return series
 
 
 def check_numbers(run: str, what: str, values: FloatArray) -> None:
@@ -142,23 +169,27 @@ def check_numbers(run: str, what: str, values: FloatArray) -> None:
         kind = "is infinite" if np.isinf(values[row]) else "has no number"
         raise ValueError(
             f"{run}: {what} {kind} in row {row + 1} of {len(values)}{many}: fill gaps, or cut the "
-            f"run there into two"
+            f"record there (data.gaps: cut)"
         )
 
 
-def check_equidistant(run: str, column: str, time: FloatArray, time_step: float) -> None:
-    """Check that times follow one another at a distance."""
-    check_numbers(run, f"column {column!r}", time)
-    steps = np.diff(time)
-    # rounding of written times: half a unit of the last of seven digits at least
-    allowed = 1e-3 * time_step + 1e-7 * np.abs(time).max(initial=0.0)
-    bad = np.abs(steps - time_step) > min(allowed, 0.1 * time_step)
-    if bad.any():
-        row = int(bad.argmax())
-        raise ValueError(
-            f"{run}: column {column!r} goes on by {steps[row]:g} from row {row + 1} to row "
-            f"{row + 2}, not by the time step, {time_step:g}"
-        )
+def code_of_gaps(values: FloatArray) -> float | None:
+    """Value that stands for missing numbers by the looks of it: 99, -999.99; None if there is none.
+
+    It is written with nines alone, repeats, and lies farther from all other values than these lie
+    from each other.
+    """
+    known = values[is_known(values)]
+    for extreme in (known.min(initial=np.inf), known.max(initial=-np.inf)):
+        digits = f"{extreme:g}".lstrip("-").replace(".", "")
+        if len(digits) < 2 or set(digits) != {"9"}:
+            continue
+        others = known[known != extreme]
+        if len(known) - len(others) < 2 or not len(others):
+            continue
+        if np.abs(others - extreme).min() > np.ptp(others) > 0:
+            return float(extreme)
+    return None
 
 
 def _equal(runs: Sequence[Run], found: Sequence[FloatArray]) -> FloatArray:
@@ -179,22 +210,8 @@ def _cut(runs: Sequence[Run], found: Sequence[FloatArray], blocks: Blocks) -> Fl
                 f"{run.name} has {len(states)} rows, but a block (data.blocks.duration) takes "
                 f"{blocks.samples}"
             )
-        starts = block_starts(len(states), blocks)
-        cut += [states[start : start + blocks.samples] for start in starts]
+        cut += [states[start : start + blocks.samples] for start in blocks.starts(len(states))]
     return np.stack(cut)
-
-
-def block_starts(length: int, blocks: Blocks) -> range:
-    """First samples of the blocks of a run of some length."""
-    return range(0, length - blocks.samples + 1, blocks.samples - 1 + blocks.gap)
-
-
-def blocks_of(duration: float, gap: float, time_step: float) -> Blocks:
-    """Blocks of a duration, with gaps between them, both in time units.
-
-    Both ends of a block are samples, as in a simulated series.
-    """
-    return Blocks(round(duration / time_step) + 1, max(1, math.ceil(gap / time_step - 1e-9)))
 
 
 def kept_series(observable: FloatArray, threshold: float | None) -> tuple[IntArray, IntArray]:

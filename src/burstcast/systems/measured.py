@@ -28,7 +28,7 @@ class MeasuredSeries:
         # lists of JSON, as tuples: equal descriptions are equal
         object.__setattr__(self, "components", tuple(self.components))
         object.__setattr__(self, "observable_name", self.observable_name or self.observable_of)
-        symbol = self.observable_symbol or _symbol(self.observable_of)
+        symbol = self.observable_symbol or _symbol(self.observable_name)
         object.__setattr__(self, "observable_symbol", symbol)
 
     @property
@@ -62,7 +62,8 @@ def derives(components: Sequence[str], observable: str) -> bool:
 
 def _symbol(text: str) -> str:
     """Name as TeX shows it; an expression has no symbol by itself."""
-    if len(text) == 1:
+    sign, name = ("-", text[1:]) if text.startswith("-") else ("", text)
+    if len(name) == 1:
         return text
-    name = text if text.isidentifier() else "observable"
-    return rf"\mathrm{{{name}}}".replace("_", r"\_")
+    name = name if name.isidentifier() else "observable"
+    return (sign if name != "observable" else "") + rf"\mathrm{{{name}}}".replace("_", r"\_")

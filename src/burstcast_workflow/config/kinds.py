@@ -21,8 +21,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from burstcast.control.strategies.registry import available_strategies as control_strategies
-from burstcast.data.series_files import axis_of
-from burstcast.data.time_stamps import duration_in
+from burstcast.data.times import time_step_of
 from burstcast.encoders.registry import available_encoders
 from burstcast.tuning.strategies.registry import available_strategies
 from burstcast_workflow.stages.canonical import canonical
@@ -80,11 +79,6 @@ def _among(several: str, names: list[str]) -> AfterValidator:
     return AfterValidator(check)
 
 
-def _axes(values: Any) -> Any:
-    """Take realisation, member, ... for the axis that they mean."""
-    return [axis_of(one) if isinstance(one, str) else one for one in values or []]
-
-
 def _named(path: str) -> str:
     if posixpath.basename(posixpath.normpath(path)) in ("", ".", ".."):
         text = f"is {path}: results need a directory of their own, such as results/mine"
@@ -96,18 +90,18 @@ def _named(path: str) -> str:
     return posixpath.normpath(re.sub("^//+", "/", path))
 
 
-def _period(value: Any) -> Any:
+def _time_step(value: Any) -> Any:
     try:
-        if isinstance(value, bool) or not 0 < duration_in(value, "second") < math.inf:
+        if isinstance(value, bool) or not 0 < time_step_of(value)[0] < math.inf:
             raise ValueError
     except (ValueError, TypeError):
         shown = f"the text {value!r}" if isinstance(value, str) else f"{value}"
-        text = f"is {shown}; it must be {_PERIOD}".replace("{", "{{").replace("}", "}}")
+        text = f"is {shown}; it must be {_TIME_STEP}"
         raise PydanticCustomError("between", text) from None
     return value
 
 
-_PERIOD = "a number above 0, or one with a unit: 1 day, 12 hours, 1 year"
+_TIME_STEP = "a number above 0, or, where times are dates, one with a unit: 5 minutes, 1 day"
 _THRESHOLD = "a number, or {quantile: <a number between 0 and 1>}"
 _PAIR = Field(min_length=2, max_length=2)
 _RESERVED = "nan|NaN|inf|Inf|infinity|Infinity|true|True|false|False|tables|figures|logs|benchmarks"
@@ -116,10 +110,10 @@ Whole = Annotated[int, BeforeValidator(_whole)]
 Count = Annotated[Whole, Field(ge=1)]
 Size = Annotated[Whole, Field(ge=2, le=100_000)]
 Positive = Annotated[float, Field(gt=0)]
-Period = Annotated[
-    Positive | str,
-    BeforeValidator(_period),
-    Words(_PERIOD),
+TimeStep = Annotated[
+    Positive | str | None,
+    BeforeValidator(lambda value: value if value is None else _time_step(value)),
+    Words(_TIME_STEP),
 ]
 CountOrNull = Annotated[Count | None, Words("a whole number above 0, or null")]
 PositiveOrNull = Annotated[Positive | None, Words("a number above 0, or null")]
@@ -176,12 +170,6 @@ Label = Annotated[
 ]
 ParameterName = Annotated[
     str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*\Z"), Words("the name of a parameter of the system")
-]
-Axes = Annotated[
-    list[Literal["series", "time", "component"]],
-    BeforeValidator(_axes),
-    AfterValidator(_distinct),
-    Words("a list of series (or realisation, run, member, trial), time and component"),
 ]
 SystemName = Annotated[
     str,

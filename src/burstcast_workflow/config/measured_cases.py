@@ -1,17 +1,16 @@
 """Cases whose series were measured: in files, or as a part of what another case's state has."""
 
 import glob
-import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from typing import Any
 
-from burstcast.data.cycles import Cycle
 from burstcast.data.delay_coordinates import delayed_name
 from burstcast.data.measured_data import Quantity
-from burstcast.data.records import problems_of_known, problems_of_treatment
-from burstcast.data.series_files import column_names
+from burstcast.data.records import needed_columns, problems_of_columns
+from burstcast.data.series_files import content_of
+from burstcast.data.times import time_step_of
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.channels import IDENTITY, channel_names, check_encoding, encoding_case
 from burstcast.encoders.registry import encoder_class
@@ -34,7 +33,7 @@ SUBSTEPS = 4
 ONLY_ENCODED = "sensors and encoder are for cases of another case's series: data: {case: ...}"
 
 _MEANINGLESS = ("system", "files", "parameters", "ensemble", "actuation", "controlled_density")
-_OF_CASES = ("case", "components", "delays", "observable", "observable_name", "observable_symbol")
+_OF_CASES = ("case", "components", "delays", "observable")
 _WITHOUT_UNITS: Any = {
     "lyapunov": {"time_unit"},
     "training": {"series"},
@@ -61,23 +60,24 @@ def measured_record(
     record["training"]["noise"] = 0.0
     record["recycle_validation"]["intervals_per_series"] = None  # as many as fit
     steps: Config = {"duration": said.blocks and said.blocks.duration}
+    written = said.observable or ""
+    names_of_observable = Quantity(written).name if "=" in written else "", ""
     if said.time_step is not None:
         # a power of two: their product is what was said, to the last bit
-        steps |= {"time_step": said.time_step / SUBSTEPS, "sampling_stride": SUBSTEPS}
+        step, _ = time_step_of(said.time_step)
+        steps |= {"time_step": step / SUBSTEPS, "sampling_stride": SUBSTEPS}
     if said.case is not None:
         source = record_of(said.case)
         whole = source["ensemble"]
         steps = {key: whole.get(key) for key in ("time_step", "sampling_stride", "duration")}
         record |= _of_source(source, data)
-    known = {Quantity(text).source for text in said.known}
-    data["components"] = said.components or [
-        name for name in data.get("columns") or _in_header(said) if name not in known
-    ]
-    if (cycle := said.cycle) is not None and cycle.components:
-        data["components"] = [*data["components"], *Cycle(1, cycle.harmonics).names]
+        if data["observable"] == OBSERVABLE and (space := space_named(source)) is not None:
+            names_of_observable = space.observable_name, space.observable_symbol
+    data["components"] = said.components or _seen_of_files(said)
     names = [Quantity(text).name for text in data["components"]]
     if is_encoded(own) and said.case is not None:
         names = _channels(own, source)
+    observable = data.get("observable")
     past = [delayed_name(name, delay) for delay in said.delays for name in names]
     if steps["duration"] is not None and "time_step" in steps:
         lost = max(said.delays, default=0) * steps["time_step"] * steps["sampling_stride"]
@@ -88,9 +88,9 @@ def measured_record(
         "system": MEASURED,
         "parameters": {
             "components": [*names, *past],
-            "observable_of": data.get("observable"),
-            "observable_name": data.get("observable_name", ""),
-            "observable_symbol": data.get("observable_symbol", ""),
+            "observable_of": observable and Quantity(observable).source,
+            "observable_name": names_of_observable[0],
+            "observable_symbol": names_of_observable[1],
         },
         "ensemble": steps,
     }
@@ -126,38 +126,39 @@ def _channels(own: Case, source: Mapping[str, Any]) -> list[str]:
         return []
 
 
-def _in_header(data: Data) -> list[str]:
-    """Columns that the first file has by its header; none where that cannot be read."""
+def _seen_of_files(data: Data) -> list[str]:
+    """Columns of the first file but what is known in advance; none where it cannot be read."""
+    known = {Quantity(text).source for text in data.known}
+    return [name for name in _columns(data) if name not in known]
+
+
+def _columns(data: Data) -> list[str]:
     try:
-        return header(data) if data.files else []
-    except (ValueError, OSError):  # told by `own_problems`
+        return columns_of(data_files(data)[0]) if data.files else []
+    except ValueError:  # told by `_problems_of_files`
         return []
 
 
-def header(data: Data) -> list[str]:
-    """Columns that the first file has, but times and labels of series."""
-    whole = Data.model_validate({"observable": "", **data.dump(), "cycle": None})
-    return _header(data_files(data)[0], whole.model_dump_json())
+def columns_of(path: str) -> list[str]:
+    """Columns of a file but its times, read again when it has changed."""
+    changed = os.stat(path).st_mtime_ns if os.path.exists(path) else None
+    return _columns_at(path, changed)
 
 
 @cache
-def _header(path: str, data: str) -> list[str]:
-    said = json.loads(data)
-    return [name for name in column_names(path, said) if name != said["time"]]
+def _columns_at(path: str, changed: int | None) -> list[str]:
+    return content_of(path).names
 
 
 def _of_source(source: Mapping[str, Any], data: Config) -> Config:
     """Settings that a part of another case's state takes from that case; completes ``data``."""
     keys = ["training", "test_series", "recycle_validation"]
     data.setdefault("observable", OBSERVABLE)
-    space = _space(source["system"], source.get("parameters", {}))
+    space = space_named(source)
     if space is not None:
         data["columns"] = [*component_names(space)]
     if data["observable"] == OBSERVABLE:
         keys += ["event_threshold", "laminarisation_threshold", "density", "fixed_point"]
-        if space is not None:
-            for key in ("observable_name", "observable_symbol"):
-                data[key] = data.get(key) or getattr(space, key)
     of_time = ("time_unit", "published_exponent", "orthonormalisation_interval")
     return {
         **{key: source[key] for key in keys if key in source},
@@ -167,12 +168,13 @@ def _of_source(source: Mapping[str, Any], data: Config) -> Config:
 
 def space_of(case: Case) -> StateSpace | None:
     """State space of a case; None if the case is invalid."""
-    return _space(case.system, case.parameters)
+    return space_named({"system": case.system, "parameters": case.parameters})
 
 
-def _space(system: str, parameters: Mapping[str, Any]) -> StateSpace | None:
+def space_named(record: Mapping[str, Any]) -> StateSpace | None:
+    """State space of the settings of a case; None if they are invalid."""
     try:
-        space = make_space(system, parameters)
+        space = make_space(record["system"], record.get("parameters", {}))
         return space if space.dimension else None  # it is known once the observable is understood
     except (ValueError, TypeError):  # told with the case
         return None
@@ -210,11 +212,8 @@ def own_problems(own: Case) -> Iterator[str]:
         ):
             if getattr(data, key) is None:
                 yield f"data.{key} is missing: {meaning}"
-        if not (data.components or data.columns) and data.array is None:
-            try:
-                header(data)
-            except (ValueError, OSError) as error:
-                yield f"data.components is missing, and the columns cannot be found: {error}"
+        if data.gaps and not data.blocks:
+            yield "data.gaps needs data.blocks beside it: gaps cut a record into unequal parts"
     else:
         if is_encoded(own):
             for key in ("components", "delays", "observable"):
@@ -243,7 +242,7 @@ def problems_of_encoding(case: Measured, source: Case | None) -> Iterator[str]:
 
 
 def problems_of_data(case: Measured) -> Iterator[str]:
-    """Mistakes in the data of a case that its settings show."""
+    """Mistakes in the data of a case that its settings and the headers of its files show."""
     if is_encoded(case):
         return
     data = case.data
@@ -252,15 +251,22 @@ def problems_of_data(case: Measured) -> Iterator[str]:
         yield f"data.components has {twice[0]} twice"
     try:
         # the observable is of the present
-        of_present = make_measured({**case.parameters, "components": names})
-        appended = of_present.dimension > len(names)
-        if data.case is None:
-            data_files(data)
-            known = problems_of_known(data.dump(), _in_header(data) if data.known else [])
-            yield from (f"data.{one}" for one in (*problems_of_treatment(data.dump()), *known))
-        else:
-            for text in [*data.components, *([data.observable] if appended else [])]:
-                Quantity(text).columns([*data.columns, OBSERVABLE])
+        appended = make_measured({**case.parameters, "components": names}).dimension > len(names)
+    except ValueError as error:
+        yield f"data.components, data.observable: {error}"
+        return
+    quantities = [Quantity(text) for text in (*data.components, *[data.observable] * appended)]
+    if data.case is not None:
+        try:
+            for one in quantities:
+                one.columns([*data.columns, OBSERVABLE])
+        except ValueError as error:
+            yield f"data.components, data.observable: {error}"
+        return
+    yield from (f"data.{one}" for one in problems_of_columns(data.dump(), _columns(data)))
+    try:
+        for path in data_files(data):
+            needed_columns(path, quantities)
     except ValueError as error:
         text = str(error)
-        yield text if text.startswith("data.") else f"data.components, data.observable: {text}"
+        yield text if text.startswith("data.") else f"data.files: {text}"

@@ -13,7 +13,6 @@ from burstcast.compiled.backends import usable_backend
 from burstcast.forecasters._options import DEFAULTS
 from burstcast.tuning.hyperparameters import SurrogateSettings
 from burstcast_workflow.config.kinds import (
-    Axes,
     CaseName,
     ControlStrategyName,
     Count,
@@ -25,7 +24,6 @@ from burstcast_workflow.config.kinds import (
     Label,
     NetworkOrNull,
     ParameterName,
-    Period,
     Positive,
     PositiveOrNull,
     PositiveRange,
@@ -40,6 +38,7 @@ from burstcast_workflow.config.kinds import (
     StrategyValue,
     SystemName,
     Threshold,
+    TimeStep,
     Whole,
     Words,
     optional,
@@ -362,41 +361,17 @@ class Blocks(Section):
     gap: float = setting("from the end of a block to the start of the next", TIME, ge=0, default=0)
 
 
-class Cycle(Section):
-    """A cycle of the day or the year in measured records."""
-
-    period: Period = setting("length of the cycle; text such as 1 day takes data.time_unit", TIME)
-    harmonics: Count = setting("waves of the cycle: its period, half of it, ...", default=1)
-    components: bool = setting(
-        "whether the waves (cycle_cos, cycle_sin, cycle_cos_2, ...) are components, which tell "
-        "forecasters the phase",
-        default=True,
-    )
-    removed_from: Distinct[str] = setting(
-        "columns that the cycle is removed from, its mean included, as fitted to the training "
-        "series; thresholds of an observable made of them are departures from the cycle",
-        default=[],
-    )
-
-
 class Data(Section):
     """Measured series instead of equations; null: the series are simulated."""
 
     files: Distinct[str] = setting(
-        "files of series, or patterns (lab/run_*.csv): CSV, Parquet, NetCDF, HDF5, NumPy",
+        "files of series, or patterns (lab/run_*.csv), seen from where Snakemake runs: CSV or "
+        "Parquet with a header and a column time, NetCDF or NumPy arrays of series, time and "
+        "component",
         default=[],
     )
     case: CaseName | None = optional(
         "another case of the campaign, a part of whose state is observed"
-    )
-    columns: Distinct[str] = setting(
-        "names of the columns of a table without a header, or along the component axis of an array",
-        default=[],
-    )
-    header: bool | None = optional(
-        "whether the first row of a table has the names of its columns (with columns, other names "
-        "instead); null: it has unless it consists of numbers; numbers that may be names are an "
-        "error"
     )
     components: Distinct[str] = setting(
         "what forecasters see: columns, expressions of columns, or <name> = <one of these>; all "
@@ -405,8 +380,7 @@ class Data(Section):
     )
     known: Distinct[str] = setting(
         "what is known in advance, and given to forecasters that can use it over their forecasts: "
-        "columns, expressions of columns, or <name> = <one of these>; day_cos, day_sin, week_cos, "
-        "week_sin, year_cos and year_sin are waves of the calendar, which take dates",
+        "columns, expressions of columns, or <name> = <one of these>",
         default=[],
     )
     delays: Distinct[Count] = setting(
@@ -414,43 +388,20 @@ class Data(Section):
         "forecast back; each series begins so much later",
         default=[],
     )
-    observable: str = setting("a component, or an expression of components or columns")
-    observable_name: str = setting("name of the observable, for axes and tables", default="")
-    observable_symbol: str = setting("its symbol in TeX, without dollars", default="")
-    time_step: Annotated[Positive | None, Words("a number above 0")] = optional(
-        "time between two rows, which are the steps of a forecast", TIME
+    observable: str = setting(
+        "a component, an expression of components or columns, or <name> = <one of these>"
     )
-    time: str | None = optional("column of times, to be checked against the time step")
-    time_unit: Literal["second", "minute", "hour", "day"] | None = optional(
-        "what a time unit is, where times are dates (ISO 8601); null: times are numbers"
-    )
-    time_zone: str | None = optional(
-        "zone of dates without an offset, such as Europe/Berlin; null: a clock that is never put "
-        "forward or back, such as UTC"
-    )
-    joined: bool | None = optional(
-        "whether all files, or all series of a table, are parts of one record, in their order in "
-        "time; otherwise each is a record"
-    )
+    time_step: TimeStep = optional("time between two rows, which are the steps of a forecast", TIME)
     gaps: Annotated[Literal["cut"] | None, Words("cut, or null")] = optional(
         "cut: gaps cut a record, and parts shorter than a block are left out; null: gaps are errors"
     )
-    longest_interpolation: PositiveOrNull = optional(
-        "longest time between two complete rows that is interpolated linearly; null: none", TIME
-    )
-    cycle: Cycle | None = optional("a cycle of known period; null: none")
-    series: str | None = optional(
-        "column of labels that distinguish series, where a table holds several, in "
-        "successive rows unless time orders them"
-    )
-    array: str | None = optional("array that holds all components")
-    axes: Axes = setting(
-        "axes of the arrays, in their order (realisation, run, member and trial mean series, "
-        "variable and channel mean component); needed unless all dimensions are called so, or only "
-        "one order is possible",
-        default=[],
-    )
     blocks: Blocks | None = optional("how series are cut; null: not at all")
+
+
+class DataOfCase(Data):
+    """Measured series, with the components of the state that another case has."""
+
+    columns: Distinct[str] = setting("components of the state of another case", default=[])
 
 
 class Sensors(Section):
@@ -549,7 +500,7 @@ class Measured(Case):
     fixed_point: FixedPoint | None = None  # type: ignore[assignment]
     test_series: CountOrNull = None  # type: ignore[assignment]
     actuation: None = None
-    data: Data
+    data: DataOfCase
 
 
 # an entry of `cases`: what differs from case_defaults, or from what a class says

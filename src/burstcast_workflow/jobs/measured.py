@@ -7,12 +7,16 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.delay_coordinates import delay_coordinates
-from burstcast.data.measured_data import Quantity, runs_of_states, series_of_runs
+from burstcast.data.measured_data import (
+    Quantity,
+    check_varying,
+    runs_of_states,
+    series_of_runs,
+)
 from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.files.netcdf import read_netcdf
 from burstcast.systems.measured import MeasuredSeries
 from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
 def present_space(settings: Settings) -> MeasuredSeries:
@@ -48,14 +52,16 @@ def with_past(settings: Settings, states: FloatArray) -> FloatArray:
 def measured_series(settings: Settings, sources: Sequence[str]) -> RecordedSeries:
     """Series of states without past values, checked.
 
-    ``settings``: With ``case.data``, ``case.parameters``, ``case.training.series`` and the time
-    step.
+    ``settings``: With ``case.data``, ``case.parameters`` and ``case.training.series``.
     """
-    data, time_step = settings["case.data"], sampling_interval(settings)
-    space, training = present_space(settings), settings["case.training.series"]
+    data, space = settings["case.data"], present_space(settings)
     if data["case"] is None:
-        return recorded_series(sources, data, space, time_step, training)
-    found = read_netcdf(sources[0], "state", "observable")
-    runs = runs_of_states(sources[0], found["state"], found["observable"], data["columns"])
-    quantities = [Quantity(text) for text in data["components"]]
-    return RecordedSeries(series_of_runs(runs, space, quantities, None))
+        found = recorded_series(sources, data, space)
+    else:
+        read = read_netcdf(sources[0], "state", "observable")
+        runs = runs_of_states(sources[0], read["state"], read["observable"], data["columns"])
+        quantities = [Quantity(text) for text in data["components"]]
+        found = RecordedSeries(series_of_runs(runs, space, quantities, None))
+    training = found.states[: settings["case.training.series"]]
+    check_varying(training, space.component_names, "the training series (training.series)")
+    return found

@@ -9,8 +9,8 @@ from burstcast.data.measured_data import (
     Blocks,
     Quantity,
     Run,
-    blocks_of,
-    check_equidistant,
+    check_varying,
+    code_of_gaps,
     kept_series,
     series_of_runs,
 )
@@ -71,9 +71,9 @@ def test_runs_of_unequal_length_are_cut() -> None:
 
 
 def test_blocks_in_time_units() -> None:
-    assert blocks_of(10.0, 2.0, 0.5) == Blocks(21, 4)
-    assert blocks_of(0.3, 0.0, 0.1) == Blocks(4, 1)
-    assert blocks_of(1.0, 0.25, 0.1) == Blocks(11, 3)  # at least the gap
+    assert Blocks.of(10.0, 2.0, 0.5) == Blocks(21, 4)
+    assert Blocks.of(0.3, 0.0, 0.1) == Blocks(4, 1)
+    assert Blocks.of(1.0, 0.25, 0.1) == Blocks(11, 3)  # at least the gap
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,6 @@ def test_blocks_in_time_units() -> None:
             "r",
             "run_1.csv: the component 'r' has no number in row 2 of 3",
         ),
-        ({"u": np.full(20, 3.5)}, ["u", "v"], "v", "run_1.csv: the component 'u' is 3.5 always"),
     ],
 )
 def test_mistakes(columns, components, observable, message) -> None:
@@ -131,27 +130,38 @@ def test_micro_signs() -> None:
             series([run(**{micro: np.arange(20.0)})], [text], text)
 
 
-def test_a_column_that_is_constant_in_one_run_only() -> None:
-    assert series([run(u=np.zeros(20)), run(u=np.ones(20))], ["u"], "u").shape == (2, 20, 1)
+def test_constant_components() -> None:
+    series = np.stack([np.zeros((5, 2)), np.ones((5, 2))])
+    check_varying(series, ["u", "v"], "the series")  # constant in each of them, not in all
+    series[..., 1] = 3.5
+    with pytest.raises(ValueError, match=r"component 'v' is 3\.5 in all of the training series"):
+        check_varying(series, ["u", "v"], "the training series")
+
+
+@pytest.mark.parametrize(
+    ("code", "times", "found"),
+    [
+        (99.0, 20, True),
+        (-999.99, 2, True),
+        (9999, 3, True),
+        (99.0, 1, False),  # it does not repeat
+        (98.0, 20, False),  # it is not written as codes are
+        (9.0, 20, False),  # nor far away
+        (0.0, 200, False),  # a rain gauge
+    ],
+)
+def test_codes_for_missing_numbers(code, times, found) -> None:
+    values = np.append(1.5 + 0.8 * np.sin(np.arange(500) / 40), np.full(times, code))
+    assert code_of_gaps(values) == (code if found else None)
+
+
+def test_no_codes_among_few_values() -> None:
+    assert code_of_gaps(np.array([0.0, 99, 0, 99])) is None  # two states of a switch
+    assert code_of_gaps(np.full(3, np.nan)) is None
 
 
 def test_gaps_in_columns_that_nobody_asks_for() -> None:
     assert series([run(v=np.full(20, np.nan))], ["u"], "u").shape == (1, 20, 1)
-
-
-def test_times_are_equidistant() -> None:
-    time = 1e4 + 0.02 * np.arange(1000)
-    check_equidistant("a", "t", time, 0.02)
-    check_equidistant("a", "t", np.array([f"{value:.4f}" for value in time], float), 0.02)
-    with pytest.raises(ValueError, match=r"'t' goes on by 0\.02 .* not by the time step, 0\.01"):
-        check_equidistant("a", "t", time, 0.01)
-    gap = np.delete(time, 400)
-    with pytest.raises(ValueError, match=r"a: column 't' goes on by 0\.04 from row 400 to row 401"):
-        check_equidistant("a", "t", gap, 0.02)
-    with pytest.raises(ValueError, match="from row 1 to row 2"):
-        check_equidistant("a", "t", time[::-1], 0.02)
-    with pytest.raises(ValueError, match="a: column 't' has no number in row 3"):
-        check_equidistant("a", "t", np.where(np.arange(1000) == 2, np.nan, time), 0.02)
 
 
 def test_series_beyond_the_laminarisation_threshold() -> None:
