@@ -44,7 +44,7 @@ def project(tmp_path, job_server, monkeypatch):
 
 
 def test_from_numbers_to_a_probability(project, monkeypatch):
-    assert (project.directory / "lab.csv").open().readline() == "x,y,z\n"
+    assert (project.directory / "lab.csv").open().readline() == "time,x,y,z\n"
     outcome = project.snakemake("results/lab/lab/lyapunov.json", "results/lab/lab/events.json")
     assert outcome.status == 0, outcome.text[-3000:]
     lab = project.directory / "results/lab/lab"

@@ -9,8 +9,8 @@ import numpy as np
 
 from burstcast.arrays import FloatArray, float_array
 
-_TOLERANCE = 1e-6
-"""Of the time between two observations, relative to the sampling interval."""
+_TOLERANCE = 0.1
+"""Of the time between two observations, relative to the sampling interval: clocks jitter."""
 
 
 class ObservationStream:
@@ -95,11 +95,12 @@ class ObservationStream:
             passed = (time - self._time) / self._interval
             if passed < 1.0 - _TOLERANCE:
                 raise ValueError(
-                    f"an observation at time {time:g} cannot follow one at time {self._time:g}: "
-                    f"the sampling interval is {self._interval:g}"
+                    f"an observation at time {time!r} cannot follow one at time {self._time!r}: it "
+                    f"is {time - self._time:g} later, and the sampling interval is "
+                    f"{self._interval:g}"
                 )
             if passed > 1.0 + _TOLERANCE:
-                self._reset(f"no observation came between the times {self._time:g} and {time:g}")
+                self._reset(f"no observation came between the times {self._time!r} and {time!r}")
         self._time = float(time)
 
     def _reset(self, reason: str) -> None:
