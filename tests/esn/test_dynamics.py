@@ -282,3 +282,66 @@ def test_bad_arguments_raise(reservoir):
     for call, reason in calls:
         with pytest.raises(ValueError, match=reason):
             call()
+
+
+KINDS = [(0.3, "linear"), (1.0, "quadratic"), (0.6, "quadratic")]
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(("leak_rate", "readout"), KINDS)
+@pytest.mark.parametrize("neurons", [60, 61, 71])  # blocks of the readout end anywhere
+def test_leaking_neurons_and_squares_are_plain_loops(backend, leak_rate, readout, neurons):
+    generator = np.random.default_rng(6)
+    reservoir = make_reservoir(neurons, 3, 5, 0.1, generator)
+    dynamics = Dynamics(reservoir, 0.9, 0.8, backend, leak_rate, readout)
+    weights, input_range = 20 * random_readout(reservoir, generator), RANGE[:3]
+    states = generator.uniform(-1, 1, size=(neurons, 18))
+    inputs = generator.normal(size=(9, 3, 18))
+    driven = dynamics.open_loop(inputs, states)
+    outputs, final = dynamics.closed_loop(weights, input_range, states, 7)
+    for trajectory in (0, 17):
+        state = states[:, trajectory]
+        for current in inputs[:, :, trajectory]:
+            reached = textbook_step(dynamics, current, state)
+            state = [
+                (1 - leak_rate) * x + leak_rate * y for x, y in zip(state, reached, strict=True)
+            ]
+        np.testing.assert_allclose(driven[:, trajectory], state, rtol=0, atol=1e-14)
+        state = states[:, trajectory]
+        for step in range(7):
+            seen = [
+                x * x if readout == "quadratic" and neuron % 2 else x
+                for neuron, x in enumerate(state)
+            ]
+            np.testing.assert_array_equal(dynamics.features(np.asarray(state)), seen)
+            predicted = np.append(seen, 1) @ weights
+            np.testing.assert_allclose(outputs[step, :, trajectory], predicted, atol=1e-11)
+            reached = textbook_step(dynamics, predicted / input_range, state)
+            state = [
+                (1 - leak_rate) * x + leak_rate * y for x, y in zip(state, reached, strict=True)
+            ]
+        np.testing.assert_allclose(final[:, trajectory], state, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_leaking_trajectories_have_the_same_bits_in_any_batch(reservoir, backend):
+    generator = np.random.default_rng(7)
+    dynamics = Dynamics(reservoir, 0.95, 0.6, backend, 0.7, "quadratic")
+    weights = 30 * random_readout(reservoir, generator)
+    states = generator.uniform(-1, 1, size=(reservoir.neurons, 40))
+    together = dynamics.closed_loop(weights, RANGE, states, 60)
+    for batch in (np.array([17]), generator.permutation(40)):
+        alone = dynamics.closed_loop(weights, RANGE, states[:, batch], 60)
+        for one, all_of_them in zip(alone, together, strict=True):
+            np.testing.assert_array_equal(one, all_of_them[..., batch])
+
+
+@pytest.mark.parametrize("leak_rate", [0.0, -0.1, 1.1, np.nan])
+def test_impossible_leak_rates_are_refused(reservoir, leak_rate):
+    with pytest.raises(ValueError, match="leak_rate must be above 0 and 1 at most"):
+        Dynamics(reservoir, 0.5, 1.0, leak_rate=leak_rate)
+
+
+def test_unknown_readouts_are_refused(reservoir):
+    with pytest.raises(ValueError, match="'linear' or 'quadratic', not 'cubic'"):
+        Dynamics(reservoir, 0.5, 1.0, readout="cubic")

@@ -19,14 +19,26 @@ def reservoirpy_reservoir(dynamics):
         W=dynamics.spectral_radius * reservoir.recurrent.toarray(),
         Win=columns[:, :-1],
         bias=reservoir.input_bias * columns[:, -1],
-        lr=1.0,
+        lr=dynamics.leak_rate,
         activation="tanh",
     )
 
 
+def squared(states):
+    """States with every second neuron squared, as ReservoirPy's users do it (a node of theirs)."""
+    odd = np.arange(states.shape[-1]) % 2 == 1
+    return np.where(odd, states**2, states)
+
+
 @pytest.mark.parametrize("backend", ["compiled", "scipy"])
-def test_reservoirpy_gives_the_same_states_and_forecast(reservoir, signal, backend):
-    dynamics = Dynamics(reservoir, 0.6, 0.7, backend)
+@pytest.mark.parametrize(
+    ("leak_rate", "readout"), [(1.0, "linear"), (0.5, "linear"), (0.8, "quadratic")]
+)
+def test_reservoirpy_gives_the_same_states_and_forecast(
+    reservoir, signal, backend, leak_rate, readout
+):
+    dynamics = Dynamics(reservoir, 0.6, 0.7, backend, leak_rate, readout)
+    seen = squared if readout == "quadratic" else np.asarray
     input_range = np.ptp(signal, axis=(0, 2))
     series = signal[:300, :, 0]
     node = reservoirpy_reservoir(dynamics)
@@ -36,13 +48,13 @@ def test_reservoirpy_gives_the_same_states_and_forecast(reservoir, signal, backe
     np.testing.assert_allclose(states.T, expected, rtol=0, atol=1e-13)
 
     accumulator = MomentsAccumulator(reservoir.neurons, reservoir.dimension)
-    accumulator.add(states[:, 50:-1], series[51:].T)
+    accumulator.add(dynamics.features(states[:, 50:-1]), series[51:].T)
     weights = solve_ridge(accumulator.moments(), 1e-4).weights
-    readout = reservoirpy_nodes.Ridge(Wout=weights[:-1], bias=weights[-1])
+    node_readout = reservoirpy_nodes.Ridge(Wout=weights[:-1], bias=weights[-1])
     outputs, _ = dynamics.closed_loop(weights, input_range, states[:, -1:], 20)
     state = expected[-1]
     for step in range(20):
-        predicted = readout(state)
+        predicted = node_readout(seen(state))
         np.testing.assert_allclose(outputs[step, :, 0], predicted, rtol=0, atol=1e-9)
         state = node(predicted / input_range)
 

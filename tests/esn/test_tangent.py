@@ -10,13 +10,22 @@ from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.tangent import ClosedLoopTangent
 
 
-@pytest.fixture(params=["compiled", "scipy"])
+@pytest.fixture(
+    params=[
+        ("compiled", 1.0, "linear"),
+        ("scipy", 1.0, "linear"),
+        ("compiled", 1.0, "quadratic"),
+        ("compiled", 0.4, "linear"),
+        ("scipy", 0.6, "quadratic"),
+    ],
+    ids=lambda param: "-".join(map(str, param)),
+)
 def network(request):
     """Of no use, but with a bounded flow and every kind of connection."""
     generator = np.random.default_rng(8)
     reservoir = make_reservoir(60, 3, 6, 0.1, generator)
     readout = Readout(generator.normal(0, 0.4, (61, 3)), 1e-6, "cholesky", 1.0)
-    dynamics = Dynamics(reservoir, 0.8, 0.7, request.param)
+    dynamics = Dynamics(reservoir, 0.8, 0.7, *request.param)
     return EchoStateNetwork(dynamics, readout, np.array([1.0, 2.5, 0.4]))
 
 
@@ -38,9 +47,11 @@ def test_perturbations_grow_as_finite_differences(network):
         np.testing.assert_allclose(grown[:, number], difference, rtol=0, atol=2e-8)
     # the network's feedback counts, and not only its recurrence
     recurrent = network.dynamics.reservoir.recurrent * network.dynamics.spectral_radius
-    alone = (1 - following**2) * (recurrent @ tangent[:, 0])
-    one = ClosedLoopTangent(network).advance(states, tangent, 1)[1][:, 0]
-    assert np.abs(one - alone).max() > 0.1
+    after, one = ClosedLoopTangent(network).advance(states, tangent, 1)
+    leak = network.dynamics.leak_rate
+    reached = states + (after - states) / leak
+    alone = (1 - leak) * tangent[:, 0] + leak * (1 - reached**2) * (recurrent @ tangent[:, 0])
+    assert np.abs(one[:, 0] - alone).max() > 0.1
 
 
 def test_perturbations_do_not_depend_on_the_batch(network):

@@ -39,6 +39,20 @@ def textbook_states(dynamics=DYNAMICS, observed=OBSERVED, input_range=RANGE):
 STATES = textbook_states()
 
 
+def test_a_quadratic_readout_is_trained_on_squares():
+    dynamics = Dynamics(RESERVOIR, 0.8, 0.7, "scipy", readout="quadratic")
+    found = collect(dynamics, TRAINING, washout=WASHOUT, keep=[LENGTH - 1])
+    features = STATES[:, WASHOUT:].reshape(-1, NEURONS).copy()
+    features[:, 1::2] = features[:, 1::2] ** 2
+    np.testing.assert_allclose(found.moments.mean_state, features.mean(axis=0), atol=1e-14)
+    centred = features - features.mean(axis=0)
+    np.testing.assert_allclose(
+        np.tril(found.moments.gram), np.tril(centred.T @ centred), atol=1e-11
+    )
+    # closed loops start from the states themselves
+    np.testing.assert_allclose(found.states[LENGTH - 1], STATES[:, -1].T, atol=1e-14)
+
+
 def rows(first, stop):
     """States and targets of the steps ``first`` to ``stop - 1`` of all series."""
     return (

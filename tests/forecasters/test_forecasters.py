@@ -60,11 +60,12 @@ def test_the_equations_see_the_last_observation_alone(kind, flow):
 SEED = ReservoirSeed(random_seed=2022, neurons=30, seed=5, connectivity=6, input_bias=0.1)
 
 
-def make_network(generator):
+def make_network(generator, *kind):
     reservoir = SEED.reservoir(9)
     weights = 0.1 * generator.normal(size=(31, 9))
     readout = Readout(weights, 1e-6, "cholesky", 1e-9)
-    return EchoStateNetwork(Dynamics(reservoir, 0.9, 1.0, "scipy"), readout, np.linspace(0.2, 1, 9))
+    dynamics = Dynamics(reservoir, 0.9, 1.0, "scipy", *kind)
+    return EchoStateNetwork(dynamics, readout, np.linspace(0.2, 1, 9))
 
 
 NOISE = np.linspace(0.001, 0.002, 9)

@@ -9,7 +9,7 @@ from skopt.learning import GaussianProcessRegressor
 
 from burstcast.tuning import network_search
 from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace, SurrogateSettings
-from burstcast.tuning.scan import scan
+from burstcast.tuning.scan import Evaluation, scan
 from burstcast.tuning.search import bayesian_search
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.validation import Validation
@@ -138,6 +138,32 @@ def test_the_best_network_is_that_of_its_own_strategy():
     assert found.validation.tikhonov == 1.0
     assert found.objective == pytest.approx(bowl(found.point) + 1)
     assert bowl(found.point) <= min(map(bowl, PAPER.grid(2)))
+
+
+def test_the_search_takes_the_leak_rate_of_the_best_point_of_the_grid():
+    space = SearchSpace(PAPER.spectral_radius, PAPER.input_scaling, (1.0, 0.5, 0.25))
+    assert len(set(space.grid(4))) == 48
+    assert space.grid(4)[:16] == PAPER.grid(4)  # those without a leak first
+    strategy = make_strategy("RV")
+
+    def validator(point, strategies):
+        error = bowl(point) + 3 * abs(point.leak_rate - 0.5)
+        return [Validation("RV", 1.0, (error,), "", 1.0)]
+
+    scanned = scan(validator, space, [strategy], 4)
+    trace = network_search.search(validator, space, strategy, scanned, 3, 1)
+    assert [one.point.leak_rate for one in trace[48:]] == [0.5] * 3
+    # the process knows the grid of this leak rate alone
+    alone = SearchSpace(space.spectral_radius, space.input_scaling, (0.5,))
+    other = network_search.search(
+        validator, alone, strategy, scan(validator, alone, [strategy], 4), 3, 1
+    )
+    assert [one.point for one in trace[48:]] == [one.point for one in other[16:]]
+    # rows of tables say the leak rates that are not 1
+    for one in trace:
+        row = one.record()
+        assert ("leak_rate" in row) == (one.point.leak_rate != 1)
+        assert Evaluation.restore(row, one.validation.log_errors) == one
 
 
 def test_no_points_are_no_search():

@@ -148,7 +148,7 @@ stage(
     outputs={"tables": [in_report("training_realisations")]},
     tables=written(["training_realisations"]),
     scattered=written(scattered),
-    kinds=sorted({one.name.kind for one in campaign.forecasters}),
+    kinds=sorted({one.name.keys["forecaster"] for one in campaign.forecasters}),
 )
 
 

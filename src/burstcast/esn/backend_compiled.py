@@ -12,13 +12,14 @@ same operations in the same order wherever it stands in a tile or a batch, whate
 the same bits. A processor without fused multiply-add instructions is slow, not wrong.
 """
 
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import scipy.sparse
 
 from burstcast.arrays import FloatArray, Int32Array
 from burstcast.compiled.machine_code import ALIGNMENT, Lanes, MachineCode
+from burstcast.esn.readout import ReadoutKind
 
 # Trajectories in a tile. Eight leave the processor waiting for results, 32 do not fit its
 # registers.
@@ -26,8 +27,9 @@ _WIDTH = 16
 # Neurons whose states are fed to the readout together, while they are in the nearest cache.
 _READOUT_BLOCK = 32
 
-# Arguments of the compiled functions: the reservoir's matrices, and room for a tile.
-_MATRICES = ("row_start", "column", "value", "input_column", "input_weight")
+# Arguments of the compiled functions: the reservoir's matrices with the leak rate and its negative,
+# and room for a tile.
+_MATRICES = ("row_start", "column", "value", "input_column", "input_weight", "leak")
 _ROOM = ("fed", "old", "new")
 
 
@@ -55,10 +57,11 @@ def _tanh(code: Lanes, x: str) -> str:
     return code.divide(p, q)
 
 
-def _advance(code: Lanes, old: str, new: str, first: str, last: str) -> None:
+def _advance(code: Lanes, leaking: bool, old: str, new: str, first: str, last: str) -> None:
     """Compute the new states of the neurons ``first`` to ``last - 1`` of a tile.
 
-    Rows have an even number of entries, which are summed in two chains.
+    Rows have an even number of entries, which are summed in two chains. A leaking neuron goes
+    from x to x + a (tanh - x).
     """
 
     def neuron(i: str) -> None:
@@ -77,22 +80,30 @@ def _advance(code: Lanes, old: str, new: str, first: str, last: str) -> None:
         start = code.integer_at("%row_start", i)
         stop = code.integer_at("%row_start", code.plus(i, 1))
         even, odd = code.loop(start, stop, entries, [driven, code.fill(0.0)], step=2)
-        code.store(new, i, _tanh(code, code.add(even, odd)))
+        reached = _tanh(code, code.add(even, odd))
+        if leaking:
+            x = code.load(old, i)
+            rest = code.fused(code.fill_from("%leak", "1"), x, x)
+            reached = code.fused(code.fill_from("%leak", "0"), reached, rest)
+        code.store(new, i, reached)
 
     code.loop(first, last, neuron)
 
 
-def _read_out(code: Lanes, states: str, first: str, last: str) -> None:
+def _read_out(code: Lanes, squares: bool, states: str, first: str, last: str) -> None:
     """Add the share of the neurons ``first`` to ``last - 1`` to the outputs of a tile.
 
-    ``weights`` is ``(neurons, rows)``, with an even number of rows.
+    ``weights`` is ``(neurons, rows)``, with an even number of rows. With squares, those of the odd
+    neurons count; ``first`` is even.
     """
 
     def pair(row: str) -> None:
         other = code.plus(row, 1)
 
-        def neuron(i: str, even: str, odd: str) -> list[str]:
+        def neuron(i: str, even: str, odd: str, squared: bool = False) -> list[str]:
             state = code.load(states, i)
+            if squared:
+                state = code.multiply(state, state)
             entry = code.plus(code.times(i, "%rows"), row)
             return [
                 code.fused(code.fill_from("%weights", entry), state, even),
@@ -100,7 +111,12 @@ def _read_out(code: Lanes, states: str, first: str, last: str) -> None:
             ]
 
         so_far = [code.load("%read", row), code.load("%read", other)]
-        even, odd = code.loop(first, last, neuron, so_far)
+        if squares:
+            so_far = code.loop(first, last, neuron, so_far, step=2)
+            second = code.plus(first, 1)
+            even, odd = code.loop(second, last, partial(neuron, squared=True), so_far, step=2)
+        else:
+            even, odd = code.loop(first, last, neuron, so_far)
         code.store("%read", row, even)
         code.store("%read", other, odd)
 
@@ -110,7 +126,7 @@ def _read_out(code: Lanes, states: str, first: str, last: str) -> None:
 # --- The loops -----------------------------------------------------------------------------------
 
 
-def _drive() -> Lanes:
+def _drive(leaking: bool) -> Lanes:
     """Drive a tile of trajectories by data.
 
     ``inputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``old`` holds the
@@ -136,7 +152,7 @@ def _drive() -> Lanes:
             code.copy(code.number_at("%record", row), code.vector_at(new, i), "%bytes")
 
         code.loop("0", "%dimension", component)
-        _advance(code, old, new, "0", "%neurons")
+        _advance(code, leaking, old, new, "0", "%neurons")
         code.loop("0", code.times("%neurons", "%recording"), keep)
         return [new, old]
 
@@ -144,7 +160,7 @@ def _drive() -> Lanes:
     return code
 
 
-def _forecast() -> Lanes:
+def _forecast(leaking: bool, squares: bool) -> Lanes:
     """Forecast a tile of trajectories.
 
     ``outputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``read`` is room
@@ -173,8 +189,8 @@ def _forecast() -> Lanes:
 
         def block(first: str) -> None:
             last = last_of(first)
-            _advance(code, old, new, first, last)
-            _read_out(code, new, first, last)
+            _advance(code, leaking, old, new, first, last)
+            _read_out(code, squares, new, first, last)
 
         code.loop("0", "%dimension", component)
         code.loop("0", "%rows", bias)
@@ -185,7 +201,7 @@ def _forecast() -> Lanes:
     code.loop(
         "0",
         "%neurons",
-        lambda first: _read_out(code, "%old", first, last_of(first)),
+        lambda first: _read_out(code, squares, "%old", first, last_of(first)),
         step=_READOUT_BLOCK,
     )
     code.loop("0", "%steps", step, ["%old", "%new"], kind="ptr")
@@ -193,10 +209,10 @@ def _forecast() -> Lanes:
 
 
 class _Compiled:
-    """The two functions; compiled once in a process."""
+    """The two functions for neurons and readouts of a kind; compiled once in a process."""
 
-    def __init__(self) -> None:
-        drive, forecast = _drive(), _forecast()
+    def __init__(self, leaking: bool, squares: bool) -> None:
+        drive, forecast = _drive(leaking), _forecast(leaking, squares)
         self._code = [MachineCode(one.text) for one in (drive, forecast)]
         self.drive = self._code[0].function(drive.name, *drive.arguments)
         self.forecast = self._code[1].function(forecast.name, *forecast.arguments)
@@ -220,14 +236,17 @@ class CompiledBackend:
         input_column: Int32Array,
         input_weight: FloatArray,
         input_bias: float,
+        leak_rate: float,
+        readout: ReadoutKind,
     ) -> None:
         self._matrices = (
             *_even_rows(recurrent),
             np.ascontiguousarray(input_column, dtype=np.int32),
             np.ascontiguousarray(input_weight, dtype=np.float64),
+            np.array([leak_rate, -leak_rate]),
         )
         self._input_bias = input_bias
-        self._compiled = _compiled()
+        self._compiled = _compiled(leak_rate != 1, readout == "quadratic")
 
     def open_loop(
         self, inputs: FloatArray, states: FloatArray, record: FloatArray | None

@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse
 
 from burstcast.arrays import FloatArray, Int32Array
+from burstcast.esn.readout import ReadoutKind, readout_features
 
 
 class ScipyBackend:
@@ -17,7 +18,8 @@ class ScipyBackend:
 
     ``recurrent``: Recurrent weights times the spectral radius, shape ``(neurons, neurons)``.
     ``input_column``, ``input_weight``: The input that feeds each neuron (the last one is the bias)
-    and its weight times the input scaling, shape ``(neurons,)``.
+    and its weight times the input scaling, shape ``(neurons,)``. ``leak_rate``, ``readout``: As of
+    `burstcast.esn.dynamics.Dynamics`.
     """
 
     def __init__(
@@ -26,11 +28,15 @@ class ScipyBackend:
         input_column: Int32Array,
         input_weight: FloatArray,
         input_bias: float,
+        leak_rate: float,
+        readout: ReadoutKind,
     ) -> None:
         self._recurrent = recurrent
         self._input_column = input_column
         self._input_weight = input_weight
         self._input_bias = input_bias
+        self._leak_rate = leak_rate
+        self._readout: ReadoutKind = readout
 
     def open_loop(
         self, inputs: FloatArray, states: FloatArray, record: FloatArray | None
@@ -53,13 +59,14 @@ class ScipyBackend:
         output_bias = weights[-1][:, np.newaxis]
         outputs = np.empty((steps, weights.shape[1], states.shape[1]))
         for step in range(steps):
-            outputs[step] = output_matrix @ states + output_bias
+            outputs[step] = output_matrix @ readout_features(states, self._readout) + output_bias
             states = self._step(outputs[step] / input_range[:, np.newaxis], states)
         return outputs, states
 
     def _step(self, current: FloatArray, states: FloatArray) -> FloatArray:
         bias = np.full((1, states.shape[1]), self._input_bias)
         fed = np.concatenate([current, bias])[self._input_column]
-        return np.asarray(
-            np.tanh(self._recurrent @ states + self._input_weight[:, np.newaxis] * fed)
-        )
+        reached = np.tanh(self._recurrent @ states + self._input_weight[:, np.newaxis] * fed)
+        if self._leak_rate == 1:
+            return np.asarray(reached)
+        return np.asarray(states + self._leak_rate * (reached - states))

@@ -1,21 +1,24 @@
 """Dynamics of the reservoir, driven by data (open loop) or by its own predictions (closed loop).
 
 One step is r <- tanh(W_in [u; b_in] + W r), a prediction [r; 1]^T W_out (section "Echo state
-networks" of the paper). Everything works on a batch of trajectories at once; each of them is bit
-for bit the same whatever the batch that it is part of.
+networks" of the paper). Leaking neurons go only a part of the way, the leak rate, from r to that;
+a quadratic readout squares every second entry of r (`burstcast.esn.readout`). Everything works on a
+batch of trajectories at once; each of them is bit for bit the same whatever the batch that it is
+part of.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Literal, Protocol
+from typing import Literal, Protocol, get_args
 
 import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.esn.backend_compiled import CompiledBackend
 from burstcast.esn.backend_scipy import ScipyBackend
+from burstcast.esn.readout import ReadoutKind, readout_features
 from burstcast.esn.reservoir import Reservoir
 
 
@@ -66,11 +69,15 @@ class Dynamics:
         sigma_in, multiplies the input weights, including the weights of the bias.
     backend
         Implementation: "compiled" or "scipy". They agree to rounding error.
+    leak_rate
+        a in r <- (1 - a) r + a tanh(...), above 0 and 1 at most; 1: neurons do not leak.
+    readout
+        "linear", or "quadratic": every second entry of the state is squared before the readout.
 
     Raises
     ------
     ValueError
-        If a hyperparameter is negative or not finite, or the backend is unknown.
+        If a hyperparameter is out of bounds or not finite, or the backend or readout is unknown.
 
     Examples
     --------
@@ -88,6 +95,8 @@ class Dynamics:
     spectral_radius: float
     input_scaling: float
     backend: Literal["compiled", "scipy"] = "compiled"
+    leak_rate: float = 1.0
+    readout: ReadoutKind = "linear"
 
     def __post_init__(self) -> None:
         for name in ("spectral_radius", "input_scaling"):
@@ -96,6 +105,14 @@ class Dynamics:
                 raise ValueError(f"{name} must be finite and not negative, not {value}")
         if self.backend not in ("compiled", "scipy"):
             raise ValueError(f"the backend is 'compiled' or 'scipy', not {self.backend!r}")
+        if not 0 < self.leak_rate <= 1:
+            raise ValueError(f"leak_rate must be above 0 and 1 at most, not {self.leak_rate}")
+        if self.readout not in get_args(ReadoutKind):
+            raise ValueError(f"the readout is 'linear' or 'quadratic', not {self.readout!r}")
+
+    def features(self, states: FloatArray) -> FloatArray:
+        """States ``(neurons, ...)`` as the output weights multiply them, ``(neurons, ...)``."""
+        return readout_features(states, self.readout)
 
     def open_loop(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
         """States after a sequence of inputs.
@@ -222,7 +239,8 @@ class Dynamics:
     def _implementation(self) -> DynamicsBackend:
         recurrent = self.reservoir.recurrent * self.spectral_radius
         weight = self.reservoir.input_weight * self.input_scaling
-        arguments = (recurrent, self.reservoir.input_column, weight, self.reservoir.input_bias)
+        columns, bias = self.reservoir.input_column, self.reservoir.input_bias
+        arguments = (recurrent, columns, weight, bias, self.leak_rate, self.readout)
         if self.backend == "scipy":
             return ScipyBackend(*arguments)
         try:

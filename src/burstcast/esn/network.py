@@ -57,11 +57,14 @@ class EchoStateNetwork:
     def __repr__(self) -> str:
         """Size and hyperparameters, no matrices."""
         dynamics = self.dynamics
+        leak = f", leak rate {dynamics.leak_rate:.3g}" if dynamics.leak_rate != 1 else ""
+        readout = f", {dynamics.readout} readout" if dynamics.readout != "linear" else ""
         return (
             f"EchoStateNetwork({dynamics.reservoir.neurons} neurons, "
             f"{len(self.input_range)} components, "
             f"spectral radius {dynamics.spectral_radius:.3g}, "
-            f"input scaling {dynamics.input_scaling:.3g}, Tikhonov {self.readout.tikhonov:.0e})"
+            f"input scaling {dynamics.input_scaling:.3g}, Tikhonov {self.readout.tikhonov:.0e}"
+            f"{leak}{readout})"
         )
 
     def washout(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:

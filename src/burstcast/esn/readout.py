@@ -13,11 +13,29 @@ then fails for some networks, while the centred one loses fewer digits.
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy.linalg import blas, lapack
 
 from burstcast.arrays import FloatArray
+
+ReadoutKind = Literal["linear", "quadratic"]
+"""What the output weights multiply: the states, or the states with every second one squared."""
+
+
+def readout_features(states: FloatArray, readout: ReadoutKind) -> FloatArray:
+    """States ``(neurons, ...)`` as the output weights multiply them, ``(neurons, ...)``.
+
+    A quadratic readout sees the squares of the neurons 1, 3, 5, ... (counted from zero) in their
+    place, which breaks the symmetry of the hyperbolic tangent: Lu et al., Chaos 27 (2017) 041102;
+    Pathak et al., Physical Review Letters 120 (2018) 024102.
+    """
+    if readout == "linear":
+        return states
+    features = states.copy()
+    features[1::2] *= states[1::2]
+    return features
 
 
 @dataclass(frozen=True)

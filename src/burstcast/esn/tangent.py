@@ -2,11 +2,12 @@
 
 With the reservoir states r, one step of the closed loop is
 
-    r' = tanh(rho W r + sigma_in W_in [u; b_in]),    u = diag(1 / range) W_out^T [r; 1],
+    r' = (1 - a) r + a t,    t = tanh(rho W r + sigma_in W_in [u; b_in]),
+    u = diag(1 / range) W_out^T [f(r); 1],
 
-so that its Jacobian, at the state that it leads to, is
+with the leak rate a and the readout's features f (1 and r in the paper), so that its Jacobian is
 
-    J = diag(1 - r'^2) (rho W + sigma_in W_in diag(1 / range) W_out^T),
+    J = (1 - a) I + a diag(1 - t^2) (rho W + sigma_in W_in diag(1 / range) W_out^T diag(f'(r))),
 
 where W_in and W_out are without the bias. J is a dense matrix, but the sum of a sparse one and one
 of the rank of the output: it is applied to perturbations factor by factor, and never formed.
@@ -55,9 +56,25 @@ class ClosedLoopTangent:
         """
         shape = tangent.shape
         for _ in range(steps):
-            _, states = self._network.forecast(states, 1)
+            before = states
+            _, states = self._network.forecast(before, 1)
             columns = tangent.reshape(shape[0], -1)
-            columns = self._recurrent @ columns + self._feedback @ (self._readout @ columns)
-            tangent = columns.reshape(shape)
-            tangent *= (1.0 - states * states)[:, np.newaxis]
+            seen = self._seen(before, tangent).reshape(shape[0], -1)
+            grown = self._recurrent @ columns + self._feedback @ (self._readout @ seen)
+            grown = grown.reshape(shape)
+            leak = self._network.dynamics.leak_rate
+            if leak == 1:
+                tangent = grown * (1.0 - states * states)[:, np.newaxis]
+            else:
+                reached = before + (states - before) / leak
+                grown *= (1.0 - reached * reached)[:, np.newaxis]
+                tangent = (1.0 - leak) * tangent + leak * grown
         return states, tangent
+
+    def _seen(self, states: FloatArray, tangent: FloatArray) -> FloatArray:
+        """Perturbations of the readout's features."""
+        if self._network.dynamics.readout == "linear":
+            return tangent
+        seen = tangent.copy()
+        seen[1::2] *= 2.0 * states[1::2, np.newaxis]
+        return seen

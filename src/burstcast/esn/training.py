@@ -131,7 +131,7 @@ def collect(
         if first in snapshots and first not in taken:
             taken[first] = accumulator.moments()
         targets = training.observed[:, first:stop].transpose(2, 1, 0)
-        columns = panel.columns
+        columns = dynamics.features(panel.columns)
         if factors is not None:
             # a state at step j predicts step j: what counts is in force from step j - 1 on
             in_force = factors[:, first - 1 : stop - 1].transpose(2, 1, 0)

@@ -23,7 +23,7 @@ from burstcast.tuning.strategies.registry import make_strategy, scanned_with
 from burstcast.tuning.validation import PointValidator
 
 # Reported results of the search for each network.
-_FOUND = ("spectral_radius", "input_scaling", "tikhonov", "objective")
+_FOUND = ("spectral_radius", "input_scaling", "leak_rate", "tikhonov", "objective")
 # Validation intervals in more series take longer, and the paper has no more.
 _MOST_VALIDATION_SERIES = 4
 
@@ -60,10 +60,12 @@ def networks(
         series=parameters["validation_series"] or min(_MOST_VALIDATION_SERIES, series),
         intervals=parameters["intervals_per_series"],
     )
-    space = SearchSpace(
-        _bounds(parameters["spectral_radius"]), _bounds(parameters["input_scaling"])
-    )
     options = case.options
+    space = SearchSpace(
+        _bounds(parameters["spectral_radius"]),
+        _bounds(parameters["input_scaling"]),
+        tuple(float(rate) for rate in options["leak_rate"]),
+    )
     made: list[Forecaster] = []
     found = []
     for number in range(members):
@@ -77,6 +79,7 @@ def networks(
             plan,
             list(parameters["tikhonov"]),
             options["backend"],
+            options["readout"],
         )
         scanned = scan(validator, space, together, parameters["grid"])
         optimiser = optimiser_seed(seed, parameters["case"], strategy.name)
@@ -93,7 +96,8 @@ def networks(
                 **knowledge,
             )
         )
-        found.append({name: chosen.record()[name] for name in _FOUND})
+        record = chosen.record()
+        found.append({name: record[name] for name in _FOUND if name in record})
     return made, found
 
 

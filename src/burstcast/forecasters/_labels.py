@@ -33,4 +33,7 @@ def forecaster_label(kind: str) -> str:
     >>> forecaster_label("quadratic_filtered"), forecaster_label("permanent_alarm")
     ('learnt equations, filtered', 'permanent alarm')
     """
-    return _LABELS.get(kind, kind.replace("_", " "))
+    words = kind.replace("_", " ")
+    if kind.startswith("esn_"):  # a variant
+        words = f"network, {words.removeprefix('esn ')}"
+    return _LABELS.get(kind, words)

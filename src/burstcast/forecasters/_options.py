@@ -9,6 +9,7 @@ from typing import Any
 DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     "esn": {
         **{"connectivity": 20, "input_bias": 0.1, "input_range": "all"},
+        **{"readout": "linear", "leak_rate": [1]},
         **{"divergence_bound": 10, "backend": "compiled"},
     },
     "observation": {"noise": None},

@@ -14,6 +14,7 @@ from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.tangent import ClosedLoopTangent
 from burstcast.esn.training import TrainingSeries, train, train_leaving_one_out
+from burstcast.forecasters._reservoirs import recorded_dynamics, restored_dynamics
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
 
 
@@ -88,9 +89,7 @@ class NetworkForecaster(Forecaster):
         return ForecasterRecord(
             {"weights": readout.weights, "input_range": self.network.input_range},
             {
-                **vars(self.seed),
-                "spectral_radius": dynamics.spectral_radius,
-                "input_scaling": dynamics.input_scaling,
+                **recorded_dynamics(self.seed, dynamics),
                 "tikhonov": readout.tikhonov,
                 "solver": readout.solver,
                 "reciprocal_condition": readout.reciprocal_condition,
@@ -101,19 +100,7 @@ class NetworkForecaster(Forecaster):
     def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Make the reservoir anew, and put the readout to it."""
         attributes, input_range = record.attributes, record.arrays["input_range"]
-        seed = ReservoirSeed(
-            int(attributes["random_seed"]),
-            int(attributes["neurons"]),
-            int(attributes["seed"]),
-            float(attributes["connectivity"]),
-            float(attributes["input_bias"]),
-        )
-        dynamics = Dynamics(
-            seed.reservoir(input_range.shape[0]),
-            float(attributes["spectral_radius"]),
-            float(attributes["input_scaling"]),
-            case.options["backend"],
-        )
+        seed, dynamics = restored_dynamics(attributes, len(input_range), case.options["backend"])
         readout = Readout(
             weights=np.ascontiguousarray(record.arrays["weights"]),
             tikhonov=float(attributes["tikhonov"]),

@@ -18,12 +18,13 @@ from burstcast.forecasters._event_classifier import (
     LabelledPoints,
     with_known,
 )
+from burstcast.forecasters._reservoirs import recorded_dynamics, restored_dynamics
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.probability.alarms import average_precision
 from burstcast.probability.logistic_readout import event_probability, fit_logistic
 from burstcast.probability.outcomes import outcomes_by_series
 
-_SEARCHED = ("spectral_radius", "input_scaling", "penalty")
+_SEARCHED = ("spectral_radius", "input_scaling", "leak_rate", "penalty")
 _HELD_OUT = 3
 """Every third training series is validated on, where hyperparameters are chosen."""
 _POINTS_PER_BATCH = 1024
@@ -58,26 +59,35 @@ class DirectReadout(EventClassifier):
         ranged = observed[first] if options["input_range"] == "first" else observed
         input_range = np.ptp(ranged.reshape(-1, observed.shape[2]), axis=0)
         reservoir = seed.reservoir(observed.shape[2])
-        radii, scalings, penalties = (options[name] for name in _SEARCHED)
-        several = len(radii) * len(scalings) * len(penalties) > 1
-        best, highest = (radii[0], scalings[0], penalties[0]), -np.inf
-        for radius, scaling in product(radii, scalings) if several else ():
-            dynamics = Dynamics(reservoir, radius, scaling, options["backend"])
+        choices = [options[name] for name in _SEARCHED]
+        *applied, penalties = choices
+        best, highest = [some[0] for some in choices], -np.inf
+
+        def driven(radius: float, scaling: float, leak_rate: float) -> Dynamics:
+            kind = options["backend"], leak_rate, options["readout"]
+            return Dynamics(reservoir, radius, scaling, *kind)
+
+        several = np.prod([len(some) for some in choices]) > 1
+        for point in product(*applied) if several else ():
+            dynamics = driven(*point)
             states = with_known(_states(dynamics, observed / input_range), points.known)
             for penalty in penalties:
                 score = _validation_score(states, points, penalty)
                 if score > highest:
-                    best, highest = (radius, scaling, penalty), score
-        radius, scaling, penalty = best
-        dynamics = Dynamics(reservoir, radius, scaling, options["backend"])
+                    best, highest = [*point, penalty], score
+        *chosen, penalty = best
+        dynamics = driven(*chosen)
         states = with_known(_states(dynamics, observed / input_range), points.known)
         weights = fit_logistic(states, points.happened, penalty)
         return cls(dynamics, seed, input_range, weights, penalty)
 
     def tuned(self, case: ForecastingCase) -> ForecastingCase:
         """Case with the chosen hyperparameters alone (see `EventClassifier.tuned`)."""
-        chosen = (self.dynamics.spectral_radius, self.dynamics.input_scaling, self.penalty)
-        options = {name: [value] for name, value in zip(_SEARCHED, chosen, strict=True)}
+        dynamics = self.dynamics
+        chosen = (dynamics.spectral_radius, dynamics.input_scaling, dynamics.leak_rate)
+        options = {
+            name: [value] for name, value in zip(_SEARCHED, (*chosen, self.penalty), strict=True)
+        }
         return replace(case, options={**case.options, **options})
 
     def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
@@ -87,13 +97,10 @@ class DirectReadout(EventClassifier):
 
     def record(self) -> ForecasterRecord:
         """Readout, normalisation and seed of the reservoir, without large matrices."""
-        dynamics = self.dynamics
         return ForecasterRecord(
             {"weights": self.weights, "input_range": self.input_range},
             {
-                **vars(self.seed),
-                "spectral_radius": dynamics.spectral_radius,
-                "input_scaling": dynamics.input_scaling,
+                **recorded_dynamics(self.seed, self.dynamics),
                 "penalty": self.penalty,
             },
         )
@@ -102,19 +109,7 @@ class DirectReadout(EventClassifier):
     def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Make the reservoir anew, and put the readout to it."""
         said, input_range = record.attributes, record.arrays["input_range"]
-        seed = ReservoirSeed(
-            int(said["random_seed"]),
-            int(said["neurons"]),
-            int(said["seed"]),
-            float(said["connectivity"]),
-            float(said["input_bias"]),
-        )
-        dynamics = Dynamics(
-            seed.reservoir(len(input_range)),
-            float(said["spectral_radius"]),
-            float(said["input_scaling"]),
-            case.options["backend"],
-        )
+        seed, dynamics = restored_dynamics(said, len(input_range), case.options["backend"])
         weights = np.ascontiguousarray(record.arrays["weights"])
         return cls(dynamics, seed, input_range, weights, float(said["penalty"]))
 
@@ -124,7 +119,7 @@ def _states(dynamics: Dynamics, washouts: FloatArray) -> FloatArray:
     found = []
     for first in range(0, len(washouts), _POINTS_PER_BATCH):
         batch = washouts[first : first + _POINTS_PER_BATCH].transpose(1, 2, 0)
-        found.append(dynamics.open_loop(np.ascontiguousarray(batch), None).T)
+        found.append(dynamics.features(dynamics.open_loop(np.ascontiguousarray(batch), None)).T)
     return np.concatenate(found)
 
 

@@ -13,6 +13,7 @@ class HyperparameterPoint:
 
     spectral_radius: float  #: rho, of the recurrent matrix
     input_scaling: float  #: sigma_in, of the input matrix
+    leak_rate: float = 1.0  #: a, of the neurons
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ class SearchSpace:
     #: spectral_radius, input_scaling: lower and upper bound of each; positive
     spectral_radius: tuple[float, float]
     input_scaling: tuple[float, float]
+    leak_rates: tuple[float, ...] = (1.0,)  #: of which the search takes one
 
     def __post_init__(self) -> None:
         for name in ("spectral_radius", "input_scaling"):
@@ -48,16 +50,17 @@ class SearchSpace:
                 )
 
     def grid(self, points: int) -> list[HyperparameterPoint]:
-        """Regular grid of ``points`` x ``points`` in logarithmic scale, corners included."""
+        """Grid of ``points`` x ``points`` in logarithmic scale with corners, at each leak rate."""
         return [
-            HyperparameterPoint(float(rho), float(sigma))
-            for rho, sigma in itertools.product(
+            HyperparameterPoint(float(rho), float(sigma), float(leak))
+            for leak, rho, sigma in itertools.product(
+                self.leak_rates,
                 np.geomspace(*self.spectral_radius, points),
                 np.geomspace(*self.input_scaling, points),
             )
         ]
 
-    def point(self, logarithm: Sequence[float]) -> HyperparameterPoint:
+    def point(self, logarithm: Sequence[float], leak_rate: float = 1.0) -> HyperparameterPoint:
         """Point with these decimal logarithms, moved onto the bounds where rounding left them."""
         rho, sigma = (
             float(np.clip(10.0**exponent, *bounds))
@@ -65,7 +68,7 @@ class SearchSpace:
                 logarithm, (self.spectral_radius, self.input_scaling), strict=True
             )
         )
-        return HyperparameterPoint(rho, sigma)
+        return HyperparameterPoint(rho, sigma, leak_rate)
 
     def logarithm(self, point: HyperparameterPoint) -> list[float]:
         """Decimal logarithms of a point, moved onto the bounds where rounding has left them."""

@@ -30,12 +30,13 @@ def search(
 ) -> list[Evaluation]:
     """Evaluate more points, where a Gaussian process expects the largest improvement.
 
-    ``scanned``: Evaluations of the grid (`burstcast.tuning.scan`); those by other strategies are
-    left out.
+    They have the leak rate of the best point of the grid. ``scanned``: Evaluations of the grid
+    (`burstcast.tuning.scan`); those by other strategies are left out.
     """
     trace = [one for one in scanned if one.validation.strategy == strategy.name]
+    leak_rate = best(trace).point.leak_rate
     on_grid: dict[HyperparameterPoint, float] = {}
-    for one in trace:
+    for one in (one for one in trace if one.point.leak_rate == leak_rate):
         on_grid[one.point] = min(one.objective, on_grid.get(one.point, float("inf")))
 
     def objective(point: HyperparameterPoint) -> float:

@@ -25,13 +25,18 @@ class Evaluation:
         return self.validation.objective
 
     def record(self) -> dict[str, str | int | float]:
-        """The evaluation without errors of single intervals, as a row of a table."""
+        """The evaluation without errors of single intervals, as a row of a table.
+
+        It has the leak rate of neurons that leak.
+        """
+        leak_rate = self.point.leak_rate
         return {
             "evaluation": self.number,
             "source": self.source,
             "validation": self.validation.strategy,
             "spectral_radius": self.point.spectral_radius,
             "input_scaling": self.point.input_scaling,
+            **({} if leak_rate == 1 else {"leak_rate": leak_rate}),
             "tikhonov": self.validation.tikhonov,
             "objective": self.objective,
             "solver": self.validation.solver,
@@ -48,8 +53,16 @@ class Evaluation:
             record["solver"],
             record["reciprocal_condition"],
         )
-        point = HyperparameterPoint(record["spectral_radius"], record["input_scaling"])
+        point = HyperparameterPoint(
+            record["spectral_radius"], record["input_scaling"], leak_rate_of(record)
+        )
         return cls(record["evaluation"], record["source"], point, validation)
+
+
+def leak_rate_of(record: Mapping[Any, Any]) -> float:
+    """Leak rate of a record or a row of a table of them: 1 where it has none."""
+    said = record.get("leak_rate")
+    return 1.0 if said is None or said != said else float(said)
 
 
 def scan(

@@ -29,16 +29,16 @@ def bayesian_search(
     seed: int,
     surrogate: SurrogateSettings = DEFAULT_SURROGATE,
 ) -> None:
-    """Evaluate ``points`` more hyperparameters, chosen by a Gaussian process.
+    """Evaluate ``points`` more hyperparameters, chosen by a Gaussian process at one leak rate.
 
     The Gaussian process has a constant times an anisotropic Matern 5/2 kernel and normalised
     targets; gp_hedge chooses among expected improvement, lower confidence bound and probability of
     improvement.
 
-    ``evaluated``: Points that are known, with their objectives: the grid. ``evaluate``: Objective
-    at a point, to be minimised. The caller records what it needs of each evaluation. ``seed``: Seed
-    of the optimiser, unless the settings of the Gaussian process have one. ``surrogate``: Settings
-    of the Gaussian process. The fit of its variance starts from 1.
+    ``evaluated``: Points of one leak rate that are known, with their objectives: the grid.
+    ``evaluate``: Objective at a point, to be minimised. The caller records what it needs of each
+    evaluation. ``seed``: Seed of the optimiser, unless the settings of the Gaussian process have
+    one. ``surrogate``: Settings of the Gaussian process. The fit of its variance starts from 1.
     """
     seed = seed if surrogate.random_state is None else surrogate.random_state
     kernel = ConstantKernel(float(np.clip(1.0, *surrogate.variance)), surrogate.variance) * Matern(
@@ -63,6 +63,6 @@ def bayesian_search(
     )
     for remaining in reversed(range(points)):
         logarithm = optimizer.ask()
-        objective = evaluate(space.point(logarithm))
+        objective = evaluate(space.point(logarithm, evaluated[0][0].leak_rate))
         # the last fit would propose a point that is not evaluated
         optimizer.tell(logarithm, objective, fit=remaining > 0)

@@ -16,7 +16,7 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.readout import Moments, Readout, solve_ridge
+from burstcast.esn.readout import Moments, Readout, ReadoutKind, solve_ridge
 from burstcast.esn.reservoir import Reservoir
 from burstcast.esn.training import Collected, TrainingSeries, collect
 from burstcast.tuning.hyperparameters import HyperparameterPoint
@@ -96,6 +96,7 @@ class PointValidator:
     plan: ValidationPlan
     tikhonov: Sequence[float]
     backend: Literal["compiled", "scipy"]  #: implementation of the dynamics (`Dynamics`)
+    readout: ReadoutKind = "linear"  #: what the output weights multiply
 
     def __call__(
         self, point: HyperparameterPoint, strategies: Sequence[ValidationStrategy]
@@ -112,7 +113,14 @@ class PointValidator:
 
     def dynamics(self, point: HyperparameterPoint) -> Dynamics:
         """Reservoir at a point of the search."""
-        return Dynamics(self.reservoir, point.spectral_radius, point.input_scaling, self.backend)
+        return Dynamics(
+            self.reservoir,
+            point.spectral_radius,
+            point.input_scaling,
+            self.backend,
+            point.leak_rate,
+            self.readout,
+        )
 
 
 @dataclass(frozen=True)

@@ -54,10 +54,10 @@ GROUPS = {
     "SCORED": "random_seed bootstrap classification.prediction_times_lt "
     "classification.window_lt classification.resolution_lt",
     "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
-    "forecasters.esn.input_range forecasters.esn.backend forecasters.aware",
+    "forecasters.esn.readout forecasters.esn.input_range forecasters.esn.backend forecasters.aware",
     "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
     "search.interval_lt search.single_shot_lead_steps search.tikhonov search.spectral_radius "
-    "search.input_scaling",
+    "search.input_scaling forecasters.esn.leak_rate",
     "FORECASTER": "SYSTEM TIME forecaster.options",
     # long runs: where they start and how long they are
     "LONG_RUNS": "FORECASTER OBSERVED washout_lt statistics.starting_points "
@@ -212,7 +212,12 @@ class Campaign:
         return self.cases[case].training.trained_on or [case]
 
     def select(self, **values: object) -> tuple[CaseForecaster, ...]:
-        """Forecasters whose case, kind, neurons, validation or seed have the given values."""
+        """Forecasters whose case, kind, neurons, validation or seed have the given values.
+
+        Those of a kind have no label, unless one is given.
+        """
+        if "kind" in values:
+            values.setdefault("label", None)
         return tuple(
             one
             for one in self.forecasters
@@ -294,7 +299,7 @@ class Campaign:
             runs += [
                 replace(run, controller=replace(run.controller, role="random"))
                 for run in runs
-                if run.controller.kind == "esn"
+                if (run.controller.kind, run.controller.label) == ("esn", None)
             ]
         return tuple(runs)
 
@@ -356,16 +361,23 @@ class Campaign:
         if name.role is None:
             return (CaseForecaster(case, name),)
         return self.select(
-            case=case, kind=name.kind, neurons=name.neurons, validation=name.validation
+            case=case,
+            kind=name.kind,
+            label=name.label,
+            neurons=name.neurons,
+            validation=name.validation,
         )
 
     @property
     def unused_columns(self) -> set[str]:
-        """Columns of tables of control that no plan of the campaign has a value of."""
+        """Columns of tables that the campaign has no value of: of control, and leak rates."""
         values = [value for run in self.strategy_runs for _, value in run.plan.settings]
         used = {"options"} if any(map(is_option, values)) else set()
         used |= {"observed"} if any(run.plan.observed for run in self.strategy_runs) else set()
-        return {"options", "observed"} - used
+        names = {(one.name.kind, one.name.label) for one in self.networks}
+        leaking = any(self.options(kind, label=label)["leak_rate"] != [1] for kind, label in names)
+        used |= {"leak_rate"} if leaking else set()
+        return {"options", "observed", "leak_rate"} - used
 
     @cached_property
     def aware_cases(self) -> tuple[str, ...]:
@@ -434,7 +446,7 @@ class Campaign:
     def _setting(self, path: str, wildcards: Mapping[str, str], name: ForecasterName) -> Any:
         section, *rest = path.split(".")
         if section == "forecaster":
-            options = self.options(name.kind, wildcards.get("case", ""))
+            options = self.options(name.kind, wildcards.get("case", ""), name.label)
             bound = options.pop("divergence_bound", None)
             value: Any = {"options": options, "divergence_bound": bound}
             if self._decodes(wildcards, name):
@@ -442,6 +454,8 @@ class Campaign:
         elif path == AWARE:
             aware = self._sections(wildcards["case"])["aware"]
             return {**aware, "own": self.own_values(wildcards["case"])}
+        elif section == "forecasters":
+            value = self._sections(wildcards.get("case", ""), name.label)
         elif section == "case":
             value = self._plain_cases[wildcards["case"]]
         elif path == "statistics.duration" and self.config.statistics.duration is None:
@@ -470,9 +484,14 @@ class Campaign:
         switched = wildcards.get("case") in self.switched_cases
         return bool(told) or switched or learns_parameters(name.kind)
 
-    def _sections(self, case: str) -> dict[str, Any]:
-        """Settings of kinds of forecasters in a case; records have known columns as parameters."""
+    def _sections(self, case: str, label: str | None = None) -> dict[str, Any]:
+        """Settings of kinds of forecasters in a case; records have known columns as parameters.
+
+        Networks with the label of a variant have its settings.
+        """
         sections: dict[str, Any] = self._plain["forecasters"]
+        if label in sections["variants"]:
+            sections = {**sections, "esn": {**sections["esn"], **sections["variants"][label]}}
         if case not in self.known_cases:
             return sections
         names = [Quantity(text).name for text in self.data(case).known]
@@ -505,9 +524,9 @@ class Campaign:
                 plain["event_threshold"]["case"] = name
         return found
 
-    def options(self, kind: str, case: str = "") -> dict[str, Any]:
+    def options(self, kind: str, case: str = "", label: str | None = None) -> dict[str, Any]:
         """Settings of a kind of forecasters, in a case, from all of its sections."""
-        return options_of_kind(kind, self._sections(case))
+        return options_of_kind(kind, self._sections(case, label))
 
     def _control_record(self, wildcards: Mapping[str, str], name: ForecasterName) -> dict[str, Any]:
         run = self.plan(wildcards["strategy"]).record(self.config.control.span_lt)
@@ -669,7 +688,7 @@ class Campaign:
     def scan_of(self, identifier: str) -> tuple[str, str]:
         """Reservoir and strategies of the scan that a network's search goes on from."""
         name = parsed(identifier)
-        reservoir = ForecasterName(name.kind, name.neurons, None, name.seed).identifier
+        reservoir = replace(name, validation=None).identifier
         return reservoir, "+".join(scanned_with(str(name.validation)))
 
 
@@ -706,9 +725,10 @@ def _names(kind: str, axes: Section | dict[str, Section]) -> Iterator[Forecaster
     if not isinstance(axes, NetworkAxes):
         yield ForecasterName(kind)
         return
-    for neurons, validation in product(axes.neurons, axes.validation):
+    labels: list[str | None] = [*axes.variants] or [None]
+    for label, neurons, validation in product(labels, axes.neurons, axes.validation):
         for seed in range(axes.seeds):
-            yield ForecasterName(kind, neurons, validation, seed)
+            yield ForecasterName(kind, neurons, validation, seed, label=label)
 
 
 def _order(one: CaseForecaster) -> tuple[Any, ...]:

@@ -92,7 +92,8 @@ def _class_defaults(config: Configuration) -> Iterator[str]:
 def _campaign(config: Configuration) -> Iterator[str]:
     if config.case_defaults.data is not None:
         yield "case_defaults.data must be null: each case has data of its own, in cases.<name>.data"
-    connectivity, known = config.forecasters.esn.connectivity, _known_cases(config)
+    known, variants = _known_cases(config), config.forecasters.variants
+    connectivity = config.forecasters.esn.connectivity
     for index, block in enumerate(config.campaign):
         place = f"campaign[{index}]"
         if not block_cases(block):
@@ -105,6 +106,13 @@ def _campaign(config: Configuration) -> Iterator[str]:
                 yield from _realisations(config, place, block, name)
         if not block.forecasters.kinds:
             yield f"{place}.forecasters names no kind: give it esn, equations, ..."
+        for axes in block.forecasters.networks:
+            for name in axes.variants:
+                if name not in variants:
+                    yield (
+                        f"{place}.forecasters: there is no {name} in forecasters.variants; "
+                        f"{suggestion(name, variants)}"
+                    )
         sizes = [
             (min(axes.neurons), f"{place}.forecasters.esn.neurons")
             for axes in block.forecasters.networks
@@ -287,7 +295,7 @@ def _figures(config: Configuration) -> Iterator[str]:
         and example.validation in networks.validation
         and (example.seed or 0) < networks.seeds
         for networks in (block.forecasters.esn for block in blocks_of(config, name))
-        if networks
+        if networks and not networks.variants
     ):
         yield (
             f"the example network of the figures ({name}, {example.identifier}) is not part of the "

@@ -49,7 +49,7 @@ def _example(config: Configuration) -> dict[str, Any]:
     found = [
         (case, size, block.forecasters.esn.validation)
         for block in config.campaign
-        if block.forecasters.esn is not None
+        if block.forecasters.esn is not None and not block.forecasters.esn.variants
         for case in block_cases(block)
         for size in block.forecasters.esn.neurons
     ]

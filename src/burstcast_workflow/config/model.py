@@ -10,6 +10,7 @@ from pydantic import AfterValidator, Field
 
 from burstcast import durations
 from burstcast.compiled.backends import usable_backend
+from burstcast.esn.readout import ReadoutKind
 from burstcast.forecasters._options import DEFAULTS
 from burstcast.tuning.hyperparameters import SurrogateSettings
 from burstcast_workflow.config.kinds import (
@@ -79,6 +80,11 @@ class NetworkAxes(Section):
     neurons: Some[Size] = setting("sizes of the reservoir")
     validation: Some[Strategy] = setting("validation strategies: Single Shot (SSV), Recycle (RV)")
     seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1", le=10_000)
+    variants: Distinct[Label] = setting(
+        "names of `forecasters.variants`: networks of each of them instead of networks with the "
+        "settings of `forecasters.esn`",
+        default=[],
+    )
 
 
 class SingleKinds(Chosen):
@@ -523,10 +529,25 @@ class EchoStateNetwork(Section):
     divergence_bound: float = setting(
         "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
     )
+    readout: ReadoutKind = setting(
+        "what the output weights multiply: the states of the neurons, or these with every second "
+        "one squared"
+    )
+    leak_rate: SomeFalling[Annotated[Positive, Field(le=1)]] = setting(
+        "part of the way that neurons go in a step, a, where 1 is no leak; several: chosen by the "
+        "search"
+    )
     # a platform that cannot compile says so once, and every file says what it was made with
     backend: Annotated[Literal["compiled", "scipy"], AfterValidator(usable_backend)] = setting(
         "implementation of the reservoir's dynamics", validate_default=True
     )
+
+
+# what differs from forecasters.esn
+if TYPE_CHECKING:
+    Variant = EchoStateNetwork
+else:
+    Variant = part_of(EchoStateNetwork)
 
 
 @with_defaults(DEFAULTS["observation"])
@@ -631,6 +652,10 @@ class Forecasters(Section):
     """Settings of the kinds of forecasters that have any."""
 
     esn: EchoStateNetwork = setting("", default_factory=EchoStateNetwork)
+    variants: dict[Label, Variant] = setting(
+        "networks that differ from `forecasters.esn`, by a name: the settings that differ",
+        default={},
+    )
     observation: Observation = setting("", default_factory=Observation)
     filter: Filter = setting("", default_factory=Filter)
     quadratic: Quadratic = setting("", default_factory=Quadratic)
@@ -919,7 +944,9 @@ class Configuration(Section):
 
     def dump(self) -> dict[str, Any]:
         """All settings with their defaults, in canonical form; entries of ``cases`` as said."""
-        plain = self.model_dump(exclude={"cases"})
+        plain = self.model_dump(exclude={"cases": True, "forecasters": {"variants"}})
+        variants = self.forecasters.variants.items()
+        plain["forecasters"]["variants"] = {name: one.dump() for name, one in variants}
         plain["cases"] = {name: entry.dump() for name, entry in self.cases.items()}
         whole: dict[str, Any] = canonical(plain)
         return whole

@@ -57,7 +57,7 @@ _FIELD_STEP = 8.0  # of a component of a field, in steps of nine compiled equati
 _FIELD_PERTURBATIONS = 7.0  # of a field, in perturbations of nine equations
 _TYPICAL_LYAPUNOV_TIME = 60  # in steps, where it is not known before it is computed
 
-_SEARCHED = ("spectral_radius", "input_scaling", "penalty")
+_SEARCHED = ("spectral_radius", "input_scaling", "leak_rate", "penalty")
 _NEWTON_STEPS = 10.0  # of a logistic regression
 
 SAFETY = 2.0
@@ -104,7 +104,7 @@ class _Job:
         learns = name.asks_forecasters and learns_parameters(name.kind)
         sources = len(campaign.sources(self.case)) if learns else 1
         # of a network's readout: the states once more for each factor of the parameters
-        options = campaign.options(name.kind, self.case)
+        options = campaign.options(name.kind, self.case, name.label)
         names, degree = options.get("parameters", []), options.get("parameter_degree", 1)
         factors = math.comb(len(names) + degree, degree)
         self.features = self.neurons * factors
@@ -366,7 +366,9 @@ CLASSES: Mapping[str, Callable[[_Job], _Work]] = {
     "tangent": _exponents,
     # the ensemble is read, and at most as much is held
     "data": lambda job: _Work(_PLAIN, {"number": job.numbers}, job.numbers),
-    "search_grid": lambda job: _search(job, job("search.grid") ** 2),
+    "search_grid": lambda job: _search(
+        job, job("search.grid") ** 2 * len(job("forecasters.esn.leak_rate"))
+    ),
     "search_points": _bayesian_search,
     "choice": _choice,
     "training": _training,

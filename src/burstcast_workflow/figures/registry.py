@@ -48,7 +48,7 @@ def long_term_candidates(campaign: Campaign, case: str) -> list[CaseForecaster]:
     networks = [
         one
         for one in campaign.long_term_forecasters
-        if one.case == case and one.name.neurons == size
+        if one.case == case and one.name.neurons == size and one.name.label is None
     ]
     example = campaign.example.name.validation
     strategies = {str(one.name.validation) for one in networks}
@@ -57,7 +57,8 @@ def long_term_candidates(campaign: Campaign, case: str) -> list[CaseForecaster]:
 
 
 def _by_network(run: ControlRun) -> bool:
-    return run.controller.kind == "esn" and run.controller.role is None
+    controller = run.controller
+    return controller.kind == "esn" and controller.role is None and controller.label is None
 
 
 def _network_runs(campaign: Campaign) -> list[ControlRun]:

@@ -68,7 +68,9 @@ def reservoir_seed(settings: Settings, identifier: str) -> ReservoirSeed:
 def search_space(settings: Settings) -> SearchSpace:
     """Ranges of the hyperparameters."""
     return SearchSpace(
-        tuple(settings["search.spectral_radius"]), tuple(settings["search.input_scaling"])
+        tuple(settings["search.spectral_radius"]),
+        tuple(settings["search.input_scaling"]),
+        tuple(settings["forecasters.esn.leak_rate"]),
     )
 
 
@@ -91,6 +93,7 @@ def point_validator(
         plan=_validation_plan(settings),
         tikhonov=settings["search.tikhonov"],
         backend=settings["forecasters.esn.backend"],
+        readout=settings["forecasters.esn.readout"],
     )
 
 

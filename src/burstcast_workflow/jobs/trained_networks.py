@@ -6,6 +6,7 @@ from typing import Any
 from burstcast import durations
 from burstcast.esn.dynamics import Dynamics
 from burstcast.forecasters.base import Forecaster
+from burstcast.tuning.scan import leak_rate_of
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasters import kind_of
 from burstcast_workflow.jobs.networks import knowledge, reservoir_seed, training_series
@@ -26,12 +27,20 @@ def trained_networks(
     networks: Any = kind_of(settings["forecaster"])
     seed = reservoir_seed(settings, settings["forecaster"])
     series = training_series(settings, ensemble, scheduled)
-    reservoir, backend = seed.reservoir(series.dimension), settings["forecasters.esn.backend"]
+    reservoir = seed.reservoir(series.dimension)
+    backend, readout = (settings[f"forecasters.esn.{name}"] for name in ("backend", "readout"))
     washout = durations.steps(settings["washout_lt"], lyapunov_time(settings))
     told = knowledge(settings, scheduled)
     for point in points:
         yield networks.trained(
-            Dynamics(reservoir, point["spectral_radius"], point["input_scaling"], backend),
+            Dynamics(
+                reservoir,
+                point["spectral_radius"],
+                point["input_scaling"],
+                backend,
+                leak_rate_of(point),
+                readout,
+            ),
             seed,
             series,
             washout=washout,

@@ -52,9 +52,10 @@ def _once(function: OfJob) -> OfJob:
         names: dict[str, object] = dict(wildcards.items())
         for key in {"forecaster", "controller"} & names.keys():
             name = parsed(str(names[key]))
-            names[key] = (name.kind, name.validation, name.role)
+            names[key] = (name.kind, name.label, name.validation, name.role)
         if "reservoir" in names:
-            names["reservoir"] = parsed(str(names["reservoir"])).kind
+            name = parsed(str(names["reservoir"]))
+            names["reservoir"] = (name.kind, name.label)
         about = tuple(names.values())
         if about not in known:
             known[about] = function(wildcards)

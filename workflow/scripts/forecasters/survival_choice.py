@@ -57,4 +57,5 @@ def choose_by_survival(
     )
     write_table(candidates, table)
     names = ["spectral_radius", "input_scaling", "tikhonov", "objective", "solver"]
-    write_json(chosen, table.iloc[row][names].to_dict(), settings.provenance)
+    names += [name for name in ["leak_rate"] if name in table]
+    write_json(chosen, table.iloc[row][names].dropna().to_dict(), settings.provenance)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+from burstcast.tuning.scan import leak_rate_of
 
 TABLES = Declaration(gathered={"hyperparameters": ""})
 
@@ -10,8 +11,10 @@ NAMES = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
 
 
 def make(*, hyperparameters: Sequence[Gathered]) -> dict[str, Rows]:
-    """One row for each network."""
-    rows = [
-        {**one.name.keys, **{name: one.content[name] for name in NAMES}} for one in hyperparameters
-    ]
+    """One row for each network; leak rates where any network leaks."""
+    rows = []
+    leaking = any("leak_rate" in one.content for one in hyperparameters)
+    for one in hyperparameters:
+        row = {**one.name.keys, **{name: one.content[name] for name in NAMES}}
+        rows.append({**row, "leak_rate": leak_rate_of(one.content)} if leaking else row)
     return {"hyperparameters": rows}

@@ -1,0 +1,43 @@
+"""Reservoirs in the records of forecasters: what they are made from, without large matrices."""
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.reservoir import ReservoirSeed
+
+_AS_IN_THE_PAPER = {"leak_rate": 1.0, "readout": "linear"}
+
+
+def recorded_dynamics(seed: ReservoirSeed, dynamics: Dynamics) -> dict[str, str | int | float]:
+    """Attributes of a reservoir; the leak rate and the readout only if they are not the paper's."""
+    differs = {name: getattr(dynamics, name) for name in _AS_IN_THE_PAPER}
+    return {
+        **vars(seed),
+        "spectral_radius": dynamics.spectral_radius,
+        "input_scaling": dynamics.input_scaling,
+        **{name: value for name, value in differs.items() if value != _AS_IN_THE_PAPER[name]},
+    }
+
+
+def restored_dynamics(
+    said: Mapping[str, Any], dimension: int, backend: Literal["compiled", "scipy"]
+) -> tuple[ReservoirSeed, Dynamics]:
+    """Make the reservoir of such attributes anew, for inputs of this dimension."""
+    seed = ReservoirSeed(
+        int(said["random_seed"]),
+        int(said["neurons"]),
+        int(said["seed"]),
+        float(said["connectivity"]),
+        float(said["input_bias"]),
+    )
+    said = {**_AS_IN_THE_PAPER, **said}
+    dynamics = Dynamics(
+        seed.reservoir(dimension),
+        float(said["spectral_radius"]),
+        float(said["input_scaling"]),
+        backend,
+        float(said["leak_rate"]),
+        said["readout"],
+    )
+    return seed, dynamics
