@@ -247,6 +247,8 @@ def test_settings_are_found_by_their_path():
             "connectivity": 20,
             "input_bias": 0.1,
             "input_range": "all",
+            "leak_rate": [1],
+            "readout": "linear",
         },
         "forecaster.divergence_bound": 10,
         "washout_lt": 0.5,

@@ -39,6 +39,8 @@ SETTINGS = {
     "forecasters.esn.connectivity": 6,
     "forecasters.esn.input_bias": 0.1,
     "forecasters.esn.input_range": "all",
+    "forecasters.esn.readout": "linear",
+    "forecasters.esn.leak_rate": [1],
     "forecasters.esn.backend": "scipy",
     "washout_lt": 0.5,
     "search.interval_lt": 2,

@@ -16,12 +16,12 @@ _TIME = """case.ensemble.time_step case.ensemble.sampling_stride
     case.lyapunov.time_unit case.lyapunov.published_exponent"""
 _OBSERVED = "random_seed case.training.*"
 _RESERVOIR = """random_seed forecasters.esn.connectivity forecasters.esn.input_bias
-    forecasters.esn.input_range forecasters.esn.backend"""
+    forecasters.esn.readout forecasters.esn.input_range forecasters.esn.backend"""
 _WINDOWS = """classification.resolution_lt classification.longest_prediction_time_lt
     classification.window_lt"""
 _SEARCH = f"""{_SYSTEM} {_TIME} {_OBSERVED} {_RESERVOIR} case.recycle_validation.* washout_lt
     search.spectral_radius search.input_scaling search.tikhonov search.interval_lt
-    search.single_shot_lead_steps"""
+    search.single_shot_lead_steps forecasters.esn.leak_rate"""
 _HORIZON = f"""{_SYSTEM} {_TIME} case.event_threshold washout_lt
     horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance"""
 _LONG_RUNS = f"""{_SYSTEM} {_TIME} {_OBSERVED} washout_lt statistics.starting_points
@@ -36,8 +36,8 @@ _CONTROL = f"""{_SYSTEM} {_TIME} random_seed case.training.series
 _OTHER_CONTROL = _CONTROL.replace("control.window_lt", "")
 # A forecaster is restored with the settings of its kind; the equations have none, and see no noise.
 # Whether forecasts have diverged is asked by those who judge them as a whole.
-_NETWORK = """forecasters.esn.connectivity forecasters.esn.input_bias
-    forecasters.esn.input_range forecasters.esn.backend"""
+_NETWORK = """forecasters.esn.connectivity forecasters.esn.input_bias forecasters.esn.readout
+    forecasters.esn.leak_rate forecasters.esn.input_range forecasters.esn.backend"""
 _JUDGED = "forecasters.esn.divergence_bound"
 _LEARNT = "forecasters.observation.* forecasters.quadratic.* forecasters.filter.*"
 _TRUE = "random_seed case.training.series"

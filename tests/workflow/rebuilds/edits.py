@@ -152,6 +152,9 @@ _VALUES: dict[str, Any] = {
     "cases.Re400.lyapunov.published_exponent": 0.0174,
     "forecasters.esn.backend": "compiled",
     "forecasters.esn.input_range": "first",
+    "forecasters.esn.readout": "quadratic",
+    "forecasters.esn.leak_rate": [1, 0.5],
+    "forecasters.variants": {"quadratic": {"readout": "quadratic"}},
     "forecasters.precursor.classifier": "logistic",
     "forecasters.precursor.degree": 1,
     "forecasters.aware.parameters": ["length_x"],
@@ -268,6 +271,8 @@ _WITHOUT_EFFECT = (
     *("figures.", "control.sweep.seeds", "control.sweep.prediction_times_lt"),
     # of forecasters that know the parameters, which the preset does not have
     *("case_defaults.training.actuation", "case_defaults.training.trained_on", "forecasters.aware"),
+    # of networks that no block has
+    "forecasters.variants",
     # of classifiers, which it does not have either
     *("forecasters.precursor", "forecasters.esn_direct", "forecasters.classifiers"),
 )
