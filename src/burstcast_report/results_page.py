@@ -30,6 +30,7 @@ from burstcast_report import (
     aware_tables,
     control_tables,
     ranking_tables,
+    readout_tables,
     results_tables,
 )
 from burstcast_report.claims import NOT_KEPT, findings
@@ -303,6 +304,7 @@ def page(kept: Path = KEPT) -> str:
         aware_tables=aware_tables,
         control_tables=control_tables,
         ranking_tables=ranking_tables,
+        readout_tables=readout_tables,
         claims_table=claims_table,
         unjudged_table=unjudged_table,
         sides_table=sides_table,
@@ -333,6 +335,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 1 if found else 0
         else:
             (DOCS / "results.md").write_text(page(), encoding="utf-8")
+            if (KEPT / "readout").is_dir():
+                image = DOCS / "images" / "readout.png"
+                readout_tables.draw(Tables(KEPT / "readout"), image)
     except RefusedError as error:
         print(error, file=sys.stderr)
         return 2
