@@ -502,3 +502,17 @@ def test_the_forecaster_is_there_without_what_only_a_fit_needs():
     )
     slow = {"skopt", "sklearn", "pandas", "matplotlib", "netCDF4", "llvmlite"}
     assert not slow & set(output.stdout.split())
+
+
+def test_networks_may_leak_and_square(training, test_series, tmp_path):
+    options = {"backend": "scipy", "readout": "quadratic", "leak_rate": [1, 0.6]}
+    settings = {**SMALL, "members": 2, "calibrate": False, "options": options}
+    found = burstcast.EventForecaster(**settings).fit(training)
+    for member, chosen in zip(found.members_, found.hyperparameters_, strict=True):
+        dynamics = member.network.dynamics
+        assert dynamics.readout == "quadratic"
+        assert dynamics.leak_rate == chosen.get("leak_rate", 1)
+        assert dynamics.leak_rate in (1, 0.6)
+    found.save(tmp_path / "network.nc")
+    back = burstcast.EventForecaster.load(tmp_path / "network.nc")
+    assert_array_equal(back.forecast(test_series), found.forecast(test_series))

@@ -231,6 +231,21 @@ def test_a_restored_forecaster_forecasts_the_same_bits(name, flow):
     assert restored.diverged(outputs).tolist() == forecaster.diverged(outputs).tolist()
 
 
+def test_a_restored_network_leaks_and_squares_as_before(flow):
+    network = make_network(np.random.default_rng(5), 0.4, "quadratic")
+    forecaster = NetworkForecaster(network, SEED, 10.0)
+    record = forecaster.record()
+    assert (record.attributes["leak_rate"], record.attributes["readout"]) == (0.4, "quadratic")
+    assert not {"leak_rate", "readout"} & FORECASTERS["esn"].record().attributes.keys()
+    restored = NetworkForecaster.restore(record, CASE)
+    outputs = [
+        one.advance(one.start(flow[:20]), 12)[0]
+        for one in (forecaster, restored, FORECASTERS["esn"])
+    ]
+    np.testing.assert_array_equal(outputs[0], outputs[1])
+    assert np.abs(outputs[0] - outputs[2]).max() > 1e-3
+
+
 @pytest.mark.parametrize("kind", EQUATIONS)
 def test_the_equations_learn_nothing(kind, flow):
     training = flow.transpose(2, 0, 1)

@@ -499,3 +499,44 @@ def test_networks_with_true_washouts_share_the_search_of_the_others():
     # they have learnt from noisy series
     wildcards = {"case": "Re400", "forecaster": "esn_true_washout-N500-RV-seed0"}
     assert found.settings(["case.training.noise"], wildcards, {}) == {"case.training.noise": 0.01}
+
+
+def test_variants_are_networks_with_other_settings():
+    chosen = networks([500], seeds=2)
+    other = {"esn": {**chosen["esn"], "variants": ["leaking", "squares"]}}
+    blocks = [{"reynolds": [400], "forecasters": one} for one in (chosen, other)]
+    variants = {"squares": {"readout": "quadratic"}, "leaking": {"leak_rate": [0.5, 1]}}
+    found = campaign({"forecasters": {"variants": variants}}, blocks=blocks)
+    names = [one.name for one in found.networks]
+    assert [name.identifier for name in names] == [
+        f"esn{label}-N500-RV-seed{seed}"
+        for label in ("", "-leaking", "-squares")
+        for seed in (0, 1)
+    ]
+    assert [name.keys["forecaster"] for name in names[::2]] == ["esn", "esn_leaking", "esn_squares"]
+    # those of a kind are plain ones
+    assert [one.name for one in found.select(case="Re400", kind="esn")] == names[:2]
+    assert found.controlling("Re400", "esn-squares-N500-RV-committee") == tuple(
+        of("Re400", f"esn-squares-N500-RV-seed{seed}") for seed in (0, 1)
+    )
+    paths = ["forecasters.esn.readout", "forecasters.esn.leak_rate", "forecaster.options"]
+    said = []
+    for name in names[::2]:
+        wildcards = {"case": "Re400", "forecaster": name.identifier}
+        readout, leak_rate, options = (found.settings(paths, wildcards, {})[path] for path in paths)
+        assert (options["readout"], options["leak_rate"]) == (readout, leak_rate)
+        assert options["connectivity"] == 20
+        said.append((readout, leak_rate))
+    assert said == [("linear", [1]), ("linear", [1, 0.5]), ("quadratic", [1])]
+    scan = found.scan_of("esn-squares-N500-RV-seed1")
+    assert scan == ("esn-squares-N500-seed1", "RV+SSV")
+    assert "leak_rate" not in found.unused_columns
+    assert "leak_rate" in PAPER.unused_columns
+    # random alarms are as often as those of plain networks
+    random = [run for run in found.control_runs if run.controller.role == "random"]
+    assert {run.controller.label for run in random} == {None}
+    # the workflow's rules accept the names
+    rules = (ROOT / "workflow" / "rules" / "common.smk").read_text()
+    (sized,) = re.findall(r'^SIZED = r"(.*)"', rules, re.M)
+    for name in names:
+        assert re.fullmatch(rf"{sized}+-[A-Z]+-seed\d+", name.identifier)

@@ -13,7 +13,12 @@ from burstcast.control.controllers.committee import VOTE_SHARE, votes
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
-from burstcast.forecasters.registry import available_kinds, kind_class, trajectory_kinds
+from burstcast.forecasters.registry import (
+    all_kinds,
+    available_kinds,
+    kind_class,
+    trajectory_kinds,
+)
 from burstcast.systems.registry import system_class
 from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.config.bounds import out_of_bounds
@@ -94,6 +99,11 @@ def _campaign(config: Configuration) -> Iterator[str]:
         yield "case_defaults.data must be null: each case has data of its own, in cases.<name>.data"
     known, variants = _known_cases(config), config.forecasters.variants
     connectivity = config.forecasters.esn.connectivity
+    for name, variant in variants.items():
+        if f"esn_{name}" in all_kinds():
+            yield f"forecasters.variants.{name}: esn_{name} is another kind; take another name"
+        if "connectivity" in variant.model_fields_set:
+            connectivity = max(connectivity, variant.connectivity)
     for index, block in enumerate(config.campaign):
         place = f"campaign[{index}]"
         if not block_cases(block):
