@@ -537,6 +537,6 @@ def test_variants_are_networks_with_other_settings():
     assert {run.controller.label for run in random} == {None}
     # the workflow's rules accept the names
     rules = (ROOT / "workflow" / "rules" / "common.smk").read_text()
-    (sized,) = re.findall(r'^SIZED = r"(.*)"', rules, re.M)
+    (pattern,) = re.findall(r'^NETWORKS = r"(.*)"', rules, re.M)
     for name in names:
-        assert re.fullmatch(rf"{sized}+-[A-Z]+-seed\d+", name.identifier)
+        assert re.fullmatch(pattern, name.identifier)

@@ -74,9 +74,8 @@ SCHEDULER_LOGS = Path("results/slurm-logs")
 STARTED = time.time()
 
 # Networks have a search before they are trained; forecasters of other kinds are fitted at once.
-SIZED = r"[a-z_]+(-[a-z][a-z0-9]*)?-N\d"
-NETWORKS = rf"{SIZED}+-[A-Z]+-seed\d+"
-OTHERS = rf"(?!{SIZED})[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*"
+NETWORKS = r"[a-z_]+(-[a-z][a-z0-9]*)?-N\d+-[A-Z]+-seed\d+"
+OTHERS = r"(?![a-z_]+(-[a-z][a-z0-9]*)?-N\d)[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*"
 # Kinds that give probabilities without a trajectory have one stage for all that.
 CLASSIFIERS = one_of(sorted({one.name.kind for one in campaign.classifiers}))
 # Forecasts of other programs come in files.
@@ -99,7 +98,7 @@ wildcard_constraints:
     case=r"[A-Za-z][A-Za-z0-9_.-]*",
     forecaster=r"[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*",
     controller=r"[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*",
-    reservoir=rf"{SIZED}+-seed\d+",
+    reservoir=r"[a-z_]+(-[a-z][a-z0-9]*)?-N\d+-seed\d+",
     strategies=r"[A-Z]+(\+[A-Z]+)*",
     strategy=r"[a-z][A-Za-z0-9_.+-]*",
 

@@ -28,7 +28,7 @@ def trained_networks(
     seed = reservoir_seed(settings, settings["forecaster"])
     series = training_series(settings, ensemble, scheduled)
     reservoir = seed.reservoir(series.dimension)
-    backend, readout = (settings[f"forecasters.esn.{name}"] for name in ("backend", "readout"))
+    backend, readout = settings["forecasters.esn.backend"], settings["forecasters.esn.readout"]
     washout = durations.steps(settings["washout_lt"], lyapunov_time(settings))
     told = knowledge(settings, scheduled)
     for point in points:
