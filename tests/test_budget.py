@@ -14,10 +14,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 53_200,
-    "product, code": 30_900,
-    "product, docstrings": 11_000,
-    "tests, all lines": 41_600,
+    "product, all lines": 52_300,
+    "product, code": 30_600,
+    "product, docstrings": 9_950,
+    "tests, all lines": 41_300,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}

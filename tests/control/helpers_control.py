@@ -1,32 +1,42 @@
-"""A toy flow, monitors without a forecast, and control written as one plain loop per flow."""
+"""A toy flow, policies without a forecast, and control written as one plain loop per flow."""
 
-from dataclasses import dataclass, fields
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.actuation import actuation_interval
-from burstcast.control.monitors.base import Monitor
-from burstcast.control.sampled.simulation import SampledSimulation, SampledStepper
-from burstcast.control.simulation import ControlSimulation, simulate
-from burstcast.control.timing import Clock, DecisionTiming, Timing
-from burstcast.control.windowed.simulation import WindowedSimulation, WindowedStepper
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.control.actuation import ActuationValues, actuated_system
+from burstcast.control.experiment import ControlExperiment
+from burstcast.control.loop import ControlledFlows, Looks
+from burstcast.control.policy import Look, Policy
+from burstcast.control.strategies.base import ControlStrategy
+from burstcast.control.timing import Schedule, Timing
+from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.parameters import SystemParameters
 from burstcast.systems.runge_kutta import step
+from helpers_forecasters import MadeUpForecaster
 
-PAPER = Timing(
-    prediction_time_lt=1.0,
-    window_lt=1.0,
-    span_lt=20.0,
-    washout=30,
-    steps_per_lyapunov_time=61,
+FLOW = MoehlisFaisstEckhardt(reynolds=400.0)
+RAISED = actuated_system(FLOW, {"reynolds": 2000.0})
+EQUATIONS = EquationsFromTruth(FLOW, 0.25, 4, SystemParameters.of(FLOW, ["reynolds"]))
+SCHEDULE = Schedule(
+    washout=5,
+    quiet_lt=2.0,
+    span_lt=3.0,
+    delay_lt=0.0,
+    actuation_start_lt=-1.0,
+    actuation_duration_lt=1.5,
+    steps_per_lyapunov_time=20,
     sampling_stride=4,
     time_step=0.25,
 )
-"""Control of the paper at Re = 400 and a prediction time of one Lyapunov time."""
+PAPER = replace(SCHEDULE, washout=30, quiet_lt=0.0, span_lt=20.0, steps_per_lyapunov_time=61)
+"""Control of the paper at Re = 400."""
 
 
 @dataclass(frozen=True)
@@ -49,193 +59,200 @@ class Rotor(DynamicalSystem):
         return np.asarray(state[0])
 
 
-@dataclass(frozen=True)
-class TableMonitor(Monitor):
+class TablePolicy:
     """Alarms as listed, and a record of what it was shown."""
 
-    table: BoolArray
-    seen: dict[tuple[int, int], FloatArray]
+    def __init__(self, table: BoolArray) -> None:
+        self.table = table
+        self.seen: dict[tuple[int, int], FloatArray] = {}
 
-    def alarms(
-        self,
-        rows: IntArray,
-        forecast_number: IntArray,
-        washout: FloatArray,
-        acting: BoolArray | None = None,
-    ) -> BoolArray:
-        for position, (row, number) in enumerate(zip(rows, forecast_number, strict=True)):
-            self.seen[int(row), int(number)] = washout[:, :, position].copy()
-        return self.table[rows, forecast_number]
+    def __call__(self, look: Look) -> BoolArray:
+        for position, key in enumerate(zip(look.rows, look.number, strict=True)):
+            row, number = map(int, key)
+            self.seen[row, number] = look.washout[:, :, position].copy()
+        return self.table[look.rows, look.number]
 
 
-class Actuation(NamedTuple):
-    """What an alarm sets off: other equations, from so long after its window's first step."""
-
-    system: DynamicalSystem
-    start_lt: float
-    duration_lt: float
+def random_alarms(share: float, flows: int, timing: Timing, seed: int = 3) -> TablePolicy:
+    draws = np.random.default_rng(seed).random((flows, timing.most_looks))
+    return TablePolicy(draws < share)
 
 
-def run_windowed(
-    system: DynamicalSystem,
-    washouts: FloatArray,
-    monitor: Monitor,
-    actuation: Actuation,
-    timing: Timing,
-    threshold: float,
-    **options: Any,
-) -> WindowedSimulation:
-    interval = actuation_interval(timing, actuation.start_lt, actuation.duration_lt)
-    stepper = WindowedStepper(system, actuation.system, monitor, timing, threshold, interval)
-    return simulate(stepper, washouts, **options)
+def look_at(washout: FloatArray, acting: Any = None) -> Look:
+    """The first look at flows, with a washout ``(steps, observed, batch)``."""
+    steps, _, batch = washout.shape
+    rows = np.arange(batch)
+    if acting is None:
+        acting = np.zeros((steps - 1, batch), dtype=np.uint8)
+    return Look(rows, np.zeros_like(rows), washout, np.asarray(acting).astype(np.uint8))
 
 
-def run_sampled(
-    system: DynamicalSystem,
-    washouts: FloatArray,
-    monitor: Monitor,
-    actuated: DynamicalSystem,
-    timing: DecisionTiming,
-    threshold: float,
-    horizon: int = 0,
-    **options: Any,
-) -> SampledSimulation:
-    stepper = SampledStepper(system, actuated, monitor, timing, threshold, horizon)
-    return simulate(stepper, washouts, **options)
-
-
-def simulation_of(timing: Clock, controlled: FloatArray, **values: Any) -> ControlSimulation:
-    """A simulation with these values, and nothing else."""
-    usual = {
-        **dict.fromkeys(field.name for field in fields(ControlSimulation)),
-        **{"threshold": 1.0, "left_out": 0},
-        "actuated": np.zeros(controlled.shape, dtype=bool),
-        "switchings": np.zeros(len(controlled), dtype=np.int64),
-    }
-    return ControlSimulation(**{**usual, "timing": timing, "controlled": controlled, **values})
-
-
-def table_monitor(table: BoolArray) -> TableMonitor:
-    return TableMonitor(table, {})
+def asked(policy: Policy, washout: FloatArray, acting: Any = None) -> list[bool]:
+    return np.asarray(policy(look_at(washout, acting)) != 0).tolist()
 
 
 def turbulent_washouts(
-    flow: MoehlisFaisstEckhardt, flows: int, timing: Clock, seed: int = 5, steps: int = 1200
+    flow: DynamicalSystem, flows: int, schedule: Schedule, seed: int = 5, steps: int = 1200
 ) -> FloatArray:
     """Washouts (flows, washout, 9) in the chaotic phase."""
     state = np.zeros((9, flows))
     state[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
     state[3] += 0.01 * np.random.default_rng(seed).random(flows)
     developed = integrate(flow, state, 0.25, steps, stride=steps)[-1]
-    return washouts_of(flow, developed, timing)
+    return washouts_of(flow, developed, schedule)
 
 
-def washouts_of(system: DynamicalSystem, first_states: FloatArray, timing: Clock) -> FloatArray:
+def washouts_of(
+    system: DynamicalSystem, first_states: FloatArray, schedule: Schedule
+) -> FloatArray:
     """Washouts (flows, washout, dimension) that begin with these states (dimension, flows)."""
     samples = [first_states]
-    for _ in range(timing.washout - 1):
+    for _ in range(schedule.washout - 1):
         state = samples[-1]
-        for _ in range(timing.sampling_stride):
-            state = step(system, state, timing.time_step)
+        for _ in range(schedule.sampling_stride):
+            state = step(system, state, schedule.time_step)
         samples.append(state)
     return np.stack(samples).transpose(2, 0, 1)
 
 
+def experiment(flows: int = 6, schedule: Schedule = SCHEDULE, **changes: Any) -> ControlExperiment:
+    """Turbulent flows, of which a change of the Reynolds number is the actuation."""
+    given = ControlExperiment(
+        system=FLOW,
+        actuated_system=RAISED,
+        threshold=0.07,
+        series=range(10, 10 + flows),
+        washouts=np.empty(0),
+        quiet_starts=True,
+        schedule=schedule,
+        root_seed=7,
+        case="Re400",
+        values=ActuationValues((FLOW.reynolds,), (RAISED.reynolds,)),  # type: ignore[attr-defined]
+    )
+    if "washouts" not in changes:
+        changes["washouts"] = turbulent_washouts(FLOW, flows, schedule)
+    return replace(given, **changes)
+
+
+def rotors(
+    first_states: FloatArray, schedule: Schedule, actuated: float, frequency: float = 0.3
+) -> ControlExperiment:
+    """Points on circles, which the actuation makes faster or slower."""
+    system = Rotor(frequency)
+    return experiment(
+        first_states.shape[1],
+        schedule,
+        system=system,
+        actuated_system=Rotor(actuated),
+        threshold=0.9,
+        washouts=washouts_of(system, first_states, schedule),
+    )
+
+
+def run(
+    strategy: ControlStrategy, given: ControlExperiment, forecaster: Any = EQUATIONS, **options: Any
+) -> ControlledFlows:
+    """Flows under a strategy's own policy."""
+    policy = strategy.policy(given, forecaster)
+    return strategy.simulate(given, policy, **{"noise": None, **options})
+
+
+def alarms_of(flows: ControlledFlows) -> list[list[bool]]:
+    """Alarms of each flow of a strategy that looks at equal intervals."""
+    return flows.looks.alarm.reshape(len(flows), -1).tolist()
+
+
+def simulation_of(timing: Timing, controlled: Any, **values: Any) -> ControlledFlows:
+    """A simulation with these values, and nothing else."""
+    controlled = np.array(controlled, dtype=np.float64)
+    usual = {
+        **dict.fromkeys(field.name for field in fields(ControlledFlows)),
+        **{"threshold": 1.0, "left_out": 0},
+        "looks": Looks(*np.zeros((3, 0), dtype=np.int64), {}),
+        "actuated": np.zeros(controlled.shape, dtype=bool),
+        "actuated_integration_steps": np.zeros(len(controlled), dtype=np.int64),
+        "switchings": np.zeros(len(controlled), dtype=np.int64),
+    }
+    return ControlledFlows(**{**usual, "timing": timing, "controlled": controlled, **values})
+
+
 @dataclass(frozen=True)
-class PlainForecast:
+class Script(MadeUpForecaster):
+    """Forecasts a script, whatever it has seen."""
+
+    script: FloatArray  # (steps, batch)
+
+    def start(self, washout: FloatArray) -> FloatArray:
+        return washout[-1]
+
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        return self.script[:steps, np.newaxis], memory
+
+
+@dataclass(frozen=True)
+class PlainLook:
     step: int
     alarm: bool
-    would_cross: bool
-    would_be_under_way: bool
-    reached: bool
+    otherwise: list[float]  # observable from the look on, had the alarm not been acted on
 
 
 @dataclass(frozen=True)
 class PlainFlow:
-    uncontrolled: FloatArray  # states (steps, dimension)
+    uncontrolled: FloatArray  # states (steps, dimension), up to the last step that counts
     controlled: FloatArray
-    acting: BoolArray  # (integration steps,)
-    forecasts: list[PlainForecast]
-
-
-def _run(
-    system: DynamicalSystem,
-    actuated: DynamicalSystem,
-    state: FloatArray,
-    acting: list[bool],
-    timing: Timing,
-) -> list[FloatArray]:
-    """Samples after the state, one integration step after the other."""
-    samples = []
-    for number, active in enumerate(acting, start=1):
-        state = step(actuated if active else system, state, timing.time_step)
-        if number % timing.sampling_stride == 0:
-            samples.append(state)
-    return samples
+    heights: list[float]  # observable with control, up to where the flow was followed
+    acting: list[int]  # number of the system at each integration step
+    looks: list[PlainLook]
 
 
 def plain_flow(
-    system: DynamicalSystem,
-    washout: FloatArray,
-    alarms: list[bool],
-    actuation: Actuation,
+    given: ControlExperiment,
+    row: int,
     timing: Timing,
-    threshold: float,
-    actuation_start: int,
-    actuation_steps: int,
+    decide: Callable[[int, FloatArray], int],
 ) -> PlainFlow:
-    """One flow; states are shaped (dimension, 1) as integration wants them."""
-    stride = timing.sampling_stride
-    window_start, window_end = timing.window_start, timing.window_end
-    end = timing.washout - 1 + window_end + timing.span_steps
-    acting = [False] * ((end + 4 * window_end + actuation_steps) * stride)
-    controlled = [state[:, np.newaxis] for state in washout]
+    """One flow, one integration step after the other.
+
+    ``decide`` is given the number of a look and the true state, (dimension, 1).
+    """
+    stride, (begin, stop) = timing.schedule.sampling_stride, timing.effect
+    end, (pause, longer) = timing.counted_until, timing.pauses
+    acting = [0] * ((end + longer) * stride + stop)
+    states = [state[:, np.newaxis] for state in given.washouts[row]]
+
+    def after(state: FloatArray, flags: list[int]) -> list[FloatArray]:
+        found = []
+        for number, system in enumerate(flags, start=1):
+            state = step(given.systems[system], state, timing.schedule.time_step)
+            if number % stride == 0:
+                found.append(state)
+        return found
 
     def height(state: FloatArray) -> float:
-        return float(system.observable(state)[0])
+        return float(given.system.observable(state)[0])
 
-    def go_on(until: int) -> None:
-        now = len(controlled) - 1
-        flags = acting[now * stride : until * stride]
-        controlled.extend(_run(system, actuation.system, controlled[-1], flags, timing))
-
-    forecasts = []
-    while (len(controlled) - 1) * stride + actuation_start < end * stride:
-        now = len(controlled) - 1
-        if not alarms[len(forecasts)]:
-            forecasts.append(PlainForecast(now, False, False, False, False))
-            go_on(now + window_end - window_start)
-            continue
-        flags = acting[now * stride : (now + window_end) * stride]
-        otherwise = [
-            height(state) for state in _run(system, actuation.system, controlled[-1], flags, timing)
-        ]
-        window = otherwise[window_start - 1 :]
-        for number in range(actuation_start, actuation_start + actuation_steps):
-            acting[now * stride + number] = True
-        go_on(now + window_end)
-        heights = [height(state) for state in controlled[now:]]
-        first = actuation_start // stride
-        forecasts.append(
-            PlainForecast(
-                step=now,
-                alarm=True,
-                would_cross=window[0] < threshold <= max(window),
-                would_be_under_way=window[0] >= threshold,
-                reached=max(heights[window_start:]) >= threshold
-                or any(
-                    heights[i] < threshold <= heights[i + 1] for i in range(first, window_start)
-                ),
-            )
-        )
-    go_on(max(end, len(controlled) - 1))
-    start = washout[-1][:, np.newaxis]
-    free = [False] * ((end - timing.washout + 1) * stride)
-    uncontrolled = [state[:, np.newaxis] for state in washout]
-    uncontrolled.extend(_run(system, system, start, free, timing))
+    looks: list[PlainLook] = []
+    due = now = len(states) - 1
+    while now < end or now < due:
+        if now == due and now * stride + begin < end * stride:
+            decided, otherwise = decide(len(looks), states[now]), []
+            if decided:
+                flags = acting[now * stride : (now + longer) * stride]
+                otherwise = [height(one) for one in [states[now], *after(states[now], flags)]]
+                acting[now * stride + begin : now * stride + stop] = [decided] * (stop - begin)
+            looks.append(PlainLook(now, bool(decided), otherwise))
+            due = now + (longer if decided else pause)
+        states += after(states[now], acting[now * stride : (now + 1) * stride])
+        now += 1
+    start = states[timing.first_look]
+    free = [
+        *states[: timing.first_look + 1],
+        *after(start, [0] * (end - timing.first_look) * stride),
+    ]
     return PlainFlow(
-        uncontrolled=np.stack(uncontrolled)[:, :, 0],
-        controlled=np.stack(controlled)[: end + 1, :, 0],
-        acting=np.array(acting),
-        forecasts=forecasts,
+        np.stack(free)[:, :, 0],
+        np.stack(states)[: end + 1, :, 0],
+        [height(state) for state in states],
+        acting,
+        looks,
     )

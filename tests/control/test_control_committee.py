@@ -5,18 +5,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from helpers_control import EQUATIONS, FLOW, asked, experiment
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_control_decisions import FLOW
-from test_control_strategies import EQUATIONS, SETTINGS, experiment
+from test_control_strategies import SETTINGS
 
 from burstcast.arrays import FloatArray
-from burstcast.control.controllers.committee import votes
-from burstcast.control.controllers.registry import controlling_monitor
+from burstcast.control import policy as policy_module
+from burstcast.control.controllers import controlling_policy, votes
 from burstcast.control.experiment import ControlExperiment
-from burstcast.control.monitors import members as members_module
-from burstcast.control.monitors.base import Monitor
-from burstcast.control.monitors.members import MemberForecasts, MembersMonitor
+from burstcast.control.policy import Members, Policy
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import (
     available_strategies,
@@ -51,8 +49,8 @@ class Biased(MadeUpForecaster):
 
 def committee(
     chosen: ControlStrategy, given: ControlExperiment, forecasters: Sequence[Forecaster]
-) -> Monitor:
-    return controlling_monitor("committee", chosen, given, forecasters)
+) -> Policy:
+    return controlling_policy("committee", chosen, given, forecasters)
 
 
 def filtered() -> FilteredEquations:
@@ -71,11 +69,6 @@ def washouts(flows: int, noise: float = 0.0) -> FloatArray:
     states = experiment(flows).washouts.transpose(1, 2, 0)
     errors = np.random.default_rng(3).normal(scale=noise, size=states.shape)
     return np.ascontiguousarray(states + errors)
-
-
-def asked(monitor: members_module.Monitor, washout: FloatArray) -> list[bool]:
-    rows = np.arange(washout.shape[2])
-    return monitor.alarms(rows, np.zeros_like(rows), washout).tolist()
 
 
 def test_the_strategies_that_let_vote() -> None:
@@ -97,7 +90,7 @@ def test_a_committee_of_one_is_that_one(name: str, share: float) -> None:
     noise = np.random.default_rng(1).normal(scale=1e-3, size=(6, 200, 9))
     alone = make_strategy(name, SETTINGS[name])
     followed = chosen.simulate(given, committee(chosen, given, [Biased(1.02)]), noise=noise)
-    expected = alone.simulate(given, alone.monitor(given, [Biased(1.02)]), noise=noise)
+    expected = alone.simulate(given, alone.policy(given, Biased(1.02)), noise=noise)
     assert expected.actuated.any()
     np.testing.assert_array_equal(followed.controlled, expected.controlled)
     np.testing.assert_array_equal(followed.actuated, expected.actuated)
@@ -135,23 +128,20 @@ def test_members_of_a_filter_vote_by_their_share(name: str) -> None:
             count[flow] += holds_event(name, observable, 0.05)
     assert any(0 < votes < 18 for votes in count)
     for share, needed in ((1 / 18, 1), (0.25, 5), (0.5, 9), (1.0, 18)):
-        monitor = committee(strategy(name, share), given, [forecaster])
-        assert isinstance(monitor, MembersMonitor)
-        assert asked(monitor, washout) == (count >= needed).tolist()
+        policy = committee(strategy(name, share), given, [forecaster])
+        assert asked(policy, washout) == (count >= needed).tolist()
 
 
 def test_members_of_many_flows_are_asked_a_few_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     given = replace(experiment(12), threshold=0.05)
-    monitor = controlling_monitor(
-        "committee", strategy("receding_horizon", 0.5), given, [filtered()]
-    )
+    policy = committee(strategy("receding_horizon", 0.5), given, [filtered()])
     washout = washouts(12, NOISE)
-    together = asked(monitor, washout)
+    together = asked(policy, washout)
     assert 0 < sum(together) < 12
     for few in (1, 5, 12):
-        monkeypatch.setattr(members_module, "FLOWS_PER_CALL", few)
-        assert asked(monitor, washout) == together
-    assert asked(monitor, washout[:, :, :0]) == []
+        monkeypatch.setattr(policy_module, "FLOWS_PER_CALL", few)
+        assert asked(policy, washout) == together
+    assert asked(policy, washout[:, :, :0]) == []
 
 
 @dataclass(frozen=True)
@@ -159,6 +149,7 @@ class Listed:
     """Members whose memory is one number each, and whose forecasts stay there."""
 
     values: FloatArray  # (members, batch)
+    aware = False
 
     def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         return self.values[:, : washout.shape[2]]
@@ -179,5 +170,5 @@ def test_memories_without_rows_are_side_by_side_too(data: st.DataObject) -> None
         data.draw(st.lists(st.integers(0, 9), min_size=members * batch, max_size=members * batch)),
         dtype=np.float64,
     ).reshape(members, batch)
-    memory = MemberForecasts(Listed(values)).start(np.zeros((1, 1, batch)))
+    memory = Members(Listed(values)).start(np.zeros((1, 1, batch)))
     assert memory.tolist() == values.ravel().tolist()

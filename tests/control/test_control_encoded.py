@@ -1,18 +1,22 @@
-"""Control of flows that sensors see and encoders encode, by trajectories and by probabilities."""
+"""Control of flows of which a part is observed, or what sensors see and encoders encode."""
 
 import dataclasses
 
 import numpy as np
 import pytest
-from test_control_observed_part import WholeSeen
-from test_control_strategies import EQUATIONS, FLOW, SCHEDULE, experiment
+from helpers_control import EQUATIONS, FLOW, SCHEDULE, alarms_of, experiment, run
 
-from burstcast.control.controllers.registry import controlling_monitor
 from burstcast.control.strategies.probability_triggered import ProbabilityTriggered
+from burstcast.control.strategies.reactive import Reactive
 from burstcast.control.strategies.receding_horizon import RecedingHorizon
 from burstcast.encoders.base import Encoder, EncodingCase
 from burstcast.encoders.channels import EncodedFlow, StateChannels
 from burstcast.encoders.identity import IdentityEncoder
+from burstcast.encoders.pod import PodEncoder
+from burstcast.encoders.state_estimate import StateEstimateEncoder
+from burstcast.observation.part import ObservedPart
+from burstcast.observation.velocity_sensors import VelocitySensors
+from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.state_space import component_names
 
@@ -23,16 +27,25 @@ def encoded(encoder, names):
     return EncodedFlow(channels, FLOW, MeasuredSeries([*names], "observable"))
 
 
-def simulated(strategy, given, forecaster, noise=None):
-    monitor = controlling_monitor("forecaster", strategy, given, [forecaster])
-    return strategy.simulate(given, monitor, noise=noise)
+class WholeSeen:
+    """The equations, given all components and the observable after them."""
+
+    sees_truth = aware = provides_ensemble = False
+
+    def start(self, washout):
+        return EQUATIONS.start(np.ascontiguousarray(washout[:, :9]))
+
+    def advance(self, memory, steps):
+        outputs, memory = EQUATIONS.advance(memory, steps)
+        observable = FLOW.observable(outputs.transpose(1, 0, 2))
+        return np.concatenate([outputs, observable[:, np.newaxis]], axis=1), memory
 
 
 def test_channels_that_are_the_state_control_as_the_state_does():
     given = experiment()
     strategy = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=1.0)
     seen = dataclasses.replace(given, sensor=encoded(IdentityEncoder(), component_names(FLOW)))
-    one, other = simulated(strategy, seen, WholeSeen()), simulated(strategy, given, EQUATIONS)
+    one, other = run(strategy, seen, WholeSeen()), run(strategy, given, EQUATIONS)
     np.testing.assert_array_equal(one.actuated, other.actuated)
     np.testing.assert_array_equal(one.controlled, other.controlled)
     assert other.actuated.any()
@@ -71,7 +84,7 @@ def test_noise_is_added_before_the_encoder():
     length = strategy.timing(SCHEDULE).length
     noise = np.random.default_rng(3).normal(size=(2, length, 10))
     classifier = Recorded(np.inf)
-    simulated(strategy, given, classifier, noise)
+    run(strategy, given, classifier, noise=noise)
     states, steps = given.washouts, SCHEDULE.washout
     seen = states + noise[:, :steps, :9]
     observable = FLOW.observable(np.moveaxis(states, -1, 0)) + noise[:, :steps, 9]
@@ -86,16 +99,15 @@ def test_an_alarm_holds_whatever_later_decisions_say():
         experiment(), sensor=encoded(IdentityEncoder(), component_names(FLOW))
     )
     strategy = ProbabilityTriggered(decision_interval_lt=0.25, probability=0.5, hold_lt=0.75)
-    found = simulated(strategy, given, Recorded(0.06))
-    timing = found.timing
-    expected = np.zeros_like(found.actuated)
-    for look in range(found.decisions.on.shape[1]):
-        now = timing.first_forecast + look * timing.interval
-        expected[found.decisions.on[:, look], now + 1 : now + 1 + timing.steps(0.75)] = True
+    found = run(strategy, given, Recorded(0.06))
+    expected, alarms = np.zeros_like(found.actuated), np.array(alarms_of(found))
+    for look in range(alarms.shape[1]):
+        now = found.timing.first_look + look * 5
+        expected[alarms[:, look], now + 1 : now + 1 + 15] = True
     np.testing.assert_array_equal(found.actuated, expected)
     assert 0 < found.actuated.mean() < 1
     both = dataclasses.replace(strategy, windows=2.0)
-    assert simulated(both, given, Recorded(0.06)).decisions.on.all()
+    assert run(both, given, Recorded(0.06)).looks.alarm.all()
 
 
 @pytest.mark.parametrize(
@@ -110,3 +122,78 @@ def test_settings_that_do_not_fit_are_refused(changes, message):
     strategy = ProbabilityTriggered(decision_interval_lt=0.25, probability=0.5, hold_lt=1.0)
     with pytest.raises(ValueError, match=message):
         dataclasses.replace(strategy, **changes).check(SCHEDULE)
+
+
+# -- a part of the state ---------------------------------------------------------------------------
+
+PART = ObservedPart.of(FLOW, ["a1", "mean = (a1 + a9) / 2"], "observable")
+WHOLE = ObservedPart.of(FLOW, [f"a{number}" for number in range(1, 10)], "observable")
+
+
+def test_a_part_has_its_quantities_and_the_observable():
+    states = np.random.default_rng(1).normal(size=(9, 3, 2))
+    seen = PART(states)
+    np.testing.assert_array_equal(seen[0], states[0])
+    np.testing.assert_allclose(seen[1], (states[0] + states[8]) / 2)
+    np.testing.assert_array_equal(seen[2], FLOW.observable(states))
+    np.testing.assert_array_equal(PART.space.observable(seen), seen[2])
+    with pytest.raises(ValueError, match="no column 'a12'"):
+        ObservedPart.of(FLOW, ["a12"], "observable")
+
+
+def test_a_rule_acts_on_what_is_observed_alone():
+    given = experiment()
+    seen = dataclasses.replace(given, sensor=PART)
+    by_part = Reactive(decision_interval_lt=0.2, level=0.1, watch="a1 - mean")
+    by_all = Reactive(decision_interval_lt=0.2, level=0.1, watch="(a1 - a9) / 2")
+    one, other = run(by_part, seen, None), run(by_all, given, None)
+    np.testing.assert_array_equal(one.actuated, other.actuated)
+    np.testing.assert_array_equal(one.controlled, other.controlled)
+    assert 0 < one.actuated.mean() < 1
+    with pytest.raises(ValueError, match="unknown name 'a9'"):
+        by_all.policy(seen, None)
+
+
+def test_noise_is_that_of_what_is_observed():
+    given = dataclasses.replace(experiment(), sensor=PART)
+    rule = Reactive(decision_interval_lt=0.2, level=0.3, watch="a1")
+    length = rule.timing(given.schedule).length
+    silence = np.zeros((len(given.series), length, 3))
+    np.testing.assert_array_equal(
+        run(rule, given, None, noise=silence).actuated, run(rule, given, None).actuated
+    )
+    with pytest.raises(ValueError, match=r"the shape \(\d+, \d+ or more, 3\)"):
+        run(rule, given, None, noise=np.zeros((len(given.series), length, 9)))
+
+
+def test_forecasts_of_the_observed_components_control_as_those_of_the_state():
+    given = experiment()
+    strategy = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=1.0)
+    one = run(strategy, dataclasses.replace(given, sensor=WHOLE), WholeSeen())
+    other = run(strategy, given, EQUATIONS)
+    np.testing.assert_array_equal(one.actuated, other.actuated)
+    assert other.actuated.any()
+
+
+# -- encoders are fitted once ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["identity", "invariants", "pod", "state_estimate"])
+@pytest.mark.parametrize("sensors", [False, True])
+def test_channels_are_restored_to_the_bit_from_what_fitting_has_found(kind, sensors):
+    flow = KolmogorovFlow(largest_wavenumber=4)
+    generator = np.random.default_rng(2)
+    states = generator.normal(size=(2, 90, flow.dimension))
+    observation = VelocitySensors(flow, (6, 6), (0.3, 0.2)) if sensors else None
+    if kind == "state_estimate" and not sensors:
+        pytest.skip("there is nothing to estimate where states are observed themselves")
+    options = {"modes": 5} if kind == "pod" else {}
+    case = EncodingCase(flow, options, observation)
+    fitted, _ = StateChannels.of_training(kind, states, case, 0.05, 7, "turbulence")
+    arrays = {name: array.copy(order="C") for name, array in fitted.arrays.items()}
+    restored = StateChannels.restore(kind, case, arrays)
+    seen = case.readings(generator.normal(size=(flow.dimension, 11, 3)))
+    assert fitted.encode(seen).tobytes() == restored.encode(seen).tobytes()
+    assert type(restored.encoder) is type(fitted.encoder)
+    nothing_fitted = not isinstance(fitted.encoder, PodEncoder | StateEstimateEncoder)
+    assert (not arrays) == (nothing_fitted and fitted.estimate is None)

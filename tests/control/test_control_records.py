@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.integrate
-from helpers_control import simulation_of, turbulent_washouts
-from test_control_decisions import FLOW, RAISED, TIMING
+from helpers_control import FLOW, RAISED, SCHEDULE, simulation_of, turbulent_washouts
 
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.arrays import FloatArray
 from burstcast.control.actuation import actuated_system
+from burstcast.control.energy import energy_means
+from burstcast.control.loop import ControlledFlows
 from burstcast.control.records import (
     FLOW_SCORES,
     FlowRecords,
@@ -19,39 +20,29 @@ from burstcast.control.records import (
     record_flows,
     score_flows,
 )
-from burstcast.control.sampled.simulation import Decisions, SampledSimulation
-from burstcast.control.simulation import EnergyMeans, energy_means
-from burstcast.control.timing import DecisionTiming
+from burstcast.control.strategies.random_decisions import RandomDecisions
+from burstcast.control.timing import Schedule
+from burstcast.systems.base import EnergyBudget
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 # the first forecast at step 0, steps 3 to 8 count; two steps in a Lyapunov time
-CLOCK = DecisionTiming(
-    interval_lt=0.5,
-    span_lt=3.0,
-    quiet_lt=1.0,
-    washout=1,
-    steps_per_lyapunov_time=2,
-    sampling_stride=2,
-    time_step=0.1,
-)
+CLOCK = RandomDecisions(0.5, 0.5).timing(Schedule(1, 1.0, 3.0, 0.0, 0.0, 1.0, 2, 2, 0.1))
 SPAN = Span(steps=6, integration_steps=12, steps_at_risk=8, steps_per_lyapunov_time=2)
 
 
-def flows_of(uncontrolled: list[list[float]], controlled: list[list[float]]) -> SampledSimulation:
+def flows_of(uncontrolled: list[list[float]], controlled: list[list[float]]) -> ControlledFlows:
     flows = len(controlled)
-    nothing = np.zeros((flows, CLOCK.most_forecasts), dtype=bool)
     return simulation_of(
         CLOCK,
-        controlled=np.array(controlled),
+        controlled,
         uncontrolled=np.array(uncontrolled),
-        decisions=Decisions(nothing, None, nothing),
         rows=5 + np.arange(flows),
         actuated_integration_steps=3 + np.arange(flows),
         switchings=1 + np.arange(flows),
-        uncontrolled_energy=EnergyMeans(np.full(flows, 2.0), np.full(flows, 4.0)),
-        controlled_energy=EnergyMeans(1.0 + np.arange(flows), np.full(flows, 3.0)),
+        uncontrolled_energy=EnergyBudget(np.full(flows, 2.0), np.full(flows, 4.0)),
+        controlled_energy=EnergyBudget(1.0 + np.arange(flows), np.full(flows, 3.0)),
     )
 
 
@@ -156,12 +147,17 @@ def test_where_nothing_is_left_the_rule_of_three_bounds_it() -> None:
     left = scores["exceedance_controlled"]
     assert (left.value, left.low) == (0, 0)
     assert left.high == pytest.approx(0.003 * typical, rel=4e-3)
-    assert scores["relative_exceedance"].high == pytest.approx(
-        left.high / scores["exceedance_uncontrolled"].value
-    )
-    assert scores["events_per_lyapunov_time_controlled"].high > 0
+    relative = scores["relative_exceedance"]
+    assert (relative.value, relative.low) == (0, 0)
+    assert relative.high == pytest.approx(left.high / scores["exceedance_uncontrolled"].value)
+    # and have as many events as those have
+    events = scores["events_per_lyapunov_time_controlled"]
+    assert (events.value, events.low) == (0, 0)
+    expected = 0.003 * records.events_uncontrolled[exceeding > 0].mean() / 3
+    assert events.high == pytest.approx(expected, rel=4e-3)
     # three laminarisations in the whole time at risk
     hazard = scores["laminarisation_hazard_controlled"]
+    assert (hazard.value, hazard.low) == (0, 0)
     assert hazard.high == pytest.approx(3 / (1000 * 4), rel=4e-3)
 
 
@@ -201,7 +197,7 @@ def test_energy_changes_by_input_less_dissipation(reynolds: float) -> None:
 
 def test_the_budget_of_a_flow_closes_over_time() -> None:
     """Energy at the end less that at the start is the integral of input less dissipation."""
-    start = turbulent_washouts(FLOW, 20, TIMING)[:, -1].T.copy()
+    start = turbulent_washouts(FLOW, 20, SCHEDULE)[:, -1].T.copy()
     samples = integrate(FLOW, start, 0.25, 4000)
     budget = FLOW.energy_budget(np.ascontiguousarray(samples.transpose(1, 0, 2)))
     gained = scipy.integrate.simpson(budget.input - budget.dissipation, dx=0.25, axis=0)
@@ -225,7 +221,7 @@ def test_a_system_without_a_budget_has_no_energies() -> None:
     lorenz = Lorenz63()
     assert lorenz.energy_budget(np.ones((3, 2))) is None
     assert actuated_system(lorenz, {}, [1.0, 0, 0]).energy_budget(np.ones((3, 2))) is None
-    assert energy_means(lorenz, np.ones((2, 4, 3))) is None
+    assert energy_means((lorenz,), np.ones((2, 4, 3)), np.zeros((2, 4), np.uint8)) is None
 
 
 def test_steps_under_actuation_have_the_budget_of_the_actuation() -> None:
@@ -242,12 +238,12 @@ def test_steps_under_actuation_have_the_budget_of_the_actuation() -> None:
             means.append(np.mean(values))
         return np.array(means)
 
-    found = energy_means(FLOW, states, [RAISED], actuated)
+    found = energy_means((FLOW, RAISED), states, actuated.astype(np.uint8))
     assert found is not None
     np.testing.assert_allclose(found.input, by_hand("input"), rtol=1e-13)
     np.testing.assert_allclose(found.dissipation, by_hand("dissipation"), rtol=1e-13)
-    free: BoolArray = np.zeros((3, 8), dtype=bool)
-    alone, never = energy_means(FLOW, states), energy_means(FLOW, states, [RAISED], free)
+    free = np.zeros((3, 8), dtype=np.uint8)
+    alone, never = (energy_means(one, states, free) for one in ((FLOW,), (FLOW, RAISED)))
     assert alone is not None
     assert never is not None
     np.testing.assert_array_equal(alone.input, never.input)

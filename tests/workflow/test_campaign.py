@@ -187,7 +187,6 @@ def test_committees_control_as_one():
     assert first.identity == wildcards
     modules = found.modules(wildcards)
     assert modules["burstcast.forecasters"] == ["esn"]
-    assert modules["burstcast.control.controllers"] == ["committee"]
     assert found.settings(["control.run"], wildcards, {})["control.run"]["noise"] == 0.01
 
 
@@ -355,7 +354,6 @@ def test_modules_that_a_job_is_about(wildcards, kinds, strategies):
     assert PAPER.modules(wildcards) == {
         "burstcast.systems": ["mfe"],
         "burstcast.forecasters": kinds,
-        "burstcast.control.controllers": [],
         "burstcast.control.strategies": [],
         "burstcast.tuning.strategies": strategies,
     }

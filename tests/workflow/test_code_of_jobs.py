@@ -38,7 +38,7 @@ def test_fingerprints_see_all_code_of_the_project(path):
 # report, what is wrong with a file of series or with settings of its times, that
 # a disk is full, why a system is not compiled.
 PASS_WORDS_ON = {
-    "burstcast.control.simulation": {"_advance_or_tell"},
+    "burstcast.control.loop": {"run"},
     "burstcast.discovery": {"imported", "_place"},
     "burstcast.figures.registry": {"caption"},
     "burstcast.systems.compiled": {"_attempt", "_place"},
@@ -138,22 +138,18 @@ def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
     strategy = {"burstcast.control.strategies": ["prediction_triggered"]}
     entries = Sources(PROJECT).fingerprint(f"control/{rule}.py", strategy)
     modules = {entry.split("@")[0] for entry in entries}
-    assert "burstcast.control.windowed.simulation" in modules
-    assert "burstcast.control.sampled.simulation" not in modules
+    assert "burstcast.control.windows" in modules
+    assert "burstcast.control.strategies.planned" not in modules
     for name in ("statistics.measures", "statistics.profiles", "systems.mfe_modes"):
         assert f"burstcast.{name}" not in modules
 
 
-def test_control_depends_on_its_own_controller_only():
-    for name in ("forecaster", "committee", "random"):
-        by_name = {"burstcast.control.controllers": [name]}
-        entries = Sources(PROJECT).fingerprint("control/control.py", by_name)
-        modules = {entry.split("@")[0] for entry in entries}
-        controllers = {module for module in modules if ".controllers." in module}
-        package = "burstcast.control.controllers"
-        assert controllers == {f"{package}.registry", f"{package}.{name}"}
-        assert ("burstcast.control.monitors.random" in modules) == (name == "random")
-        assert ("burstcast.control.monitors.members" in modules) == (name == "committee")
+def test_what_is_no_control_does_not_depend_on_how_flows_are_controlled():
+    """Others know what an actuation is, and nothing else of control; tables know its records."""
+    for path in SCRIPTS:
+        if path.parent.name != "control":
+            control = {name for name in modules_of(path) if name.startswith("burstcast.control.")}
+            assert control <= {"burstcast.control.actuation"}, path
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from helpers_rebuilds import Project, tiny_with
 from sklearn.metrics import average_precision_score
 
 from burstcast import random_streams
-from burstcast.files.netcdf import read_netcdf
+from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.files.tables import read_table
 from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast_workflow.campaign.campaign import Campaign
@@ -291,11 +291,12 @@ def test_control_through_sensors_and_encoders(results):
     uncontrolled = []
     for forecaster in found:
         (path,) = (results / "turbulence" / "control" / forecaster).iterdir()
-        counts = json.loads((path / "counts.json").read_text())
-        row = table[table["forecaster"] == forecaster]
-        assert row["value"].item() == pytest.approx(counts["exceedance_controlled"])
-        uncontrolled.append(counts["exceedance_uncontrolled"])
-        assert 0 < counts["control_fraction"] < 1
+        flows, span = read_netcdf(path / "flows.nc"), read_attributes(path / "flows.nc")
+        row, steps = table[table["forecaster"] == forecaster], span["steps"]
+        assert row["value"].item() == pytest.approx(flows["exceeding_controlled"].mean() / steps)
+        uncontrolled.append(flows["exceeding_uncontrolled"].tolist())
+        acting = flows["actuated_integration_steps"].mean() / span["integration_steps"]
+        assert 0 < acting < 1
     assert uncontrolled == [uncontrolled[0]] * 3
 
 

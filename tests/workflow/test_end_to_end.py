@@ -247,12 +247,11 @@ def test_a_committee_of_one_network_controls_as_that_network(finished):
     plan = "receding_horizon-decision_interval0.5-horizon1"
     alone = runs / "esn-N40-RV-seed0" / plan
     committee = runs / "esn-N40-RV-committee" / f"{plan}-vote_share0.5"
-    for name in ("flows.nc", "histograms.nc"):
-        ours, theirs = read_netcdf(committee / name), read_netcdf(alone / name)
-        assert ours.keys() == theirs.keys()
-        for variable, values in ours.items():
-            np.testing.assert_array_equal(values, theirs[variable])
-    assert read_netcdf(alone / "flows.nc")["actuated_integration_steps"].sum() > 0
+    ours, theirs = read_netcdf(committee / "flows.nc"), read_netcdf(alone / "flows.nc")
+    assert ours.keys() == theirs.keys()
+    for variable, values in ours.items():
+        np.testing.assert_array_equal(values, theirs[variable])
+    assert theirs["actuated_integration_steps"].sum() > 0
 
 
 def test_noise_is_in_what_is_observed_and_not_in_the_truth(finished):

@@ -55,7 +55,7 @@ def test_a_snakefile_below_workflow(tmp_path, expected):
     assert planned_jobs(tmp_path, *arguments) == expected
 
 
-COUNTS = "Re400/control/esn-N40-RV-seed0/prediction_triggered-prediction_time1-window1/counts.json"
+FLOWS = "Re400/control/esn-N40-RV-seed0/prediction_triggered-prediction_time1-window1/flows.nc"
 
 
 @pytest.mark.long
@@ -71,7 +71,7 @@ def test_a_module_runs_and_its_results_are_known(tmp_path, finished, prefix):
     table = results / "tables" / "control.csv"
     assert planned_jobs(tmp_path, str(table.relative_to(tmp_path))) == {}
     before = table.read_bytes()
-    for path in (table, results / COUNTS):
+    for path in (table, results / FLOWS):
         path.unlink()
     command = [sys.executable, "-m", "snakemake", "--cores", "1", table.relative_to(tmp_path)]
     result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)

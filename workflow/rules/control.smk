@@ -5,12 +5,12 @@ controlling = {**files("ensemble summary"), "forecasters": stages.controlling}
 stage(
     "control/control",
     "control",
-    inputs={**controlling, "matched": stages.matched_counts},
-    outputs={
-        "counts": f"{CONTROL}/counts.json",
-        "histograms": f"{CONTROL}/histograms.nc",
-        "flows": f"{CONTROL}/flows.nc",
+    inputs={
+        **controlling,
+        "encoder": stages.encoder_of_observed,
+        "matched": stages.matched_flows,
     },
+    outputs={"flows": f"{CONTROL}/flows.nc"},
     settings="CONTROL case.controlled_density forecaster.options forecasters.aware "
     "control.cost control.sensor",
     cost="control",

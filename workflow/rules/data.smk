@@ -31,7 +31,11 @@ stage(
             lambda campaign, case: f"{RESULTS}/{campaign.source_case(case)}/ensemble.nc"
         )
     },
-    outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
+    outputs={
+        "ensemble": f"{CASE}/ensemble.nc",
+        "summary": f"{CASE}/dataset.json",
+        "encoder": f"{CASE}/encoder.nc",
+    },
     settings="SYSTEM STEPS random_seed case.training.series case.sensors case.encoder",
     cost="data",
     constraints={"case": one_of(campaign.encoded_cases)},

@@ -80,13 +80,13 @@ table_stage(
 table_stage(
     "control_table",
     "table of control",
-    inputs={"counts": files_in_case("counts.json", campaign.control_runs)},
+    inputs={"flows": files_in_case("flows.nc", campaign.control_runs)},
     settings="KEYS",
 )
 table_stage(
     "control_density_table",
     "densities with and without control",
-    inputs={"histograms": files_in_case("histograms.nc", campaign.control_runs)},
+    inputs={"flows": files_in_case("flows.nc", campaign.control_runs)},
     settings="KEYS random_seed bootstrap",
 )
 table_stage(

@@ -1,1 +1,1 @@
-"""Control of events: actuation, strategies, controllers, simulation, costs and scores."""
+"""Control of extreme events: policies, strategies, and the loop that runs flows under them."""

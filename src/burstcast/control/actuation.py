@@ -10,9 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from burstcast import durations
 from burstcast.arrays import BoolArray, ByteArray, FloatArray
-from burstcast.control.timing import Timing
 from burstcast.systems.base import DynamicalSystem, EnergyBudget
 from burstcast.systems.exponential import SemilinearSystem
 from burstcast.systems.parameters import SHARE, Parameters
@@ -20,42 +18,6 @@ from burstcast.systems.stiff import StiffSystem
 
 REVERSED = 2
 """Number of the reversed actuation: 0 is none, 1 the actuation."""
-
-
-def actuation_interval(timing: Timing, start_lt: float, duration_lt: float) -> tuple[int, int]:
-    """First integration step after an alarm under actuation, and the first free one after it.
-
-    Integration step i after an alarm leads from i to i + 1 time steps after it. Durations are
-    rounded down to whole integration steps.
-
-    Parameters
-    ----------
-    timing
-        Where windows are.
-    start_lt
-        From the first step of the alarm's window to the start of the actuation, in Lyapunov times:
-        -1 in the paper.
-    duration_lt
-        Length of the actuation in Lyapunov times: 1.5 in the paper.
-
-    Raises
-    ------
-    ValueError
-        If the interval would begin before the alarm, as it does for the paper's control at
-        prediction times below one Lyapunov time, or is shorter than one step.
-    """
-    integration_steps = timing.steps_per_lyapunov_time * timing.sampling_stride
-    start = durations.steps(timing.prediction_time_lt + start_lt, integration_steps)
-    length = durations.steps(duration_lt, integration_steps)
-    if start < 0:
-        raise ValueError(
-            f"control is not defined for a prediction time of {timing.prediction_time_lt} "
-            f"Lyapunov times: the actuation starts {-start_lt} Lyapunov times before the "
-            f"window, which would be before the alarm"
-        )
-    if length < 1:
-        raise ValueError(f"an actuation of {duration_lt} Lyapunov times lasts no step")
-    return start, start + length
 
 
 def actuated_system(
@@ -66,24 +28,10 @@ def actuated_system(
 ) -> DynamicalSystem:
     """Equations under actuation: other parameters, an added force, or both.
 
-    Parameters
-    ----------
-    system
-        The equations without actuation; a dataclass of its parameters.
-    parameters
-        Parameters that actuation changes, and their values: ``{"reynolds": 2000.0}`` in the paper.
-    force
-        Constant force, one number per component, that is added to the right-hand side.
-    strength
-        Strength of the actuator, positive: parameters change by this share of the difference, and
-        the force is this share of ``force``. Between Reynolds numbers of 400 and 2000, a strength
-        of 0.25 is 800.
-
-    Raises
-    ------
-    ValueError
-        If the system has no such parameter, or not with such a value, nothing is changed, the
-        number of components changes, or the strength is not positive.
+    ``parameters``: Parameters that change, and their values: ``{"reynolds": 2000.0}`` in the paper.
+    ``force``: Constant, one number per component, added to the right-hand side. ``strength``:
+    Parameters change by this share of the difference, and the force is this share of ``force``.
+    Between Reynolds numbers of 400 and 2000, a strength of 0.25 is 800.
 
     Examples
     --------
@@ -130,28 +78,16 @@ def _with_parameters(
 
 @dataclass(frozen=True)
 class ActuationValues:
-    """Values of the parameters for aware forecasters, with the actuator off and on.
-
-    Attributes
-    ----------
-    off, on
-        One value for each parameter.
-    reversed
-        Likewise under the reversed actuation; empty: it cannot be reversed.
-    """
+    """Values of each parameter for aware forecasters, with the actuator off and on."""
 
     off: tuple[float, ...]
     on: tuple[float, ...]
-    reversed: tuple[float, ...] = ()
+    reversed: tuple[float, ...] = ()  #: likewise; empty: the actuation cannot be reversed
 
     def schedule(self, acting: ByteArray | BoolArray) -> FloatArray:
         """Schedule ``(steps, parameters, batch)`` of an actuator.
 
-        Parameters
-        ----------
-        acting
-            Which actuation is in force during each step, ``(steps, batch)``: 0 is none, 1 the
-            actuation, 2 the reversed one.
+        ``acting``: Number of the actuation during each step, ``(steps, batch)``.
         """
         values = np.array([one for one in (self.off, self.on, self.reversed) if one])
         return np.ascontiguousarray(values[acting.astype(np.uint8)].transpose(0, 2, 1))
@@ -164,19 +100,12 @@ class ActuatorShare(Parameters):
     At a share of 0 the flow is free; 1 is the whole actuation, whatever it consists of: changed
     parameters, a force, or both. Shares may lie between and beyond; a negative one reverses a
     force.
-
-    Attributes
-    ----------
-    free
-        The equations without actuation.
-    changed
-        Parameters that the actuation changes, and their values at a share of 1.
-    force
-        Force that is added at a share of 1, one number per component; None: there is none.
     """
 
-    free: DynamicalSystem = field(kw_only=True)
+    free: DynamicalSystem = field(kw_only=True)  #: the equations without actuation
+    #: parameters that the actuation changes, and their values at a share of 1
     changed: Mapping[str, float] = field(kw_only=True)
+    #: force that is added at a share of 1, one number per component; None: there is none
     force: Sequence[float] | None = field(kw_only=True)
     _made: dict[float, DynamicalSystem] = field(
         init=False, repr=False, compare=False, default_factory=dict
@@ -189,13 +118,7 @@ class ActuatorShare(Parameters):
         changed: Mapping[str, float],
         force: Sequence[float] | None = None,
     ) -> "ActuatorShare":
-        """Share of an actuator that is described as in `actuated_system`.
-
-        Raises
-        ------
-        ValueError
-            As of `actuated_system`.
-        """
+        """Share of an actuator that is described as in `actuated_system`."""
         actuated_system(system, changed, force)
         return cls((SHARE,), (0.0,), free=system, changed=changed, force=force)
 
@@ -234,26 +157,12 @@ def forced_system(system: DynamicalSystem, force: Sequence[float]) -> "ForcedSys
 
     The Runge-Kutta scheme and the schemes of `SemilinearSystem` and `StiffSystem` integrate systems
     with a force; a `flow_map` that a class defines in place of them does not.
-
-    Parameters
-    ----------
-    system
-        The system without the force.
-    force
-        One number per component.
-
-    Raises
-    ------
-    ValueError
-        If the force is not finite or has the wrong length, or the system takes no force.
     """
-    return _forced_class(system)(system, force)
-
-
-def _forced_class(system: DynamicalSystem) -> "type[ForcedSystem]":
     if isinstance(system, SemilinearSystem):
-        return _ForcedSemilinearSystem
-    return _ForcedStiffSystem if isinstance(system, StiffSystem) else ForcedSystem
+        return _ForcedSemilinearSystem(system, force)
+    if isinstance(system, StiffSystem):
+        return _ForcedStiffSystem(system, force)
+    return ForcedSystem(system, force)
 
 
 class ForcedSystem(DynamicalSystem):
@@ -261,18 +170,6 @@ class ForcedSystem(DynamicalSystem):
 
     It is not a dataclass: the force is a vector over the components, and an array among the fields
     of a system would be taken for a parameter that differs between the trajectories of a batch.
-
-    Parameters
-    ----------
-    system
-        The system.
-    force
-        One number per component.
-
-    Raises
-    ------
-    ValueError
-        If the force is not finite or has the wrong length, or another scheme integrates the system.
     """
 
     def __init__(self, system: DynamicalSystem, force: Sequence[float]) -> None:

@@ -16,20 +16,11 @@ from burstcast.control.records import RECORDS, FlowRecords, Span, weighted_score
 
 @dataclass(frozen=True)
 class FlowSample:
-    """Flows under one strategy with one choice of its settings.
-
-    Attributes
-    ----------
-    records
-        What happened in each flow.
-    span
-        How long each flow counts.
-    costs
-        Costs of the actuation in each flow, ``(flows,)``, by name; empty if they were not recorded.
-    """
+    """Flows under one strategy with one choice of its settings."""
 
     records: FlowRecords
     span: Span
+    #: costs of the actuation in each flow, ``(flows,)``, by name; empty: they were not recorded
     costs: Mapping[str, FloatArray]
 
     def part(self, chosen: BoolArray) -> "FlowSample":
@@ -51,25 +42,11 @@ class FlowSample:
 
 
 def choose(candidates: Sequence[FlowSample], tolerance: float) -> int:
-    """Choose the cheapest settings that leave little, or else the settings that leave the least.
+    """Number of the cheapest settings that leave little, or else of settings that leave the least.
 
-    Parameters
-    ----------
-    candidates
-        The same flows under different settings.
-    tolerance
-        Share of the uncontrolled exceedance that may be left.
-
-    Returns
-    -------
-    Number of the chosen candidate: among candidates that leave at most ``tolerance``, that with the
-    least effort, or the least time under actuation where efforts were not recorded. If none does,
-    the one that leaves the least. The first one of equals.
-
-    Raises
-    ------
-    ValueError
-        If there are no candidates.
+    ``candidates``: The same flows under different settings. ``tolerance``: Share of the
+    uncontrolled exceedance that may be left. The cost is the effort, or the time under actuation
+    where efforts were not recorded. The first one of equals is chosen.
     """
     if not candidates:
         raise ValueError("there is nothing to choose from")

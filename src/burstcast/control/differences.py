@@ -20,24 +20,13 @@ COMPARED = ("relative_exceedance", "control_fraction")
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """Flows and identity of a run that is compared.
+    """Flows and identity of a run that is compared."""
 
-    Attributes
-    ----------
-    forecaster
-        Forecaster; None for strategies without forecasts.
-    strategy
-        How, with all settings and conditions.
-    rows, span
-        Which flows it had, and for how long.
-    scores
-        Scores of `burstcast.control.records.score_flows`; `COMPARED` at least.
-    """
-
-    forecaster: str | None
-    strategy: str
-    rows: IntArray
+    forecaster: str | None  #: None for strategies without forecasts
+    strategy: str  #: how, with all settings and conditions
+    rows: IntArray  #: which flows it had
     span: Span
+    #: scores of `burstcast.control.records.score_flows`; `COMPARED` at least
     scores: Mapping[str, ResampledScore]
 
     def is_comparable(self, other: "ComparedRun") -> bool:
@@ -56,9 +45,7 @@ def paired_differences(
 ) -> Iterator[tuple[ComparedRun, ComparedRun, str, ResampledScore]]:
     """Differences of the scores `COMPARED` between all runs that are comparable.
 
-    Yields
-    ------
-    A run, the other, the name of a score, and the first one's score less the other's.
+    Yields a run, the other, the name of a score, and the first one's score less the other's.
     """
     for run, other in combinations(runs, 2):
         if run.is_comparable(other):

@@ -12,141 +12,103 @@ confidence c; the bound takes it that those flows exceed as the uncontrolled one
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.simulation import ControlSimulation, EnergyMeans
-from burstcast.control.timing import Clock
+from burstcast.control.loop import ControlledFlows
+from burstcast.control.timing import Timing
 from burstcast.events import upward_crossings
+from burstcast.files.described import Described
+from burstcast.files.units import NUMBER, POWER
 from burstcast.laminarisation import first_laminar_step
 from burstcast.statistics.resampled_score import ResampledScore
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 
+def _count(meaning: str) -> Described:
+    return Described("flow", NUMBER, meaning)
+
+
+def _mean(meaning: str) -> Described:
+    return Described("flow", POWER, meaning)
+
+
 @dataclass(frozen=True)
 class FlowRecords:
-    """Records of each flow; arrays of shape ``(flows,)``.
+    """Records of each flow, ``(flows,)``; only steps and integration steps that count."""
 
-    Only steps and integration steps that count are recorded (`burstcast.control.timing.Clock`).
-
-    Attributes
-    ----------
-    row
-        Which of the given flows it is.
-    exceeding_uncontrolled, exceeding_controlled
-        Steps at or above the event threshold.
-    events_uncontrolled, events_controlled
-        Upward crossings of the threshold that end in a step that counts.
-    actuated_integration_steps
-        Integration steps under actuation.
-    switchings
-        How often the actuation was switched on.
-    laminar_step_uncontrolled, laminar_step_controlled
-        Steps from the first forecast to the first one beyond the laminarisation threshold; -1 if
-        there is none up to the last step that counts.
-    input_uncontrolled, input_controlled
-        Mean energy input; NaN for a system that does not tell it.
-    dissipation_uncontrolled, dissipation_controlled
-        Mean dissipation; likewise.
-    """
-
-    row: IntArray
-    exceeding_uncontrolled: IntArray
-    exceeding_controlled: IntArray
-    events_uncontrolled: IntArray
-    events_controlled: IntArray
-    actuated_integration_steps: IntArray
-    switchings: IntArray
-    laminar_step_uncontrolled: IntArray
-    laminar_step_controlled: IntArray
-    input_uncontrolled: FloatArray
-    input_controlled: FloatArray
-    dissipation_uncontrolled: FloatArray
-    dissipation_controlled: FloatArray
+    row: Annotated[IntArray, _count("row")]  #: which of the given flows it is
+    #: exceeding_uncontrolled, exceeding_controlled: steps at or above the event threshold
+    exceeding_uncontrolled: Annotated[IntArray, _count("exceeding uncontrolled")]
+    exceeding_controlled: Annotated[IntArray, _count("exceeding controlled")]
+    #: events_uncontrolled, events_controlled: upward crossings that end in a step that counts
+    events_uncontrolled: Annotated[IntArray, _count("events uncontrolled")]
+    events_controlled: Annotated[IntArray, _count("events controlled")]
+    actuated_integration_steps: Annotated[IntArray, _count("actuated integration steps")]
+    switchings: Annotated[IntArray, _count("switchings")]  #: how often it was switched on
+    #: laminar_step_uncontrolled, laminar_step_controlled: steps from the first look to the first
+    #: one beyond the laminarisation threshold; -1: there is none up to the last step that counts
+    laminar_step_uncontrolled: Annotated[IntArray, _count("laminar step uncontrolled")]
+    laminar_step_controlled: Annotated[IntArray, _count("laminar step controlled")]
+    #: mean energy input and dissipation; NaN for a system that does not tell them
+    input_uncontrolled: Annotated[FloatArray, _mean("input uncontrolled")]
+    input_controlled: Annotated[FloatArray, _mean("input controlled")]
+    dissipation_uncontrolled: Annotated[FloatArray, _mean("dissipation uncontrolled")]
+    dissipation_controlled: Annotated[FloatArray, _mean("dissipation controlled")]
 
 
-def record_flows(
-    flows: ControlSimulation[Any, Any], laminarisation_threshold: float | None
-) -> FlowRecords:
+def record_flows(flows: ControlledFlows, laminarisation_threshold: float | None) -> FlowRecords:
     """Reduce simulated flows to records."""
-    timing = flows.timing
-    counted = slice(timing.counted_from + 1, timing.counted_until + 1)
-    from_start = slice(timing.first_forecast, timing.counted_until + 1)
+    timing, counted = flows.timing, flows.timing.counted
+    found: dict[str, Any] = {
+        name: getattr(flows, name) for name in ("actuated_integration_steps", "switchings")
+    }
+    for who in ("uncontrolled", "controlled"):
+        observable, energy = getattr(flows, who), getattr(flows, f"{who}_energy")
+        crossings = upward_crossings(observable, flows.threshold)
+        from_start = observable[:, timing.first_look : timing.counted_until + 1]
+        for name in ("input", "dissipation"):
+            unknown = np.full(len(flows), np.nan)
+            found[f"{name}_{who}"] = unknown if energy is None else getattr(energy, name)
+        found |= {
+            f"exceeding_{who}": (observable[:, counted] >= flows.threshold).sum(axis=1),
+            f"events_{who}": crossings[:, counted].sum(axis=1),
+            f"laminar_step_{who}": first_laminar_step(from_start, laminarisation_threshold),
+        }
+    return FlowRecords(row=flows.rows, **found)
 
-    def exceeding(observable: FloatArray) -> IntArray:
-        return np.asarray((observable[:, counted] >= flows.threshold).sum(axis=1))
 
-    def events(observable: FloatArray) -> IntArray:
-        return np.asarray(upward_crossings(observable, flows.threshold)[:, counted].sum(axis=1))
-
-    def laminar_step(observable: FloatArray) -> IntArray:
-        return first_laminar_step(observable[:, from_start], laminarisation_threshold)
-
-    def means(energy: EnergyMeans | None) -> tuple[FloatArray, FloatArray]:
-        unknown = np.full(len(flows), np.nan)
-        return (unknown, unknown) if energy is None else (energy.input, energy.dissipation)
-
-    input_uncontrolled, dissipation_uncontrolled = means(flows.uncontrolled_energy)
-    input_controlled, dissipation_controlled = means(flows.controlled_energy)
-    return FlowRecords(
-        row=flows.rows,
-        exceeding_uncontrolled=exceeding(flows.uncontrolled),
-        exceeding_controlled=exceeding(flows.controlled),
-        events_uncontrolled=events(flows.uncontrolled),
-        events_controlled=events(flows.controlled),
-        actuated_integration_steps=flows.actuated_integration_steps,
-        switchings=flows.switchings,
-        laminar_step_uncontrolled=laminar_step(flows.uncontrolled),
-        laminar_step_controlled=laminar_step(flows.controlled),
-        input_uncontrolled=input_uncontrolled,
-        input_controlled=input_controlled,
-        dissipation_uncontrolled=dissipation_uncontrolled,
-        dissipation_controlled=dissipation_controlled,
-    )
+def neither(records: FlowRecords) -> BoolArray:
+    """Flows that laminarise neither with control nor without it."""
+    return (records.laminar_step_uncontrolled < 0) & (records.laminar_step_controlled < 0)
 
 
 @dataclass(frozen=True)
 class Span:
-    """Times for which flows count and are at risk of laminarisation.
+    """Times for which flows count and are at risk of laminarisation."""
 
-    Attributes
-    ----------
-    steps, integration_steps
-        That count, in each flow.
-    steps_at_risk
-        From the first forecast to the last step that counts.
-    steps_per_lyapunov_time
-        Steps in a Lyapunov time.
-    """
-
-    steps: int
+    steps: int  #: that count, in each flow
     integration_steps: int
-    steps_at_risk: int
+    steps_at_risk: int  #: from the first look to the last step that counts
     steps_per_lyapunov_time: int
 
     @classmethod
-    def of(cls, timing: Clock) -> "Span":
+    def of(cls, timing: Timing) -> "Span":
         """That of all flows of a simulation."""
         return cls(
-            steps=timing.span_steps,
-            integration_steps=timing.span_steps * timing.sampling_stride,
-            steps_at_risk=timing.counted_until - timing.first_forecast,
-            steps_per_lyapunov_time=timing.steps_per_lyapunov_time,
+            steps=timing.span,
+            integration_steps=timing.span * timing.schedule.sampling_stride,
+            steps_at_risk=timing.counted_until - timing.first_look,
+            steps_per_lyapunov_time=timing.schedule.steps_per_lyapunov_time,
         )
 
 
 @dataclass(frozen=True)
 class Interval:
-    """A score with its confidence interval; NaN where it is not defined.
-
-    Attributes
-    ----------
-    value, low, high
-        The score of all flows, and the ends of the interval.
-    """
+    """A score of all flows with the ends of its confidence interval; NaN where undefined."""
 
     value: float
     low: float
@@ -189,25 +151,10 @@ def score_flows(
     generator: np.random.Generator,
     costs: Mapping[str, FloatArray] | None = None,
 ) -> dict[str, ResampledScore]:
-    """Score flows by the costs and gains of control.
+    """Score flows that ran for the same time, by the names in `FLOW_SCORES` and of the costs.
 
-    Parameters
-    ----------
-    records
-        Records of flows that ran for the same time.
-    span
-        That time.
-    resamples
-        Bootstrap samples of the flows.
-    generator
-        Source of the resamples: runs on the same flows are compared on the same resamples if
-        theirs begin alike.
-    costs
-        Costs of each flow, ``(flows,)``, by the names in `COSTS`; None: they are not known.
-
-    Returns
-    -------
-    By the names in `FLOW_SCORES`, and means of the costs by theirs.
+    ``generator``: Runs on the same flows are compared on the same resamples if theirs begin alike.
+    ``costs``: Costs of each flow, ``(flows,)``, by the names in `COSTS`, of which means are scores.
     """
     flows = len(records.row)
     weights = np.ones((resamples + 1, flows))
@@ -223,22 +170,12 @@ def weighted_scores(
     weights: FloatArray,
     costs: Mapping[str, FloatArray] | None = None,
 ) -> dict[str, FloatArray]:
-    """Scores of flows that count with weights.
+    """Scores of flows that count with weights ``(resamples, flows)``, ``(resamples,)`` each.
 
-    Parameters
-    ----------
-    records, span, costs
-        As in `score_flows`.
-    weights
-        ``(resamples, flows)``.
-
-    Returns
-    -------
-    By the names in `FLOW_SCORES` and the names of the costs, ``(resamples,)`` each; NaN where a
-    score is not defined.
+    By the names in `FLOW_SCORES` and of the costs; NaN where a score is not defined.
     """
     values = _scores(records, span, weights)
-    weighted = weights * _neither(records)
+    weighted = weights * neither(records)
     for name, of_flows in (costs or {}).items():
         values[name] = _quotient((weighted * of_flows).sum(axis=1), weighted.sum(axis=1))
     return {name: values[name] for name in (*FLOW_SCORES, *(costs or {}))}
@@ -247,17 +184,7 @@ def weighted_scores(
 def flow_intervals(
     scores: Mapping[str, ResampledScore], records: FlowRecords, span: Span, confidence: float
 ) -> dict[str, Interval]:
-    """Intervals over flows of the scores of a run, by their names.
-
-    Parameters
-    ----------
-    scores
-        Scores of `score_flows`.
-    records, span
-        What they are of.
-    confidence
-        Confidence level of the intervals, in (0, 1).
-    """
+    """Intervals over flows of the scores of `score_flows`, by their names."""
     intervals = {
         name: Interval(float(score.value), *percentile_interval(score.samples, confidence))
         for name, score in scores.items()
@@ -265,14 +192,9 @@ def flow_intervals(
     return {**intervals, **_bounds_of_nothing(records, span, confidence, intervals)}
 
 
-def _neither(records: FlowRecords) -> BoolArray:
-    """Flows that laminarise neither with control nor without it."""
-    return (records.laminar_step_uncontrolled < 0) & (records.laminar_step_controlled < 0)
-
-
 def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> dict[str, FloatArray]:
     """Scores of weighted flows, ``(resamples,)`` each; weights are ``(resamples, flows)``."""
-    counts = _neither(records).astype(np.float64)
+    counts = neither(records).astype(np.float64)
     weighted = weights * counts
     number = weighted.sum(axis=1)
     lyapunov_times = span.steps / span.steps_per_lyapunov_time
@@ -308,7 +230,7 @@ def _bounds_of_nothing(
 ) -> dict[str, Interval]:
     """Upper bounds for counts of zero in all flows (see the module)."""
     found = {}
-    counts = _neither(records)
+    counts = neither(records)
     flows = int(counts.sum())
     share = 1 - (1 - confidence) ** (1 / flows) if flows else math.nan
     for who in ("uncontrolled", "controlled"):

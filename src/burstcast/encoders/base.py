@@ -65,6 +65,9 @@ class Encoder(abc.ABC):
     option_names: ClassVar[tuple[str, ...]] = ()
     """Names of its options."""
 
+    array_names: ClassVar[tuple[str, ...]] = ()
+    """Names of the arrays that fitting finds, all of its fields; none where nothing is fitted."""
+
     @classmethod
     @abc.abstractmethod
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
@@ -83,6 +86,11 @@ class Encoder(abc.ABC):
         ValueError
             If an option is out of bounds, or the states have no such encoding.
         """
+
+    @classmethod
+    def restore(cls, arrays: Mapping[str, FloatArray], case: EncodingCase) -> Self:
+        """Encoder of a case from the arrays that it was fitted to."""
+        return cls(**arrays) if cls.array_names else cls.fit(np.empty((0, 0, 0)), case)
 
     @classmethod
     @abc.abstractmethod

@@ -70,6 +70,31 @@ class StateChannels:
         seen = observed_series(readings, 0, level, scales, random_seed, source)
         return cls.fit(kind, states, seen, case), scales
 
+    @classmethod
+    def restore(cls, kind: str, case: EncodingCase, arrays: Mapping[str, FloatArray]) -> Self:
+        """Channels of a kind and a case, from their `arrays`."""
+        of_part: dict[str, dict[str, FloatArray]] = {"estimate": {}, "encoder": {}}
+        for name, array in arrays.items():
+            part, _, field = name.partition("_")
+            of_part[part][field] = array
+        encoder = encoder_class(kind)
+        if case.observation is None or kind in (IDENTITY, ESTIMATE):
+            return cls(case, None, encoder.restore(of_part["encoder"], case))
+        estimate = StateEstimateEncoder.restore(of_part["estimate"], case)
+        of_states = replace(case, observation=None)
+        return cls(case, estimate, encoder.restore(of_part["encoder"], of_states))
+
+    @property
+    def arrays(self) -> dict[str, FloatArray]:
+        """All that fitting has found, by part and name."""
+        parts = {"estimate": self.estimate, "encoder": self.encoder}
+        return {
+            f"{part}_{name}": getattr(one, name)
+            for part, one in parts.items()
+            if one is not None
+            for name in one.array_names
+        }
+
     def encode(self, seen: FloatArray) -> FloatArray:
         """Channels ``(channel, ...)`` of what is observed, ``(observed, ...)``."""
         if self.estimate is not None:

@@ -29,6 +29,7 @@ class PodEncoder(Encoder):
 
     decodes: ClassVar[bool] = True
     option_names: ClassVar[tuple[str, ...]] = ("modes", "variance", "symmetrised")
+    array_names: ClassVar[tuple[str, ...]] = ("mean", "modes", "variances")
 
     mean: FloatArray  #: mean of the snapshots, ``(component,)``
     #: orthonormal modes, ``(component, mode)``; the largest entry of each is positive

@@ -5,6 +5,7 @@ Source: linear stochastic estimation (Adrian, "Stochastic estimation of conditio
 series with their images under the symmetries of the system.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -22,6 +23,7 @@ class StateEstimateEncoder(Encoder):
     """Estimates of all components of a state."""
 
     decodes: ClassVar[bool] = True
+    array_names: ClassVar[tuple[str, ...]] = ("gain", "constant")
 
     observation: Observation  #: what instruments see of a state
     gain: FloatArray  #: ``(dimension, observed)``
@@ -31,6 +33,12 @@ class StateEstimateEncoder(Encoder):
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
         """Estimate from the moments of the true training states (see `Encoder.fit`)."""
         return cls.of(state_moments(training.reshape(-1, training.shape[-1]), case.space), case)
+
+    @classmethod
+    def restore(cls, arrays: Mapping[str, FloatArray], case: EncodingCase) -> Self:
+        """Estimate of a case (see `Encoder.restore`)."""
+        # the columns in one piece, as `of` has them: products have the same bits
+        return cls(_observation(case), np.asfortranarray(arrays["gain"]), arrays["constant"])
 
     @classmethod
     def of(cls, moments: Moments, case: EncodingCase) -> Self:

@@ -31,8 +31,7 @@ class ForecasterName:
     neurons: int | None = None
     validation: str | None = None
     seed: int | None = None
-    #: role of a controller that is no single forecaster: a module of
-    #: `burstcast.control.controllers`
+    #: role of a controller that is no single forecaster: "committee" or "random"
     role: str | None = None
     label: str | None = None  #: name that a user gives to forecasts from files
 

@@ -75,6 +75,7 @@ GROUPS = {
 NOISE = "case.training.noise"
 AWARE = "forecasters.aware"
 COST = "control.cost"
+DENSITY = "case.controlled_density"
 SENSOR = "control.sensor"
 
 
@@ -306,8 +307,8 @@ class Campaign:
     @cached_property
     def strategy_runs(self) -> tuple[ControlRun, ...]:
         """All control: the paper's, and by the blocks of strategies, each run once."""
-        runs = [run for block in self.config.control.strategies for run in self._runs_of(block)]
-        return tuple(dict.fromkeys([*self.control_runs, *runs]))
+        runs = {run for block in self.config.control.strategies for run in self._runs_of(block)}
+        return (*self.control_runs, *sorted(runs - {*self.control_runs}, key=_order_of_run))
 
     @property
     def chosen_runs(self) -> tuple[ControlRun, ...]:
@@ -431,8 +432,11 @@ class Campaign:
             left_out.add(AWARE)
         if not self.config.control.cost:
             left_out.add(COST)
-        if "strategy" in wildcards and not self.plan(wildcards["strategy"]).observed:
-            left_out.add(SENSOR)
+        if "strategy" in wildcards:
+            plan = self.plan(wildcards["strategy"])
+            # densities are made of the paper's control alone
+            left_out |= {SENSOR} if not plan.observed else set()
+            left_out |= {DENSITY} if not plan.is_of_the_paper else set()
         if "controller" in wildcards and not name.asks_forecasters:
             left_out.add("forecaster.options")
         found = {
@@ -542,10 +546,7 @@ class Campaign:
         parameters = case["parameters"]
         if not is_encoded(self.cases[part]):
             return {"components": self.data(part).components, "of": parameters["observable_of"]}
-        level = (self.noise_of_data(part) or {"level": 0.0})["level"]
-        return {"parameters": parameters, "noise": level} | {
-            name: case[name] for name in ("sensors", "encoder")
-        }
+        return {"parameters": parameters} | {name: case[name] for name in ("sensors", "encoder")}
 
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
         """Modules that a job reaches by a name, by the package whose registry finds them.
@@ -562,7 +563,6 @@ class Campaign:
         else:
             forecasters = [one.name for one in self.forecasters]
         strategy = [self.plan(names["strategy"]).strategy] if "strategy" in names else []
-        controllers = [parsed(names["controller"]).role or "forecaster"] if strategy else []
         strategies = names.get("strategies")
         validations = (
             strategies.split("+") if strategies else {one.validation for one in forecasters}
@@ -575,7 +575,6 @@ class Campaign:
             **({"burstcast.encoders": sorted(encoders)} if encoders else {}),
             "burstcast.systems": sorted({self.cases[case].system for case in cases}),
             "burstcast.forecasters": sorted({one.kind for one in forecasters}),
-            "burstcast.control.controllers": controllers,
             "burstcast.control.strategies": strategy,
             "burstcast.tuning.strategies": sorted(
                 strategy_module(name).rpartition(".")[2] for name in validations if name
@@ -732,12 +731,20 @@ def _names(kind: str, axes: Section | dict[str, Section]) -> Iterator[Forecaster
 
 
 def _order(one: CaseForecaster) -> tuple[Any, ...]:
-    name = one.name
+    return natural_order(one.case), *_order_of_name(one.name)
+
+
+def _order_of_run(run: ControlRun) -> tuple[Any, ...]:
+    plan = natural_order(run.plan.identifier)
+    return natural_order(run.case), plan, *_order_of_name(run.controller)
+
+
+def _order_of_name(name: ForecasterName) -> tuple[Any, ...]:
     return (
-        natural_order(one.case),
         name.kind,
         name.label or "",
         name.neurons or 0,
         name.validation or "",
         name.seed or 0,
+        name.role or "",
     )

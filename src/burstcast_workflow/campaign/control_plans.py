@@ -51,6 +51,13 @@ class ControlPlan:
             parts.append(f"observed{named(self.observed)}")
         return "-".join(parts)
 
+    @property
+    def is_of_the_paper(self) -> bool:
+        """Whether it is the paper's protocol at some prediction time."""
+        names = [name for name, _ in self.settings]
+        protocol = replace(_PAPER, settings=self.settings)
+        return names == ["prediction_time_lt", "window_lt"] and self == protocol
+
     def record(self, span_lt: float) -> dict[str, Any]:
         """Settings for a job, with the campaign's span by default."""
         conditions = {name: getattr(self, name) for name in CONDITIONS}

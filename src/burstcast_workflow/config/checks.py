@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 
 from pydantic import ValidationError
 
-from burstcast.control.controllers.committee import VOTE_SHARE, votes
+from burstcast.control.controllers import VOTE_SHARE, votes
 from burstcast.control.strategies.registry import make_strategy, strategy_class
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed

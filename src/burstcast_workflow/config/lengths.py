@@ -11,8 +11,8 @@ from operator import attrgetter
 import numpy as np
 
 from burstcast import durations
-from burstcast.control.experiment import Schedule
 from burstcast.control.strategies.registry import make_strategy as make_control_strategy
+from burstcast.control.timing import Schedule
 from burstcast.data.starting_points import starting_points, steps_before_events
 from burstcast.forecasters._options import sections_of_kind
 from burstcast.forecasters.precursor import lag_steps

@@ -9,17 +9,15 @@ import numpy as np
 from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues, actuated_system, reversed_actuation
-from burstcast.control.experiment import (
-    ControlExperiment,
-    Schedule,
-    controlled_series,
-    noise_of_flows,
-)
+from burstcast.control.experiment import ControlExperiment, controlled_series, noise_of_flows
+from burstcast.control.records import FlowRecords, neither
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
+from burstcast.control.timing import Schedule
+from burstcast.control.windows import WindowCounts
 from burstcast.data.dataset import component_scales
 from burstcast.encoders.channels import IDENTITY, EncodedFlow, StateChannels, encoding_case
-from burstcast.files.netcdf import read_rows
+from burstcast.files.netcdf import read_netcdf, read_record, read_rows
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import kind_class
 from burstcast.observation.part import ObservedPart
@@ -34,7 +32,11 @@ from burstcast_workflow.jobs.time_unit import lyapunov_time
 
 
 def control_setup(
-    settings: Settings, ensemble: str, summary: str, forecasters: Sequence[str]
+    settings: Settings,
+    ensemble: str,
+    summary: str,
+    forecasters: Sequence[str],
+    encoder: str | Sequence[str] = (),
 ) -> tuple[ControlStrategy, ControlExperiment, list[Any], FloatArray | None]:
     """Set up a job of control from its settings and inputs.
 
@@ -44,8 +46,7 @@ def control_setup(
     """
     strategy = make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
     experiment = control_experiment(settings, ensemble, summary)
-    training = read_rows(ensemble, "state", 0, settings["case.training.series"])
-    experiment = replace(experiment, sensor=_sensor(settings, experiment, training))
+    experiment = replace(experiment, sensor=_sensor(settings, experiment, encoder))
     if strategy.told:
         names = settings["forecasters.aware"]["parameters"]
         experiment = replace(experiment, values=_values(settings, experiment, names))
@@ -57,9 +58,9 @@ def control_setup(
     ]
     noise = None
     if not any(forecaster.sees_truth for forecaster in asked):
-        seen = training
+        seen = read_rows(ensemble, "state", 0, settings["case.training.series"])
         if sensor is not None:
-            seen = np.moveaxis(sensor(np.moveaxis(training, -1, 0)), 0, -1)
+            seen = np.moveaxis(sensor(np.moveaxis(seen, -1, 0)), 0, -1)
         noise = noise_of_flows(
             experiment.series,
             strategy.timing(experiment.schedule).length,
@@ -69,6 +70,13 @@ def control_setup(
             settings["control.run"].get("observed", experiment.case),
         )
     return strategy, experiment, asked, noise
+
+
+def alarm_rate(flows: str) -> float:
+    """Share of the forecasts of flows that raised an alarm, over flows that do not laminarise."""
+    kept, counts = neither(read_record(flows, FlowRecords)), read_record(flows, WindowCounts)
+    forecasts = int(counts.forecasts[kept].sum())
+    return int(counts.alarms[kept].sum()) / forecasts if forecasts else 0.0
 
 
 def control_experiment(settings: Settings, ensemble: str, summary: str) -> ControlExperiment:
@@ -121,23 +129,17 @@ def control_experiment(settings: Settings, ensemble: str, summary: str) -> Contr
 
 
 def _sensor(
-    settings: Settings, experiment: ControlExperiment, training: FloatArray
+    settings: Settings, experiment: ControlExperiment, encoder: str | Sequence[str]
 ) -> ObservedPart | EncodedFlow | None:
-    """Sensor of the flows; None: the whole state is observed. Encoders are fitted again."""
+    """Sensor of the flows, with the encoder that its case has fitted; None: all is observed."""
     said, system = settings.get("control.sensor"), experiment.system
     if said is None:
         return None
-    if "parameters" not in said:
+    if not isinstance(encoder, str):
         return ObservedPart.of(system, said["components"], said["of"])
     options = said["encoder"] or {}
-    channels, _ = StateChannels.of_training(
-        options.get("kind", IDENTITY),
-        training,
-        encoding_case(system, said["sensors"], options),
-        said["noise"],
-        experiment.root_seed,
-        experiment.case,
-    )
+    case = encoding_case(system, said["sensors"], options)
+    channels = StateChannels.restore(options.get("kind", IDENTITY), case, read_netcdf(encoder))
     return EncodedFlow(channels, system, make_space(MEASURED, said["parameters"]))
 
 

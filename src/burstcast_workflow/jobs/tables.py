@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from burstcast.files.netcdf import read_attributes, read_netcdf
+from burstcast.files.netcdf import read_attributes, read_netcdf, variable_names
 from burstcast.files.tables import read_table
 from burstcast.statistics.percentiles import percentiles
 from burstcast.tables.makers.registry import Gathered
@@ -23,13 +23,18 @@ WHOLE_NUMBERS = ("neurons", "seed")
 def content(path: str, variables: str = "") -> Any:
     """Content of a file: a table, what a JSON file says beside its origin, or of a NetCDF file.
 
-    Of a NetCDF file, attributes and variables: all, or the named ones.
+    Of a NetCDF file, attributes and variables: all, or the named ones; those whose name ends in an
+    asterisk where the file has them.
     """
     if path.endswith(".csv"):
         return read_table(path)
     if path.endswith(".json"):
         return {name: value for name, value in read_json(path).items() if name != "provenance"}
-    return {**read_attributes(path), **read_netcdf(path, *variables.split())}
+    names = variables.split()
+    if "*" in variables:
+        there = variable_names(path)
+        names = [name.rstrip("*") for name in names if name[-1] != "*" or name[:-1] in there]
+    return {**read_attributes(path), **read_netcdf(path, *names)}
 
 
 def gathered(

@@ -195,11 +195,17 @@ class Stages:
         asked = self.campaign.controlling(wildcards.case, wildcards.controller, wildcards.strategy)
         return self.of_forecasters("forecaster.nc", asked)
 
-    def matched_counts(self, wildcards: Any) -> Paths:
-        """Counts of the forecaster's own control, as often as which random alarms are raised."""
+    def matched_flows(self, wildcards: Any) -> Paths:
+        """Flows of the forecaster's own control, as often as which random alarms are raised."""
         forecaster, _, role = wildcards.controller.rpartition("-")
-        own = f"{wildcards.case}/control/{forecaster}/{wildcards.strategy}/counts.json"
+        own = f"{wildcards.case}/control/{forecaster}/{wildcards.strategy}/flows.nc"
         return self.in_results(own if role == "random" else [])
+
+    def encoder_of_observed(self, wildcards: Any) -> Paths:
+        """Encoder of the case that a run of control observes its flows as; nothing without one."""
+        part = self.campaign.plan(wildcards.strategy).observed
+        encoded = part in self.campaign.encoded_cases
+        return self.in_results(f"{part}/encoder.nc" if encoded else [])
 
     # -- what settings leave to other jobs ---------------------------------------------------------
 

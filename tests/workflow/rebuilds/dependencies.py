@@ -31,9 +31,10 @@ _LONG_TERM = f"""{_LONG_RUNS} case.density.* case.laminarisation_threshold case.
 _SPECTRUM = f"""{_LONG_RUNS} case.lyapunov.orthonormalisation_interval
     statistics.lyapunov_exponents statistics.lyapunov_runs"""
 _CONTROL = f"""{_SYSTEM} {_TIME} random_seed case.training.series
-    case.event_threshold case.laminarisation_threshold case.controlled_density.* case.actuation.*
+    case.event_threshold case.laminarisation_threshold case.actuation.*
     washout_lt control.window_lt control.flows control.span_lt"""
 _OTHER_CONTROL = _CONTROL.replace("control.window_lt", "")
+_PAPERS_CONTROL = f"{_CONTROL} case.controlled_density.*"
 # A forecaster is restored with the settings of its kind; the equations have none, and see no noise.
 # Whether forecasts have diverged is asked by those who judge them as a whole.
 _NETWORK = """forecasters.esn.connectivity forecasters.esn.input_bias forecasters.esn.readout
@@ -74,10 +75,10 @@ READS = {
     "horizon/quadratic_filtered": f"{_HORIZON} {_LEARNT}",
     "long_term/esn": f"{_LONG_TERM} {_NETWORK} {_JUDGED}",
     "lyapunov_spectrum/esn": f"{_SPECTRUM} {_NETWORK}",
-    "control/esn": f"{_CONTROL} case.training.noise {_NETWORK}",
+    "control/esn": f"{_PAPERS_CONTROL} case.training.noise {_NETWORK}",
     "control/esn/receding_horizon": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
-    "control/equations": _CONTROL,
-    "control/esn-random": _CONTROL,
+    "control/equations": _PAPERS_CONTROL,
+    "control/esn-random": _PAPERS_CONTROL,
     # what reacts looks at noisy observations
     "control/none": f"{_OTHER_CONTROL} case.training.noise",
     "control/esn-committee": f"{_OTHER_CONTROL} case.training.noise {_NETWORK}",
@@ -228,8 +229,7 @@ FOUND_BY_NAME = {
     ),
 }
 FORECASTERS_BY_NAME = "burstcast.forecasters.registry", "burstcast.forecasters."
-# Strategies and controllers of control are those of the job.
-CONTROLLERS_BY_NAME = "burstcast.control.controllers.registry", "burstcast.control.controllers."
+# Strategies of control are those of the job.
 STRATEGIES_BY_NAME = "burstcast.control.strategies.registry", "burstcast.control.strategies."
 STRATEGIES = {
     "control/esn": ("prediction_triggered",),

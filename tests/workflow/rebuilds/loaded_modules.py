@@ -17,7 +17,7 @@ from types import ModuleType
 HARNESS = "burstcast_workflow.harness"
 REGISTRIES = (
     *("systems", "forecasters", "tuning/strategies"),
-    *("control/controllers", "control/strategies", "tables/makers"),
+    *("control/strategies", "tables/makers"),
 )
 
 

@@ -25,6 +25,7 @@ _FORECASTER = re.compile(
     r"(?P<case>[^/]+)/(?P<kind>[a-z_]+)"
     r"(-N(?P<neurons>\d+)-(?P<validation>[A-Z]+)-seed(?P<seed>\d+))?"
 )
+_SAMPLES = ("uncontrolled", "controlled")
 _CONTROL = re.compile(r"prediction_triggered-prediction_time(?P<time>[\d.]+)-window[\d.]+")
 
 
@@ -387,7 +388,7 @@ class Recomputation:
     def control(self) -> pd.DataFrame:
         """Shares of time recomputed from the counts of each run."""
         rows = []
-        for path in sorted(self.results.glob("*/control/*/*/counts.json")):
+        for path in sorted(self.results.glob("*/control/*/*/flows.nc")):
             name = _CONTROL.fullmatch(path.parent.name)
             if not name:  # beyond the paper's control
                 continue
@@ -395,11 +396,14 @@ class Recomputation:
             keys = self.keys(self.results / case / controller.removesuffix("-random") / path.name)
             if controller.endswith("-random"):
                 keys["forecaster"] = "random"
-            counts = json.loads(path.read_text())
-            edge = variables(path.with_name("histograms.nc"))["edge"]
-            assert len(edge) == self.records[keys["case"]]["controlled_density"]["bins"] + 1
-            without = counts["exceeding_uncontrolled"] / counts["steps"]
-            with_it = counts["exceeding_controlled"] / counts["steps"]
+            flows = variables(path)
+            bins = self.records[keys["case"]]["controlled_density"]["bins"]
+            assert len(flows["edge"]) == bins + 1
+            calm = np.maximum(*(flows[f"laminar_step_{who}"] for who in _SAMPLES)) < 0
+            with netCDF4.Dataset(path) as file:
+                steps = calm.sum() * file.steps
+            without, with_it = (flows[f"exceeding_{who}"][calm].sum() / steps for who in _SAMPLES)
+            counted = ("alarms", "false_alarms", "missed_events", "unsuppressed_events")
             rows.append(
                 {
                     **keys,
@@ -407,10 +411,7 @@ class Recomputation:
                     "exceedance_uncontrolled": without,
                     "exceedance_controlled": with_it,
                     "reduction": 1 - with_it / without if without else np.nan,
-                    "alarms": counts["alarms"],
-                    "false_alarms": counts["false_alarms"],
-                    "missed_events": counts["missed_events"],
-                    "unsuppressed_events": counts["unsuppressed_events"],
+                    **{name: flows[name][calm].sum() for name in counted},
                 }
             )
         return pd.DataFrame(rows)

@@ -102,41 +102,24 @@ class Persistence(Forecaster):
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         return np.repeat(memory[np.newaxis], steps, axis=0), memory
 '''
-NEVER = '''"""Never an alarm."""
+ALWAYS = '''"""Always on."""
+
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.control.monitors.base import Monitor
-
-
-class NeverMonitor(Monitor):
-    """Raises no alarm."""
-
-    def alarms(self, rows: IntArray, forecast_number: IntArray, washout: FloatArray, acting=None):
-        return np.zeros(len(rows), dtype=bool)
-'''
-ALWAYS = '''"""Always on."""
-
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import ClassVar
-
 from burstcast.control.experiment import ControlExperiment
-from burstcast.control.monitors.base import Monitor
-from burstcast.control.monitors.observed import ObservedMonitor
-from burstcast.control.sampled.strategy import SampledStrategy
-from burstcast.forecasters.base import Forecaster
+from burstcast.control.policy import Policy
+from burstcast.control.strategies.base import SampledStrategy
 
 
 @dataclass(frozen=True)
 class Always(SampledStrategy):
     """Acts all the time."""
 
-    forecasts: ClassVar[bool] = False
-
-    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
-        return ObservedMonitor(experiment.system.observable, float("-inf"))
+    def policy(self, experiment: ControlExperiment, forecaster: Any) -> Policy:
+        return lambda look: np.ones(len(look.rows), dtype=bool)
 '''
 LAST_SERIES = '''"""Validation on the end of the last series."""
 
@@ -250,7 +233,6 @@ WITHOUT_EFFECT = [
         "Scores of each forecaster",
     ),
     Edit("a new forecaster", f"{LIBRARY}/forecasters/persistence.py", "", PERSISTENCE),
-    Edit("a new monitor", f"{LIBRARY}/control/monitors/never.py", "", NEVER),
     Edit("a new strategy of control", f"{LIBRARY}/control/strategies/always.py", "", ALWAYS),
     Edit(
         "a strategy of control that nobody uses",

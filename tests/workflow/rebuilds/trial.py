@@ -16,7 +16,6 @@ from typing import Any
 
 from dependencies import (
     ALL,
-    CONTROLLERS_BY_NAME,
     FORECASTERS_BY_NAME,
     FOUND_BY_NAME,
     HARNESS,
@@ -177,9 +176,6 @@ class Laboratory:
         registry, prefix = FORECASTERS_BY_NAME
         if registry in loaded and kind != "none" and role != "random":
             by_name.add(f"{prefix}{kind}")
-        registry, prefix = CONTROLLERS_BY_NAME
-        if registry in loaded:
-            by_name.add(f"{prefix}{role or 'forecaster'}")
         registry, prefix = STRATEGIES_BY_NAME
         if registry in loaded:
             by_name.update(f"{prefix}{name}" for name in STRATEGIES.get(job, ()))

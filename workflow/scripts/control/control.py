@@ -2,13 +2,15 @@
 
 import dataclasses
 
-from burstcast.control.controllers.registry import controlling_monitor
-from burstcast.control.flow_files import flow_variables, histogram_variables
+from burstcast.control.controllers import controlling_policy
 from burstcast.control.records import Span, record_flows
+from burstcast.control.windows import observable_histograms
+from burstcast.files.netcdf import Variable, variables_of
+from burstcast.files.units import NUMBER
 from burstcast.forecasters._names import parsed
 from burstcast.statistics.densities import bin_edges
-from burstcast_workflow.harness.job import Settings, job, read_json, write_json, write_netcdf
-from burstcast_workflow.jobs.control import control_setup
+from burstcast_workflow.harness.job import Settings, job, write_netcdf
+from burstcast_workflow.jobs.control import alarm_rate, control_setup
 
 
 @job
@@ -17,32 +19,36 @@ def control(
     ensemble: str,
     summary: str,
     forecasters: list[str],
+    encoder: str | list[str],
     matched: str | list[str],
-    counts: str,
-    histograms: str,
     flows: str,
     settings: Settings,
 ) -> None:
-    """Write what control achieved; random alarms are as frequent as those counted in `matched`."""
-    strategy, experiment, asked, noise = control_setup(settings, ensemble, summary, forecasters)
+    """Write records of each flow; random alarms are as frequent as those of `matched` flows."""
+    strategy, experiment, asked, noise = control_setup(
+        settings, ensemble, summary, forecasters, encoder
+    )
     controller = parsed(settings["controller"])
-    monitor = controlling_monitor(
+    policy = controlling_policy(
         controller.role or "forecaster",
         strategy,
         experiment,
         asked,
-        alarm_rate=read_json(matched)["alarm_rate"] or 0.0 if isinstance(matched, str) else 0.0,
+        alarm_rate=alarm_rate(matched) if isinstance(matched, str) else 0.0,
         seed=controller.seed or 0,
     )
-    simulation = strategy.simulate(experiment, monitor, noise=noise)
-    laminarisation_threshold = settings["case.laminarisation_threshold"]
-    density = settings["case.controlled_density"]
-    low, high = density["range"]
-    edges = bin_edges(low, high, density["bins"])
-    outcome = strategy.outcome(simulation, laminarisation_threshold, edges)
-    write_json(counts, outcome.record(), settings.provenance)
-    write_netcdf(histograms, histogram_variables(outcome), settings.provenance)
-    records, span = record_flows(simulation, laminarisation_threshold), Span.of(simulation.timing)
-    cost = simulation.cost if settings.get("control.cost") else None
-    variables = flow_variables(records, experiment.series.start, cost)
-    write_netcdf(flows, variables, {**settings.provenance, **dataclasses.asdict(span)})
+    costs = bool(settings.get("control.cost"))
+    simulation = strategy.simulate(experiment, policy, noise=noise, costs=costs)
+    records = record_flows(simulation, settings["case.laminarisation_threshold"])
+    found = [records, strategy.categories(simulation), simulation.cost]
+    if density := settings.get("case.controlled_density"):
+        low, high = density["range"]
+        edges = bin_edges(low, high, density["bins"])
+        found.append(observable_histograms(simulation, edges))
+    series = experiment.series.start + records.row
+    variables = {"series": Variable(("flow",), series, NUMBER, "row of the series in the ensemble")}
+    for one in filter(None, found):
+        variables |= variables_of(one)
+    span = dataclasses.asdict(Span.of(simulation.timing))
+    attributes = {**settings.provenance, **span, "left_out": simulation.left_out}
+    write_netcdf(flows, variables, attributes)

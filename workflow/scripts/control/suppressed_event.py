@@ -1,8 +1,8 @@
 """Simulate the flow whose suppressed event shows best what control by a forecaster does."""
 
+from burstcast.control.example import simulate_event
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
-from burstcast.control.windowed.example import simulate_event
-from burstcast.control.windowed.outcome import largest_suppressed_event
+from burstcast.control.windows import largest_suppressed_event
 from burstcast.files.netcdf import variables_of
 from burstcast_workflow.harness.job import Settings, job, write_netcdf
 from burstcast_workflow.jobs.control import control_setup
@@ -15,7 +15,8 @@ def suppressed_event(
     """Write the observable with and without control, and the states at four times."""
     strategy, experiment, asked, noise = control_setup(settings, ensemble, summary, forecasters)
     assert isinstance(strategy, PredictionTriggered)
-    simulation = strategy.simulate(experiment, strategy.monitor(experiment, asked), noise=noise)
+    policy = strategy.policy(experiment, asked[0])
+    simulation = strategy.simulate(experiment, policy, noise=noise)
     chosen = largest_suppressed_event(simulation, settings["case.laminarisation_threshold"])
     found = simulate_event(chosen, strategy, experiment, asked[0], noise)
     which = {

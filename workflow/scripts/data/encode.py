@@ -7,7 +7,7 @@ import numpy as np
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.encoders.channels import IDENTITY, StateChannels, encoding_case
-from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
+from burstcast.files.netcdf import Variable, read_netcdf, read_rows, variables_of
 from burstcast.systems.registry import make_space
 from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
 from burstcast_workflow.jobs.systems import system_of
@@ -15,8 +15,8 @@ from burstcast_workflow.jobs.time_unit import sampling_interval
 
 
 @job
-def encode(*, source: str, ensemble: str, summary: str, settings: Settings) -> None:
-    """Write the channels of all series as they truly are, and as they are observed."""
+def encode(*, source: str, ensemble: str, summary: str, encoder: str, settings: Settings) -> None:
+    """Write the channels of all series, as they truly are and as observed, and the encoder."""
     of_source, options = settings["source"], settings["case.encoder"] or {}
     space = make_space(of_source["system"], of_source["parameters"])
     case = encoding_case(space, settings["case.sensors"], options)
@@ -52,4 +52,14 @@ def encode(*, source: str, ensemble: str, summary: str, settings: Settings) -> N
     if channels.decodes:
         variables |= variables_of(channels.maps(training))
     write_netcdf(ensemble, variables, settings.provenance)
+    fitted = {
+        name: Variable(
+            tuple(f"{name}_{axis}" for axis in range(array.ndim)),
+            array,
+            None,  # coefficients of quantities of all kinds
+            name.replace("_", " "),
+        )
+        for name, array in channels.arrays.items()
+    }
+    write_netcdf(encoder, fitted, settings.provenance)
     write_json(summary, of_all, settings.provenance)

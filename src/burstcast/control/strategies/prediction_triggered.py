@@ -1,91 +1,84 @@
 """The paper's strategy: an alarm for a window sets off one actuation of a given length.
 
-Source: section "Control of extreme events" of the paper. The forecast is judged in a window after
-the prediction time; an alarm sets off the case's actuation, which starts and lasts as the case
-says; no forecast is made before the end of the alarm's window.
+Source: section "Control of extreme events" of the paper. A forecast made at step t covers the
+window from t + prediction time to t + prediction time + window. Without an alarm the next forecast
+is made one window later, so that windows follow on one another without a gap; after an alarm it is
+made at the end of the alarm's window. The stretch of one prediction time between that and the next
+window is covered by no forecast. An alarm sets off the case's actuation, which starts and lasts as
+the case says; where it is still on at the next alarm, it stays on until the later of the two ends.
+
+Steps count from the end of the first window: flows are chosen to be free of events up to there.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any
 
-from burstcast.arrays import FloatArray
-from burstcast.control.actuation import actuation_interval
-from burstcast.control.experiment import ControlExperiment, Schedule
-from burstcast.control.monitors.base import Monitor
-from burstcast.control.monitors.forecast import ForecastMonitor
-from burstcast.control.monitors.vote import VoteMonitor
+from burstcast.arrays import BoolArray
+from burstcast.control.experiment import ControlExperiment
+from burstcast.control.loop import ControlledFlows, Looks, RunningFlows
+from burstcast.control.policy import Look, Policy, forecast
 from burstcast.control.strategies.base import ControlStrategy
-from burstcast.control.timing import Timing
-from burstcast.control.windowed.outcome import Outcome, count_outcome
-from burstcast.control.windowed.simulation import WindowedSimulation, WindowedStepper
-from burstcast.forecasters.base import Forecaster
+from burstcast.control.timing import Schedule, Timing
+from burstcast.control.windows import WindowCounts, count_windows, judge_alarms
+from burstcast.forecast.windows import crosses_in_window
 
 
 @dataclass(frozen=True)
 class PredictionTriggered(ControlStrategy):
-    """Acts for a while on each alarm.
+    """Acts for a while on each alarm."""
 
-    Attributes
-    ----------
-    prediction_time_lt
-        Time from a forecast to the start of its window, in Lyapunov times; positive.
-    window_lt
-        Length of the window, in Lyapunov times; positive.
-    vote_share
-        Share of several forecasters that must forecast an event.
-    """
+    forecasts = True
 
-    forecasts: ClassVar[bool] = True
-
+    #: time from a forecast to the start of its window, in Lyapunov times; positive
     prediction_time_lt: float
-    window_lt: float
-    vote_share: float = 0.5
+    window_lt: float  #: length of the window, in Lyapunov times; positive
+    vote_share: float = 0.5  #: share of several forecasters that must forecast an event
+
+    def window(self, schedule: Schedule) -> tuple[int, int]:
+        """Steps from a forecast to the first and to the last step of its window."""
+        start = schedule.steps(self.prediction_time_lt)
+        end = schedule.steps(self.prediction_time_lt + self.window_lt)
+        if start < 1 or end - start < 1:
+            raise ValueError("the prediction time and window of control must last a step")
+        return start, end
 
     def timing(self, schedule: Schedule) -> Timing:
-        """Windows one after the other (see `ControlStrategy.timing`)."""
-        return Timing(
-            prediction_time_lt=self.prediction_time_lt, window_lt=self.window_lt, **schedule.clock
-        )
+        """Windows one after the other, and the case's actuation, a delay later.
 
-    def check(self, schedule: Schedule) -> None:
-        """Check the window, and that no actuation starts before its alarm."""
-        self.actuation_interval(schedule)
-
-    def actuation_interval(self, schedule: Schedule) -> tuple[int, int]:
-        """Integration steps that an alarm sets off: the case's actuation, a delay later.
-
-        See `burstcast.control.actuation.actuation_interval`.
+        Durations of the actuation are rounded down to whole integration steps.
         """
-        return actuation_interval(
-            self.timing(schedule),
-            schedule.actuation_start_lt + schedule.delay_lt,
-            schedule.actuation_duration_lt,
-        )
+        start, end = self.window(schedule)
+        start_lt = schedule.actuation_start_lt + schedule.delay_lt
+        first = schedule.integration_steps(self.prediction_time_lt + start_lt)
+        length = schedule.integration_steps(schedule.actuation_duration_lt)
+        if first < 0:
+            raise ValueError(
+                f"control is not defined for a prediction time of {self.prediction_time_lt} "
+                f"Lyapunov times: the actuation starts {-start_lt} Lyapunov times before the "
+                f"window, which would be before the alarm"
+            )
+        if length < 1:
+            raise ValueError(
+                f"an actuation of {schedule.actuation_duration_lt} Lyapunov times lasts no step"
+            )
+        return Timing(schedule, (end - start, end), (first, first + length), settling=end)
 
-    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
-        """Alarms where forecasts cross the threshold in the window."""
-        timing, observable = self.timing(experiment.schedule), experiment.observed_space.observable
-        members = [
-            ForecastMonitor(forecaster, observable, timing, experiment.threshold)
-            for forecaster in forecasters
-        ]
-        return members[0] if len(members) == 1 else VoteMonitor(members, self.vote_share)
+    def policy(self, experiment: ControlExperiment, forecaster: Any) -> Policy:
+        """Act where the forecast crosses the threshold in the window."""
+        start, end = self.window(experiment.schedule)
+        observable = experiment.observed_space.observable
 
-    def stepper(self, experiment: ControlExperiment, monitor: Monitor) -> WindowedStepper:
-        """Advance flows window by window (see `ControlStrategy.stepper`)."""
-        return WindowedStepper(
-            experiment.system,
-            experiment.actuated_system,
-            monitor,
-            self.timing(experiment.schedule),
-            experiment.threshold,
-            self.actuation_interval(experiment.schedule),
-            sensor=experiment.sensor,
-        )
+        def decide(look: Look) -> BoolArray:
+            ahead = observable(forecast(forecaster, look, end))
+            return crosses_in_window(ahead, start, end, experiment.threshold)
 
-    def outcome(
-        self, flows: WindowedSimulation, laminarisation_threshold: float | None, edges: FloatArray
-    ) -> Outcome:
-        """Count outcomes in windows and between them (see `ControlStrategy.outcome`)."""
-        return count_outcome(flows, laminarisation_threshold, edges)
+        return decide
+
+    def judge(self, flows: RunningFlows, looks: Looks) -> Mapping[str, BoolArray]:
+        """What would have come without each alarm, and what came with it."""
+        return judge_alarms(flows, looks)
+
+    def categories(self, flows: ControlledFlows) -> WindowCounts:
+        """Events, alarms and forecasts of each flow, each in one category."""
+        return count_windows(flows)

@@ -1,42 +1,21 @@
 """Random decisions: the effect of an actuator without information."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any
 
-import numpy as np
-
-from burstcast import random_streams
 from burstcast.control.experiment import ControlExperiment
-from burstcast.control.monitors.base import Monitor
-from burstcast.control.monitors.random import RandomMonitor
-from burstcast.control.sampled.strategy import SampledStrategy
-from burstcast.forecasters.base import Forecaster
+from burstcast.control.policy import Policy, at_random
+from burstcast.control.strategies.base import SampledStrategy
 
 
 @dataclass(frozen=True)
 class RandomDecisions(SampledStrategy):
-    """Acts until the next decision with a given probability, each decision by itself.
+    """Acts until the next decision with a given probability, each decision by itself."""
 
-    Attributes
-    ----------
-    probability
-        Probability of acting: the expected share of the time under actuation.
-    """
-
-    forecasts: ClassVar[bool] = False
-
+    #: probability of acting: the expected share of the time under actuation
     probability: float
 
-    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
-        """Alarms at random: each flow has a stream of its own."""
-        decisions = self.timing(experiment.schedule).most_forecasts
-        draws = [
-            random_streams.stream(
-                experiment.root_seed, "random decisions", experiment.case, row
-            ).random(decisions)
-            for row in experiment.series
-        ]
-        return RandomMonitor(
-            self.probability, np.array(draws).reshape(len(experiment.series), decisions)
-        )
+    def policy(self, experiment: ControlExperiment, forecaster: Any) -> Policy:
+        """Act at random: each flow has a stream of its own."""
+        looks = self.timing(experiment.schedule).most_looks
+        return at_random(self.probability, experiment.draws("random decisions", looks))

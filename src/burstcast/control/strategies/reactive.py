@@ -6,46 +6,38 @@ components, and an actuator that is a force may push either way: "push mode 3 ag
 a2 while a1 is high" is a reactive strategy.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any
 
-from burstcast.arrays import FloatArray
+import numpy as np
+
+from burstcast.arrays import ByteArray, FloatArray
+from burstcast.control.actuation import REVERSED
 from burstcast.control.experiment import ControlExperiment
-from burstcast.control.monitors.base import Monitor
-from burstcast.control.monitors.observed import ObservedMonitor
-from burstcast.control.sampled.strategy import SampledStrategy
+from burstcast.control.policy import Look, Policy
+from burstcast.control.strategies.base import SampledStrategy
 from burstcast.discovery import suggestion
-from burstcast.forecasters.base import Forecaster
 from burstcast.systems.expressions import Expression
 from burstcast.systems.state_space import StateSpace, component_names
 
 
 @dataclass(frozen=True)
 class Reactive(SampledStrategy):
-    """Acts until the next decision while a quantity of the observed state is at or above a level.
+    """Acts until the next decision while an observed quantity is at or above a level."""
 
-    Attributes
-    ----------
-    level
-        In units of what is watched. Of the observable: below the event threshold, or it acts too
-        late.
-    watch
-        What is watched: an expression of the components by their names, and of ``observable``.
-        Empty: the observable.
-    push
-        Expression that decides the sign of the actuator's force: where it is negative, the force
-        is reversed. Empty: the force is never reversed.
-    """
-
-    forecasts: ClassVar[bool] = False
-
+    #: in units of what is watched. Of the observable: below the event threshold, or it acts too
+    #: late
     level: float
+    #: what is watched: an expression of the components by their names, and of ``observable``.
+    #: Empty: the observable
     watch: str = ""
+    #: expression that decides the sign of the actuator's force: where it is negative, the force is
+    #: reversed. Empty: the force is never reversed
     push: str = ""
 
     def check_system(self, system: StateSpace, reversible: bool) -> None:
-        """Check expressions, and that a push can be reversed (see `ControlStrategy`)."""
+        """Check expressions, and that a push can be reversed."""
         for expression in filter(None, (self.watch, self.push)):
             quantity(expression, system)
         if self.push and not reversible:
@@ -53,31 +45,25 @@ class Reactive(SampledStrategy):
                 f"the actuation cannot push by {self.push!r}: only a force can be reversed"
             )
 
-    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
-        """Alarms where the watched quantity is high now (see `ControlStrategy.monitor`)."""
-        system = experiment.observed_space
-        self.check_system(system, experiment.reversed_system is not None)
-        watched = quantity(self.watch, system) if self.watch else system.observable
-        return ObservedMonitor(
-            watched, self.level, quantity(self.push, system) if self.push else None
-        )
+    def policy(self, experiment: ControlExperiment, forecaster: Any) -> Policy:
+        """Act where the watched quantity of the last observed state is high."""
+        space = experiment.observed_space
+        self.check_system(space, experiment.reversed_system is not None)
+        watched = quantity(self.watch or "observable", space)
+        push = quantity(self.push, space) if self.push else None
+
+        def decide(look: Look) -> ByteArray:
+            now = look.washout[-1]
+            decided = np.where(watched(now) >= self.level, 1, 0)
+            if push is not None:
+                decided[(decided == 1) & (push(now) < 0)] = REVERSED
+            return decided.astype(np.uint8)
+
+        return decide
 
 
 def quantity(expression: str, space: StateSpace) -> Callable[[FloatArray], FloatArray]:
-    """Quantity of states ``(dimension, ...)``, from an expression of their components.
-
-    Parameters
-    ----------
-    expression
-        Expression of the components by their names, and of ``observable``.
-    space
-        What the states are.
-
-    Raises
-    ------
-    ValueError
-        If the expression is not understood, or has another name.
-    """
+    """Quantity of states ``(dimension, ...)``: an expression of components and ``observable``."""
     found, names = Expression(expression), component_names(space)
     unknown = sorted(set(found.names) - {*names, "observable"})
     if unknown:

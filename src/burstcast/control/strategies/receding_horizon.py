@@ -2,76 +2,56 @@
 
 Every decision looks a horizon ahead, as model predictive control does (e.g. Rawlings, Mayne &
 Diehl, "Model Predictive Control", 2017), with a trivial optimisation: the actuator is on or off,
-and it is on only if the flow would otherwise have an event. No window and no pause leaves anything
-uncovered: the next decision corrects the last.
+and it is on only if the flow would otherwise have an event. An event that is under way counts like
+one that is still to come. A forecast counts as long as it is finite.
+
+The forecaster is given the last observed states, whatever equations they came under, and forecasts
+the free flow from the present state, as if the actuation were off. States under actuation lie in
+the same space, and a reservoir forgets its inputs within a few steps, but the washout is unlike any
+in training.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any
 
-from burstcast.control.experiment import ControlExperiment, Schedule
-from burstcast.control.monitors.base import Monitor
-from burstcast.control.monitors.horizon import HorizonMonitor
-from burstcast.control.monitors.vote import VoteMonitor
-from burstcast.control.sampled.strategy import (
-    SampledStrategy,
-    check_horizon,
-    values_to_tell,
-)
-from burstcast.control.timing import DecisionTiming
-from burstcast.forecasters.base import Forecaster
+import numpy as np
+
+from burstcast.arrays import BoolArray
+from burstcast.control.experiment import ControlExperiment
+from burstcast.control.policy import Look, Policy, forecast, informed_memory
+from burstcast.control.strategies.base import ForesightedStrategy
 
 
 @dataclass(frozen=True)
-class RecedingHorizon(SampledStrategy):
-    """Acts until the next decision while the forecast reaches the threshold in the horizon.
+class RecedingHorizon(ForesightedStrategy):
+    """Acts until the next decision while the forecast reaches the threshold in the horizon."""
 
-    Attributes
-    ----------
-    horizon_lt
-        How far each forecast looks ahead, in Lyapunov times; one step at least.
-    margin
-        By how much less than the event threshold counts as an event in a forecast, in units of the
-        observable; a negative one asks for more.
-    vote_share
-        Share of several forecasters that must forecast an event: the alarm probability at which a
-        committee acts.
-    aware
-        Whether the forecaster, which must know the parameters, is given the past actuation and the
-        actuation already triggered. It then acts on the forecast after the delay. Otherwise it
-        forecasts the free flow.
-    """
-
-    forecasts: ClassVar[bool] = True
-
-    horizon_lt: float
-    margin: float = 0.0
-    vote_share: float = 0.5
+    #: whether the forecaster, which must know the parameters, is given the past actuation and the
+    #: actuation already triggered. It then forecasts the flow with the actuator off from the step
+    #: at which the decision takes effect, and only later steps count
     aware: bool = False
 
     @property
     def told(self) -> bool:
-        """Whether the forecaster receives the actuation (see `ControlStrategy.told`)."""
+        """Whether the forecaster receives the actuation."""
         return self.aware
 
-    def horizon(self, timing: DecisionTiming) -> int:
-        """Steps that a decision looks ahead."""
-        return timing.steps(self.horizon_lt)
-
-    def check(self, schedule: Schedule) -> None:
-        """Check that decisions have an interval, and that forecasts look beyond their effect."""
-        timing = self.timing(schedule)
-        check_horizon(self.horizon(timing), timing, self.horizon_lt, self.aware)
-
-    def monitor(self, experiment: ControlExperiment, forecasters: Sequence[Forecaster]) -> Monitor:
-        """Alarms where forecasts hold an event."""
-        horizon = self.horizon(self.timing(experiment.schedule))
+    def policy(self, experiment: ControlExperiment, forecaster: Any) -> Policy:
+        """Act where the forecast reaches the level anywhere up to the horizon."""
+        self.check(experiment.schedule)
+        horizon, level = self.horizon(experiment.schedule), self.level(experiment)
         observable = experiment.observed_space.observable
-        values = values_to_tell(experiment, forecasters) if self.aware else None
-        level = experiment.threshold - self.margin
-        members = [
-            HorizonMonitor(forecaster, observable, horizon, level, values)
-            for forecaster in forecasters
-        ]
-        return members[0] if len(members) == 1 else VoteMonitor(members, self.vote_share)
+        values = self.values(experiment, forecaster) if self.aware else None
+
+        def decide(look: Look) -> BoolArray:
+            if values is None:
+                states = forecast(forecaster, look, horizon)
+            else:
+                memory = informed_memory(forecaster, look, values)
+                off = np.zeros((horizon - look.delay, memory.shape[-1]), dtype=bool)
+                outputs, _ = forecaster.advance(memory, len(off), values.schedule(off))
+                states = outputs.transpose(1, 0, 2)
+            ahead = observable(states)
+            return np.asarray(((ahead >= level) & np.isfinite(ahead)).any(axis=0))
+
+        return decide

@@ -20,15 +20,7 @@ def available_strategies() -> list[str]:
 
 
 def strategy_class(name: str) -> type[ControlStrategy]:
-    """Find the class of a strategy: "receding_horizon", ...
-
-    Raises
-    ------
-    ValueError
-        If there is no such strategy.
-    TypeError
-        If its module does not define just one.
-    """
+    """Class of a strategy: "receding_horizon", ..."""
     available = available_strategies()
     if name not in available:
         raise ValueError(
@@ -43,22 +35,10 @@ def strategy_class(name: str) -> type[ControlStrategy]:
 
 
 def make_strategy(name: str, settings: Mapping[str, Any]) -> ControlStrategy:
-    """Make the strategy ``name`` with these settings.
+    """Make a strategy from values of the fields of its class; those with a default may be missing.
 
-    Parameters
-    ----------
-    name
-        Name of a module of `burstcast.control.strategies`.
-    settings
-        Values of the fields of its class; those with a default may be left out.
-
-    Raises
-    ------
-    ValueError
-        If there is no such strategy; if a setting is unknown, missing or not of its type; or if the
-        strategy itself rejects a value.
-    TypeError
-        If the module does not define just one strategy.
+    Raises ValueError if there is no such strategy; if a setting is unknown, missing or not of its
+    type; or if the strategy itself rejects a value.
     """
     found = strategy_class(name)
     values = checked_values(f"strategy of control {name!r}", "setting", found, settings)

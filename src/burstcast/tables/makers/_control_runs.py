@@ -4,16 +4,19 @@ from dataclasses import fields
 from typing import Any
 
 from burstcast.control.choice import FlowSample
-from burstcast.control.records import COSTS, FlowRecords, Span
+from burstcast.control.records import COSTS, RECORDS, FlowRecords, Span
 from burstcast.control.setting_names import as_columns
 from burstcast.tables.makers.registry import Gathered
+
+FLOWS = " ".join([*RECORDS, *(f"{name}*" for name in COSTS)])
+"""Variables of the files of runs that `flows_of` takes."""
 
 
 def flows_of(run: Gathered) -> FlowSample:
     """Flows of a run, from the content of its file."""
     content = run.content
     return FlowSample(
-        FlowRecords(**{field.name: content[field.name] for field in fields(FlowRecords)}),
+        FlowRecords(**{name: content[name] for name in RECORDS}),
         Span(**{field.name: int(content[field.name]) for field in fields(Span)}),
         {name: content[name] for name in COSTS if name in content},
     )

@@ -9,11 +9,11 @@ from burstcast import random_streams
 from burstcast.control.choice import choose
 from burstcast.control.records import COSTS, flow_intervals, score_flows
 from burstcast.control.setting_names import as_columns
-from burstcast.tables.makers._control_runs import conditions_of, flows_of, keys_of
+from burstcast.tables.makers._control_runs import FLOWS, conditions_of, flows_of, keys_of
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
-    gathered={"flows": ""},
+    gathered={"flows": FLOWS},
     settings={
         "case": "case",
         "root_seed": "random_seed",

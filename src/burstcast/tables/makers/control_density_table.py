@@ -11,7 +11,10 @@ from burstcast.statistics.densities import Histogram, density_interval, mean_den
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
-    gathered={"histograms": "edge row uncontrolled controlled free"},
+    gathered={
+        "flows": "edge histogram_uncontrolled histogram_controlled histogram_free row "
+        "laminar_step_uncontrolled laminar_step_controlled"
+    },
     settings={
         "case": "case",
         "root_seed": "random_seed",
@@ -26,7 +29,7 @@ WITH_INTERVAL = SAMPLES[:2]
 
 def make(
     *,
-    histograms: Sequence[Gathered],
+    flows: Sequence[Gathered],
     case: str,
     root_seed: int,
     resamples: int,
@@ -34,9 +37,9 @@ def make(
 ) -> dict[str, Rows]:
     """Densities of each group of networks that differ by their seed only."""
     groups: dict[tuple[ForecasterName, float], list[Mapping[str, Any]]] = {}
-    for one in histograms:
+    for one in flows:
         group = replace(one.name, seed=None), one.plan["settings"]["prediction_time_lt"]
-        groups.setdefault(group, []).append(one.content)
+        groups.setdefault(group, []).append(_counted(one.content))
     rows: Rows = []
     for (name, time), found in groups.items():
         edges = found[0]["edge"]
@@ -72,3 +75,10 @@ def make(
             for index, (low, high) in enumerate(pairwise(edges))
         ]
     return {"control_density": rows}
+
+
+def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Rows and histograms of the flows that laminarise neither with control nor without it."""
+    kept = (content["laminar_step_uncontrolled"] < 0) & (content["laminar_step_controlled"] < 0)
+    histograms = {sample: content[f"histogram_{sample}"][kept] for sample in SAMPLES}
+    return {"edge": content["edge"], "row": content["row"][kept], **histograms}

@@ -8,11 +8,11 @@ from burstcast.control.differences import ComparedRun, paired_differences
 from burstcast.control.records import Span, flow_intervals, score_flows
 from burstcast.forecasters._names import ForecasterName
 from burstcast.tables.cells import Scores, medians_over_seeds, with_interval
-from burstcast.tables.makers._control_runs import flows_of, keys_of
+from burstcast.tables.makers._control_runs import FLOWS, flows_of, keys_of
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
-    gathered={"flows": ""},
+    gathered={"flows": FLOWS},
     settings={
         "case": "case",
         "root_seed": "random_seed",

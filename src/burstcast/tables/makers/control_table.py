@@ -1,20 +1,28 @@
-"""Gather the outcomes of control by all forecasters and by random alarms."""
+"""Gather the outcomes of the paper's control by all forecasters and by random alarms."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 
+from burstcast.control.records import RECORDS
+from burstcast.control.windows import WindowCounts, totals
+from burstcast.tables.makers._control_runs import flows_of
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
-TABLES = Declaration(gathered={"counts": ""})
+COUNTS = tuple(field.name for field in fields(WindowCounts))
+TABLES = Declaration(gathered={"flows": " ".join([*RECORDS, *COUNTS])})
 
 
-def make(*, counts: Sequence[Gathered]) -> dict[str, Rows]:
+def make(*, flows: Sequence[Gathered]) -> dict[str, Rows]:
     """One row for each forecaster and prediction time."""
-    rows = [
-        {
-            **one.name.keys,
-            "prediction_time_lt": one.plan["settings"]["prediction_time_lt"],
-            **one.content,
-        }
-        for one in counts
-    ]
+    rows: Rows = []
+    for one in flows:
+        sample, left_out = flows_of(one), int(one.content["left_out"])
+        counts = WindowCounts(**{name: one.content[name] for name in COUNTS})
+        rows.append(
+            {
+                **one.name.keys,
+                "prediction_time_lt": one.plan["settings"]["prediction_time_lt"],
+                **totals(sample.records, counts, sample.span, left_out),
+            }
+        )
     return {"control": rows}

@@ -11,7 +11,7 @@ import numpy as np
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
-from burstcast.control.windowed.outcome import SuppressedEvent
+from burstcast.control.windows import SuppressedEvent
 from burstcast.events import upward_crossings
 from burstcast.files.described import Described
 from burstcast.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
@@ -53,21 +53,9 @@ def simulate_event(
     forecaster: Forecaster,
     noise: FloatArray | None,
 ) -> EventUnderControl:
-    """Simulate a flow of an experiment once more, and keep its states around a suppressed event.
-
-    Parameters
-    ----------
-    chosen
-        The event (of `largest_suppressed_event`); None: there is none.
-    strategy, experiment
-        What the flows of the experiment were controlled by.
-    forecaster
-        Source of the alarms.
-    noise
-        Noise of its observations, ``(flows, steps, dimension)``; None for none.
-    """
-    timing, observable = strategy.timing(experiment.schedule), experiment.system.observable
-    start, stop = strategy.actuation_interval(experiment.schedule)
+    """Simulate a flow of an experiment once more, and keep its states around a suppressed event."""
+    schedule, observable = experiment.schedule, experiment.system.observable
+    timing, window = strategy.timing(schedule), strategy.window(schedule)
     if chosen is None:
         steps = marks = np.empty(0, dtype=np.int64)
         uncontrolled = controlled = np.empty((0, experiment.system.dimension))
@@ -77,19 +65,19 @@ def simulate_event(
         flow_noise = None if noise is None else noise[only]
         flow = strategy.simulate(
             replace(experiment, washouts=experiment.washouts[only]),
-            strategy.monitor(experiment, [forecaster]),
+            strategy.policy(experiment, forecaster),
             noise=flow_noise,
             keep_states=True,
         )
         times = suppressed_event_times(
             flow.uncontrolled[0, chosen.alarm_step :],
             experiment.threshold,
-            start // timing.sampling_stride,
-            (timing.window_start, timing.window_end),
+            timing.effect[0] // schedule.sampling_stride,
+            window,
         )
-        lyapunov_time = timing.steps_per_lyapunov_time
+        lyapunov_time = schedule.steps_per_lyapunov_time
         first = max(0, chosen.alarm_step - round(BEFORE_LT * lyapunov_time))
-        last = chosen.alarm_step + max(times[-1], timing.window_end + timing.window_start)
+        last = chosen.alarm_step + max(times[-1], sum(window))
         last = min(last + round(AFTER_LT * lyapunov_time), timing.counted_until)
         steps = np.arange(first, last + 1) - chosen.alarm_step
         marks = np.array(times) - steps[0]
@@ -97,23 +85,21 @@ def simulate_event(
         assert flow.controlled_states is not None
         uncontrolled = flow.uncontrolled_states[0, first : last + 1]
         controlled = flow.controlled_states[0, first : last + 1]
-        washout = slice(chosen.alarm_step + 1 - timing.washout, chosen.alarm_step + 1)
+        washout = slice(chosen.alarm_step + 1 - schedule.washout, chosen.alarm_step + 1)
         observed = flow.controlled_states[:, washout]
         if flow_noise is not None:
             observed = observed + flow_noise[:, washout]
         forecast = np.full(len(steps), np.nan)
-        ahead = slice(1 - steps[0], 1 - steps[0] + timing.window_end)
-        forecast[ahead] = forecast_observable(forecaster, observable, observed, timing.window_end)[
-            0
-        ]
+        ahead = slice(1 - steps[0], 1 - steps[0] + window[1])
+        forecast[ahead] = forecast_observable(forecaster, observable, observed, window[1])[0]
     # of the actuation in integration steps
-    unit = timing.steps_per_lyapunov_time * timing.sampling_stride
+    unit = schedule.steps_per_lyapunov_time * schedule.sampling_stride
     return EventUnderControl(
-        steps / timing.steps_per_lyapunov_time,
+        steps / schedule.steps_per_lyapunov_time,
         observable(uncontrolled.T),
         observable(controlled.T),
         forecast,
-        np.array([start, stop]) / unit,
+        np.array(timing.effect) / unit,
         marks,
         uncontrolled[marks],
         controlled[marks],
@@ -123,37 +109,22 @@ def simulate_event(
 def suppressed_event_times(
     uncontrolled: FloatArray, threshold: float, actuation_start: int, window: tuple[int, int]
 ) -> tuple[int, int, int, int]:
-    """Four steps of an event that control suppresses.
+    """Four steps of an event that control suppresses, after the alarm.
 
-    Parameters
-    ----------
-    uncontrolled
-        Observable without control from the alarm on, ``(steps,)``.
-    threshold
-        The event threshold, k_e.
-    actuation_start
-        Step at which the actuation starts, before the window ends.
-    window
-        First and last step of the alarm's window, in which the observable crosses the threshold.
+    The start of the actuation, up to which the flow is the same with and without control; the first
+    step of the event in the window; its peak; and the first step after it below the threshold, or
+    else the last step that there is.
 
-    Returns
-    -------
-    The start of the actuation, up to which the flow is the same with and without control; the
-    first step of the event in the window; its peak; and the first step after it below the
-    threshold, or else the last step that there is.
-
-    Raises
-    ------
-    ValueError
-        If the observable does not cross the threshold in the window.
+    ``uncontrolled``: Observable without control from the alarm on, ``(steps,)``, which crosses the
+    threshold in the window. ``actuation_start``: Step before the window ends. ``window``: First and
+    last step of the alarm's window.
     """
-    above = uncontrolled >= threshold
     first, last = window
     crossings = np.flatnonzero(upward_crossings(uncontrolled, threshold)[first + 1 : last + 1])
     if crossings.size == 0:
         raise ValueError("the observable does not cross the threshold in the window")
     crossing = first + 1 + int(crossings[0])
-    below = np.flatnonzero(~above[crossing:])
+    below = np.flatnonzero(uncontrolled[crossing:] < threshold)
     end = crossing + int(below[0]) if below.size else len(uncontrolled) - 1
     peak = crossing + int(uncontrolled[crossing : end + 1].argmax())
     return actuation_start, crossing, peak, end

@@ -1,1 +1,0 @@
-"""Controllers: forecasters, committees, random alarms, or none."""

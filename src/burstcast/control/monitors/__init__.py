@@ -1,1 +1,0 @@
-"""Monitors: the forecast or observation that raises an alarm."""

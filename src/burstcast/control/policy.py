@@ -1,0 +1,139 @@
+"""Policies: what decides, at a look at flows, whether they are actuated.
+
+A policy is a function of a `Look` at many flows at once; it decides on each of them independently
+of the others. Those of the strategies lie in their modules; here are those of whole committees, and
+of chance.
+
+Source: section "Control of extreme events" of the paper.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from burstcast.control.actuation import ActuationValues
+from burstcast.forecast.window_forecasts import side_by_side
+from burstcast.forecasters.base import Forecaster, for_members
+
+FLOWS_PER_CALL = 64
+"""Flows whose members forecast side by side: bounds the memory, changes no result."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """A look at flows: what a policy is given."""
+
+    rows: IntArray  #: which of the experiment's flows they are, ``(batch,)``
+    number: IntArray  #: number of the look at each of them, from 0, ``(batch,)``
+    #: observed states up to and including now, ``(steps, observed components, batch)``
+    washout: FloatArray
+    #: actuation from each of them to the next, and, after those, during the steps before this
+    #: decision takes effect, ``(steps - 1 + delay, batch)``: 0 is none, 1 the actuation, 2 the
+    #: reversed one
+    acting: ByteArray
+
+    def of(self, flows: slice) -> "Look":
+        """The same look at some of the flows."""
+        return Look(
+            self.rows[flows], self.number[flows], self.washout[..., flows], self.acting[:, flows]
+        )
+
+    @property
+    def delay(self) -> int:
+        """Steps until the decision takes effect."""
+        return len(self.acting) - len(self.washout) + 1
+
+    @property
+    def pending(self) -> ByteArray:
+        """Actuation until then, ``(delay, batch)``."""
+        return self.acting[len(self.washout) - 1 :]
+
+
+Policy = Callable[[Look], BoolArray | ByteArray]
+"""Actuation that is set off at a look, ``(batch,)``: 0 (False) is none, 1 (True) the actuation, 2
+the reversed one."""
+
+
+def forecast(forecaster: Forecaster, look: Look, steps: int) -> FloatArray:
+    """Forecast of the free flow after a look, components first, ``(dimension, steps, batch)``."""
+    outputs, _ = forecaster.advance(forecaster.start(look.washout), steps)
+    return outputs.transpose(1, 0, 2)
+
+
+def informed_memory(forecaster: Forecaster, look: Look, values: ActuationValues) -> FloatArray:
+    """Memory of a forecaster at the step at which a decision takes effect.
+
+    The forecaster knows the parameters: it has followed the past actuation, and the one that is on
+    its way.
+    """
+    past = look.acting[: len(look.washout) - 1]
+    memory = forecaster.start(look.washout, values.schedule(past))
+    if look.delay:
+        members = memory.shape[-1] // look.washout.shape[-1]
+        schedule = for_members(values.schedule(look.pending), members)
+        _, memory = forecaster.advance(memory, look.delay, schedule)
+    return memory
+
+
+def by_vote(policies: Sequence[Policy], share: float) -> Policy:
+    """Act where a share of policies, in (0, 1], does: 0.5 of ten are five or more."""
+    check_share(share)
+    if not policies:
+        raise ValueError("a vote needs one member at least")
+
+    def decide(look: Look) -> BoolArray:
+        votes = sum(np.asarray(policy(look)) != 0 for policy in policies)
+        return _enough(np.asarray(votes), len(policies), share)
+
+    return decide
+
+
+class Members:
+    """Members of an ensemble side by side, asked like a forecaster with a batch for each."""
+
+    def __init__(self, forecaster: Forecaster) -> None:
+        self.forecaster, self.advance = forecaster, forecaster.advance
+        self.aware = forecaster.aware
+
+    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+        """Memories of all members after an observed washout, ``(..., members * batch)``."""
+        return side_by_side(self.forecaster.ensemble(washout, parameters))
+
+
+def by_members(policy: Policy, share: float) -> Policy:
+    """Act where a share of an ensemble does: ``policy`` asks its `Members`."""
+    check_share(share)
+
+    def decide(look: Look) -> BoolArray:
+        alarm = np.zeros(len(look.rows), dtype=bool)
+        for start in range(0, len(alarm), FLOWS_PER_CALL):
+            flows = slice(start, start + FLOWS_PER_CALL)
+            votes = np.asarray(policy(look.of(flows)) != 0).reshape(-1, len(alarm[flows]))
+            alarm[flows] = _enough(votes.sum(axis=0), len(votes), share)
+        return alarm
+
+    return decide
+
+
+def at_random(probability: float, draws: FloatArray) -> Policy:
+    """Act with a probability: control without information.
+
+    ``draws``: Uniform random numbers in [0, 1), ``(flows, looks)``. Row i is for flow i, so that
+    what happens in one flow does not depend on the others.
+    """
+    if not 0 <= probability <= 1:
+        raise ValueError(f"the probability of an alarm must lie in [0, 1], not {probability}")
+    return lambda look: draws[look.rows, look.number] < probability
+
+
+def check_share(share: float) -> None:
+    """Raise ValueError if a share of a vote is not in (0, 1]."""
+    if not 0 < share <= 1:
+        raise ValueError(f"the share of a vote must lie in (0, 1], not {share}")
+
+
+def _enough(votes: IntArray, members: int, share: float) -> BoolArray:
+    # a share such as 0.7 of ten misses seven by rounding error only
+    return np.asarray(votes >= share * members - 1e-9)

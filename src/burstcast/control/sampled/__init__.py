@@ -1,1 +1,0 @@
-"""Control with decisions at fixed sampling intervals."""

@@ -1,1 +1,0 @@
-"""The paper's control: forecasts in windows, alarms, and their outcomes."""
