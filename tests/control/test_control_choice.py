@@ -30,6 +30,7 @@ def sample(left, acting, effort=None, rows=None):
     [
         (0.0, 1),  # the only one that leaves nothing, at any cost
         (0.06, 2),  # leaves 5 %, and acts less
+        (0.05, 2),  # just as much as may be left
         (0.5, 0),  # leaves 40 %, and acts least
     ],
 )

@@ -106,6 +106,8 @@ def test_an_alarm_holds_whatever_later_decisions_say():
         expected[alarms[:, look], now + 1 : now + 1 + 15] = True
     np.testing.assert_array_equal(found.actuated, expected)
     assert 0 < found.actuated.mean() < 1
+    just = dataclasses.replace(strategy, probability=0.6)
+    np.testing.assert_array_equal(run(just, given, Recorded(0.06)).actuated, expected)
     both = dataclasses.replace(strategy, windows=2.0)
     assert run(both, given, Recorded(0.06)).looks.alarm.all()
 

@@ -78,6 +78,7 @@ def test_a_strategy_that_cannot_be_made(name: str, settings: dict, message: str)
         ("planned", {"starts_lt": [0.0, 3.0]}, {}, "longer than the horizon"),
         ("planned", {"durations_lt": []}, {}, "lasts no step"),
         ("planned", {"durations_lt": [0.01]}, {}, "lasts no step"),
+        ("planned", {"durations_lt": [0.01, 1.0]}, {}, "lasts no step"),
         ("prediction_triggered", {"prediction_time_lt": 0.5}, {}, "before the alarm"),
         ("prediction_triggered", {"window_lt": 0.0}, {}, "must last a step"),
     ],

@@ -491,6 +491,16 @@ def test_an_event_is_followed_again_as_it_was_found() -> None:
     np.testing.assert_allclose(forecast, expected[0], rtol=1e-9)
 
 
+def test_an_event_is_shown_from_the_start_of_the_actuation() -> None:
+    """Half a Lyapunov time after the alarm, which is ten steps."""
+    strategy, given = PredictionTriggered(1.5, 1.0), experiment(40)
+    chosen = largest_suppressed_event(run(strategy, given), None)
+    assert chosen is not None
+    found = simulate_event(chosen, strategy, given, EQUATIONS, None)
+    np.testing.assert_allclose(found.time_lt[found.mark[0]], 0.5)
+    np.testing.assert_allclose(found.actuation_lt, [0.5, 2.0])
+
+
 def test_without_an_event_nothing_is_followed() -> None:
     found = simulate_event(None, STRATEGY, experiment(2), EQUATIONS, None)
     assert found.time_lt.size == found.mark.size == found.uncontrolled_state.size == 0
