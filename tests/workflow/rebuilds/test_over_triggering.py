@@ -172,8 +172,8 @@ WITHOUT_EFFECT = [
     Edit(
         "help of the command line",
         f"{WORKFLOW}/commands/command_line.py",
-        'help="directory of the study; it is created"',
-        'help="a directory, which is made"',
+        'help="the zip; <results>.zip if left out"',
+        'help="the archive"',
     ),
     Edit(
         "another message of the harness",
@@ -292,8 +292,8 @@ WITH_EFFECT = [
         Edit(
             "a strategy of control",
             f"{LIBRARY}/control/strategies/receding_horizon.py",
-            "experiment.threshold - self.margin",
-            "experiment.threshold - 2.0 * self.margin",
+            "(ahead >= level)",
+            "(ahead >= 2.0 * level)",
         ),
         "control/*/receding_horizon-* control_strategies_table/* "
         "all_control_strategies_table figure/control_frontier figure/control_conditions "
