@@ -50,10 +50,6 @@ def test_a_classifier_is_a_source_of_alarms_like_others():
     np.testing.assert_array_equal(POINTS.values(alarms["esn"], 2, 0.1), votes.astype(float))
     assert POINTS.classifier(precursor) is PROBABILITIES
     assert POINTS.classifier(alarms["esn"]) is POINTS.classifier(alarms["climatology"]) is None
-    # the event that it has learnt, and no other
-    assert POINTS.knows(precursor, 0.1)
-    assert not POINTS.knows(precursor, 0.125)
-    assert POINTS.knows(alarms["esn"], 0.125)
 
 
 def test_points_are_labelled_where_no_event_is_under_way():

@@ -58,7 +58,7 @@ def test_strategies_and_times_that_the_campaign_has(config):
     config["classification"]["prediction_times_lt"] = [1, 4.5]
     config["control"]["prediction_times_lt"] = [1]
     loaded = load(config)
-    assert Campaign(loaded).example.name.identifier == "esn-N30-SSV-seed0"
+    assert Campaign(loaded).example.name.identifier == "esn-N30-RV-seed0"
     shown = loaded["figures"]
     assert (shown["example_prediction_time_lt"], shown["fixed_prediction_time_lt"]) == (1, 4.5)
     assert shown["reynolds_prediction_times_lt"] == [1, 4.5]

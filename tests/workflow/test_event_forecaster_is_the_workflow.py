@@ -72,7 +72,7 @@ def test_a_network_is_the_workflows_bit_for_bit(finished, neurons, validation):
         {name: hyperparameters[name] for name in found.hyperparameters_[0]}
     ]
     # probabilities, from forecasts of each training series by a readout that has not seen it
-    rules = read_json(results / CASE / "calibration.json")["alarms"][identifier]["1"]
+    rules = read_json(results / CASE / "calibration.json")["alarms"][identifier]
     assert len(found.alarms_) > 1
     for time, alarm in found.alarms_.items():
         rule = rules[f"{time:g}"]["calibrated"]
@@ -99,7 +99,7 @@ def test_a_forecaster_without_a_search_is_the_workflows(finished):
     # the members of the filter's ensemble vote
     alarms = read_json(results / CASE / "calibration.json")["alarms"]
     for time, alarm in found.alarms_.items():
-        rule = alarms["quadratic_filtered-committee"]["1"][f"{time:g}"]["calibrated"]
+        rule = alarms["quadratic_filtered-committee"][f"{time:g}"]["calibrated"]
         assert alarm.calibration.values.tolist() == rule["values"]
         assert alarm.calibration.probabilities.tolist() == rule["probabilities"]
 

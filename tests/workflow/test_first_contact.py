@@ -95,7 +95,7 @@ def test_a_campaign_that_is_too_small_for_its_stages_ends(tmp_path, job_server):
     assert outcome.status == 0, outcome.text[-3000:]
     results = project.directory / "results/small"
     calibration = read_json(results / "Re1000/calibration.json")
-    (rule,) = calibration["alarms"]["climatology"]["1"]["1"].values()
+    (rule,) = calibration["alarms"]["climatology"]["1"].values()
     assert rule["values"] == []
     scores = read_table(results / "tables/probability_scores.csv")
     scores = scores[scores["probability"] == "calibrated"]

@@ -202,7 +202,7 @@ def test_its_alarms_are_scored_like_those_of_others(results, by_hand):
     raw = read_netcdf(results / "Re400" / "precursor" / "forecast.nc")["probability"]
     chosen = json.loads((results / "Re400" / "calibration.json").read_text())
     rules = chosen["alarms"]["precursor"]
-    assert list(rules) == ["1"]
+    assert list(rules) == [f"{time}" for time in TIMES]
     pairs = [
         labelled(energy, truth, TRAINING + row, step)
         for row, step in zip(points["series"], points["step"], strict=True)
@@ -218,7 +218,7 @@ def test_its_alarms_are_scored_like_those_of_others(results, by_hand):
         for rows in (table, scores)
     )
     for window, time in enumerate(TIMES):
-        rule = rules["1"][f"{time}"]["calibrated"]
+        rule = rules[f"{time}"]["calibrated"]
         probability = np.interp(raw[scored, window], rule["values"], rule["probabilities"])
         alarms, events = probability >= rule["threshold"], happened[:, window]
         (row,) = table[table["prediction_time_lt"] == time].to_dict("records")
