@@ -5,6 +5,7 @@ import sys
 
 import netCDF4
 import numpy as np
+import pandas as pd
 import pytest
 import sklearn.base
 from numpy.testing import assert_array_equal
@@ -122,6 +123,23 @@ def test_dimensions_of_xarray_are_found_by_their_names():
     data = np.arange(24.0).reshape(2, 3, 4)
     array = FakeArray(data.transpose(1, 2, 0), ("time", "component", "series"))
     assert_array_equal(as_series(array), data)
+
+
+def test_times_of_xarray_must_rise():
+    array = FakeArray(np.arange(24.0).reshape(2, 3, 4), ("series", "time", "component"))
+    array.coords = {"time": np.array([0.0, 0.1, 0.2])}
+    assert as_series(array).shape == (2, 3, 4)
+    array.coords = {"time": np.array([0.2, 0.1, 0.0])}
+    with pytest.raises(ValueError, match="the coordinate time must rise"):
+        as_series(array)
+
+
+def test_tables_of_nullable_types():
+    frame = pd.DataFrame(np.arange(12.0).reshape(4, 3)).convert_dtypes()
+    assert_array_equal(as_series([frame, frame])[1], np.arange(12.0).reshape(4, 3))
+    frame.iloc[1, 2] = pd.NA
+    with pytest.raises(ValueError, match="series 1 is nan at step 1, component 2"):
+        as_series([frame.fillna(0), frame])
 
 
 @pytest.mark.parametrize(

@@ -53,6 +53,12 @@ def test_each_sample_has_the_probability_of_the_batch(forecaster):
     assert forecaster.probability() == found[0.5][-1]
 
 
+def test_a_clock_that_jitters_and_counts_since_1970(forecaster):
+    for number in range(forecaster._samples("washout")):
+        forecaster.update(SERIES[number], 1.7e9 + INTERVAL * (number + 0.05 * (number % 2)))
+    assert not math.isnan(forecaster.probability())
+
+
 @pytest.mark.parametrize("gap", ["time", "value"])
 def test_a_gap_begins_the_washout_again_and_says_so(forecaster, gap):
     washout = forecaster._samples("washout")

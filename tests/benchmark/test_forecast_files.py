@@ -61,6 +61,24 @@ def test_the_observable_is_computed_from_components(data, facts, generator, tmp_
     assert np.array_equal(same.largest, found.largest)
 
 
+def test_coordinates_of_components_and_horizon_steps_are_read(data, facts, generator, tmp_path):
+    states = generator.uniform(-0.2, 0.2, (len(data.test.points), data.task.steps, 9))
+    state = {"state": (("point", "step", "component"), states)}
+    steps = np.arange(1.0, data.task.horizon_steps + 1)
+    path = write_netcdf(tmp_path / "a.nc", facts, **state, component=(("component",), np.arange(9)))
+    assert len(read_forecasts([path], data.task).members) == 1
+    for wrong in (np.arange(9)[::-1], np.zeros(9, int)):
+        path = write_netcdf(tmp_path / "a.nc", facts, **state, component=(("component",), wrong))
+        with pytest.raises(ForecastFileError, match=r"component must be a1, a2, .*, in this order"):
+            read_forecasts([path], data.task)
+    for wrong in (steps[::-1], steps - 1):
+        path = write_netcdf(
+            tmp_path / "a.nc", facts, **state, horizon_step=(("horizon_step",), wrong)
+        )
+        with pytest.raises(ForecastFileError, match="horizon_step must count 1, 2"):
+            read_forecasts([path], data.task)
+
+
 def test_probabilities_and_a_horizon_are_scored_together(data, facts, generator, tmp_path):
     values = generator.uniform(0, 1, (len(data.test.points), 2))
     rows = [

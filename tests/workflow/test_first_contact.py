@@ -22,11 +22,11 @@ cases:
 
 @pytest.fixture
 def project(tmp_path, job_server):
-    """A working copy with a table of three columns and a header, and nothing else."""
+    """A working copy with a table of three columns, times and a header, and nothing else."""
     project = Project.create(tmp_path / "project", job_server, "own.yaml")
     states = integrate(Lorenz63(), np.array([[1.0], [1.0], [20.0]]), 0.01, 2 * 14000, stride=2)
-    series = states[1000:, :, 0]
-    header = {"delimiter": ",", "header": "x,y,z", "comments": ""}
+    series = np.column_stack([0.02 * np.arange(len(states) - 1000), states[1000:, :, 0]])
+    header = {"delimiter": ",", "header": "time,x,y,z", "comments": ""}
     np.savetxt(project.directory / "own.csv", series, **header)
     return project
 

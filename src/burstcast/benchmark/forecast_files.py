@@ -238,7 +238,11 @@ def _place(form: _Form, index: Sequence[int], member: int | None = None) -> str:
 def _netcdf(path: Path, forms: Sequence[_Form]) -> Iterator[tuple[_Form, Iterator[FloatArray]]]:
     """Forms in a file, with the values ``(points, steps, values)`` of each member."""
     known = {form.name: form for form in forms}
-    counting = {name: values for form in forms[::-1] for name, values in form.axes}
+    counting: dict[str, Any] = {name: values for form in forms[::-1] for name, values in form.axes}
+    counting["horizon_step"] = next(
+        form.axes[1][1] for form in forms if form.name == "horizon_observable"
+    )
+    labels = next(list(form.columns) for form in forms if form.name == "state")
     with netCDF4.Dataset(path, "r") as file:
         for name, variable in file.variables.items():
             if name in known:
@@ -250,7 +254,13 @@ def _netcdf(path: Path, forms: Sequence[_Form]) -> Iterator[tuple[_Form, Iterato
                         f"{path}: {name} must count {expected[0]:g}, {expected[1]:g}, ..., "
                         f"{expected[-1]:g}"
                     )
-            elif name not in (MEMBER, "component", "horizon_step"):
+            elif name == "component":
+                found = list(map(str, np.asarray(variable[...]).tolist()))
+                if found != labels and found != list(map(str, range(len(labels)))):
+                    raise ForecastFileError(
+                        f"{path}: component must be {', '.join(labels)}, in this order"
+                    )
+            elif name != MEMBER:
                 raise ForecastFileError(
                     f"{path}: unknown variable {name!r}{suggestion(name, list(known))}; forecasts "
                     f"are {', '.join(known)}"

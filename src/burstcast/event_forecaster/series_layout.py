@@ -38,9 +38,16 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
                 f"{what} must have the dimensions {', '.join(LAYOUT)}, not {named}: rename them "
                 f"(.rename), or add the missing ones (.expand_dims)"
             )
+        if "time" in getattr(data, "coords", ()):
+            _check_times(np.asarray(data.coords["time"]), what)
         data = data.transpose(*LAYOUT).to_numpy()
     if isinstance(data, list | tuple):
         _check_equal_lengths(data, what)
+        # tables of pandas, whose nullable and Arrow types have another mark for missing numbers
+        data = [
+            one.to_numpy(dtype=np.float64, na_value=np.nan) if hasattr(one, "dtypes") else one
+            for one in data
+        ]
     series = np.ascontiguousarray(float_array(data, what))
     if np.ndim(data) != len(LAYOUT):
         hint = ": a single series is series[np.newaxis]" if np.ndim(data) == 2 else ""
@@ -55,6 +62,12 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
             f"{step}, component {component}"
         )
     return series
+
+
+def _check_times(time: Any, what: str) -> None:
+    """Check that a coordinate of times rises."""
+    if time.dtype.kind in "iufM" and not (time[1:] > time[:-1]).all():
+        raise ValueError(f"{what}: the coordinate time must rise from each sample to the next")
 
 
 def _check_equal_lengths(data: Sequence[Any], what: str) -> None:
