@@ -42,8 +42,8 @@ PASS_WORDS_ON = {
     "burstcast.discovery": {"imported", "_place"},
     "burstcast.figures.registry": {"caption"},
     "burstcast.systems.compiled": {"_attempt", "_place"},
-    "burstcast.data.series_files": {"read_runs"},
-    "burstcast.data.records": {"problems_of_known", "problems_of_treatment"},
+    "burstcast.data.series_files": {"_told", "_times"},
+    "burstcast.data.records": {"problems_of_columns"},
     "burstcast.files.atomic_files": {"atomic"},
     "neighbour_divergence.py": {"estimated_exponent"},  # why there is none, in words
 }
