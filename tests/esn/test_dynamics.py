@@ -104,6 +104,7 @@ def test_trajectory_has_the_same_bits_in_any_batch(reservoir, backend):
     batches = [
         np.array([0]),
         np.array([57]),
+        np.arange(30, 34),
         np.arange(40, 47),
         np.arange(11, 44),
         generator.permutation(100),
@@ -233,7 +234,7 @@ def test_the_compiler_is_loaded_by_the_first_network_that_runs_compiled():
 
 def test_a_missing_compiler_says_what_to_do(reservoir, monkeypatch):
     monkeypatch.setitem(sys.modules, "llvmlite.binding", None)
-    backend_compiled._compiled.cache_clear()
+    backend_compiled._drive_of.cache_clear()
     with pytest.raises(RuntimeError, match='backend "scipy"'):
         Dynamics(reservoir, 0.5, 1.0, "compiled").open_loop(np.zeros((1, 4, 1)))
 

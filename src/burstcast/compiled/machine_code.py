@@ -28,6 +28,7 @@ class Lanes:
     ) -> None:
         self.width, self.name = width, name
         self.vector = f"<{width} x double>"
+        self._alignment = min(ALIGNMENT, 8 * width)
         self.arguments = (len(pointers), len(integers))
         arguments = [f"ptr %{one}" for one in pointers] + [f"i64 %{one}" for one in integers]
         fused = f"llvm.fma.v{width}f64"
@@ -95,12 +96,12 @@ class Lanes:
     def load(self, array: str, index: str) -> str:
         """Vector of an aligned array of vectors."""
         place = self.vector_at(array, index)
-        return self._add(f"load {self.vector}, ptr {place}, align {ALIGNMENT}")
+        return self._add(f"load {self.vector}, ptr {place}, align {self._alignment}")
 
     def store(self, array: str, index: str, vector: str) -> None:
         """Store a vector at this index of an aligned array of vectors."""
         place = self.vector_at(array, index)
-        self._lines.append(f"  store {self.vector} {vector}, ptr {place}, align {ALIGNMENT}")
+        self._lines.append(f"  store {self.vector} {vector}, ptr {place}, align {self._alignment}")
 
     def _place(self, array: str, kind: str, index: str) -> str:
         return self._add(f"getelementptr {kind}, ptr {array}, i64 {index}")
@@ -194,27 +195,24 @@ def hexadecimal(number: float) -> str:
     return f"0x{struct.pack('>d', number).hex()}"
 
 
-class MachineCode:
-    """Machine code of a program, for this processor."""
+def compiled(text: str, name: str, pointers: int, integers: int) -> Callable[..., None]:
+    """Function of a program in machine code for this processor, without a result.
 
-    def __init__(self, text: str) -> None:
-        # loaded here only: it takes a moment, and whoever computes nothing does without it
-        import llvmlite.binding as llvm
+    Its arguments are so many addresses and integers, in this order.
+    """
+    # loaded here only: it takes a moment, and whoever computes nothing does without it
+    import llvmlite.binding as llvm
 
-        llvm.initialize_native_target()
-        llvm.initialize_native_asmprinter()
-        module = llvm.parse_assembly(text)
-        module.verify()
-        processor = llvm.Target.from_default_triple().create_target_machine(
-            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2
-        )
-        self._engine = llvm.create_mcjit_compiler(module, processor)
-        self._engine.finalize_object()
-
-    def function(self, name: str, pointers: int, integers: int) -> Callable[..., None]:
-        """Return a function of so many addresses and integers, in this order; it returns nothing.
-
-        It must not be called after this object is gone.
-        """
-        types = [ctypes.c_void_p] * pointers + [ctypes.c_int64] * integers
-        return ctypes.CFUNCTYPE(None, *types)(self._engine.get_function_address(name))
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    module = llvm.parse_assembly(text)
+    module.verify()
+    processor = llvm.Target.from_default_triple().create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2
+    )
+    engine = llvm.create_mcjit_compiler(module, processor)
+    engine.finalize_object()
+    types = [ctypes.c_void_p] * pointers + [ctypes.c_int64] * integers
+    function = ctypes.CFUNCTYPE(None, *types)(engine.get_function_address(name))
+    function.engine = engine  # type: ignore[attr-defined] # the code lives as long as the engine
+    return function

@@ -6,24 +6,28 @@ a neuron (its row of the matrix, its input, the hyperbolic tangent, its share of
 happens while it is in the registers or the nearest cache. This is several times faster than a
 sparse product followed by ``numpy.tanh``, which `burstcast.esn.backend_scipy` does.
 
-The arithmetic is spelt out in vectors of 16 numbers (`burstcast.compiled.machine_code`) with
+A batch of eight or fewer has one tile that is narrower: a single trajectory takes half the time.
+
+The arithmetic is spelt out in vectors of so many numbers (`burstcast.compiled.machine_code`) with
 explicit fused multiply-adds, not left to a vectorising compiler. Every trajectory goes through the
-same operations in the same order wherever it stands in a tile or a batch, whatever the processor:
-the same bits. A processor without fused multiply-add instructions is slow, not wrong.
+same operations in the same order wherever it stands in a tile or a batch, whatever the tile's width
+and the processor: the same bits. A processor without fused multiply-add instructions is slow, not
+wrong.
 """
 
+from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
 import scipy.sparse
 
 from burstcast.arrays import FloatArray, Int32Array
-from burstcast.compiled.machine_code import ALIGNMENT, Lanes, MachineCode
+from burstcast.compiled.machine_code import ALIGNMENT, Lanes, compiled
 from burstcast.esn.readout import ReadoutKind
 
-# Trajectories in a tile. Eight leave the processor waiting for results, 32 do not fit its
-# registers.
-_WIDTH = 16
+# Trajectories in a tile, for batches up to this size, or of any. Eight leave the processor waiting
+# for results, 32 do not fit its registers.
+_WIDTHS = (4, 8, 16)
 # Neurons whose states are fed to the readout together, while they are in the nearest cache.
 _READOUT_BLOCK = 32
 
@@ -126,17 +130,17 @@ def _read_out(code: Lanes, squares: bool, states: str, first: str, last: str) ->
 # --- The loops -----------------------------------------------------------------------------------
 
 
-def _drive(leaking: bool) -> Lanes:
+def _drive(width: int, leaking: bool) -> Lanes:
     """Drive a tile of trajectories by data.
 
     ``inputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``old`` holds the
-    states; ``fed``, ``(dimension + 1, 16)``, holds the bias in its last row. If ``recording`` is
+    states; ``fed``, ``(dimension + 1, width)``, holds the bias in its last row. If ``recording`` is
     one, ``record``, ``(neurons, steps, batch)``, receives the state after each input. The final
     states are in ``new`` after an odd number of steps, in ``old`` after an even one. ``bytes`` is
     the number of bytes of the tile's trajectories in a row of the batch.
     """
     code = Lanes(
-        _WIDTH,
+        width,
         "drive",
         [*_MATRICES, *_ROOM, "inputs", "record"],
         ["neurons", "dimension", "steps", "batch", "bytes", "recording"],
@@ -160,7 +164,7 @@ def _drive(leaking: bool) -> Lanes:
     return code
 
 
-def _forecast(leaking: bool, squares: bool) -> Lanes:
+def _forecast(width: int, leaking: bool, squares: bool) -> Lanes:
     """Forecast a tile of trajectories.
 
     ``outputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``read`` is room
@@ -168,7 +172,7 @@ def _forecast(leaking: bool, squares: bool) -> Lanes:
     number). The rest is as in `_drive`.
     """
     code = Lanes(
-        _WIDTH,
+        width,
         "forecast",
         [*_MATRICES, *_ROOM, "weights", "output_bias", "input_range", "read", "outputs"],
         ["neurons", "dimension", "steps", "batch", "bytes", "rows"],
@@ -208,17 +212,24 @@ def _forecast(leaking: bool, squares: bool) -> Lanes:
     return code
 
 
-class _Compiled:
-    """The two functions for neurons and readouts of a kind; compiled once in a process."""
-
-    def __init__(self, leaking: bool, squares: bool) -> None:
-        drive, forecast = _drive(leaking), _forecast(leaking, squares)
-        self._code = [MachineCode(one.text) for one in (drive, forecast)]
-        self.drive = self._code[0].function(drive.name, *drive.arguments)
-        self.forecast = self._code[1].function(forecast.name, *forecast.arguments)
+@cache
+def _drive_of(width: int, leaking: bool) -> Callable[..., None]:
+    return _function(_drive(width, leaking))
 
 
-_compiled = cache(_Compiled)
+@cache
+def _forecast_of(width: int, leaking: bool, squares: bool) -> Callable[..., None]:
+    return _function(_forecast(width, leaking, squares))
+
+
+def _function(lanes: Lanes) -> Callable[..., None]:
+    try:
+        return compiled(lanes.text, lanes.name, *lanes.arguments)
+    except Exception as error:
+        raise RuntimeError(
+            f"the compiled backend does not run ({type(error).__name__}: {error}); repair the "
+            'installation of llvmlite, or take the backend "scipy", which is several times slower'
+        ) from error
 
 
 # --- The interface -------------------------------------------------------------------------------
@@ -246,7 +257,7 @@ class CompiledBackend:
             np.array([leak_rate, -leak_rate]),
         )
         self._input_bias = input_bias
-        self._compiled = _compiled(leak_rate != 1, readout == "quadratic")
+        self._leaking, self._squares = leak_rate != 1, readout == "quadratic"
 
     def open_loop(
         self, inputs: FloatArray, states: FloatArray, record: FloatArray | None
@@ -257,15 +268,16 @@ class CompiledBackend:
         """
         inputs = np.ascontiguousarray(inputs)
         steps, dimension, batch = inputs.shape
-        neurons = len(states)
-        fed, old, new = self._fed(dimension), _tiles(neurons), _tiles(neurons)
+        neurons, width = len(states), _width(batch)
+        fed, old, new = self._fed(dimension, width), _tile(neurons, width), _tile(neurons, width)
+        drive = _drive_of(width, self._leaking)
         room = _addresses(*self._matrices, fed, old, new)
         source, kept = inputs.ctypes.data, 0 if record is None else record.ctypes.data
         final = np.empty_like(states)
-        for first in range(0, batch, _WIDTH):
+        for first in range(0, batch, width):
             _fill_tile(old, states, first)
-            size, skipped = 8 * min(_WIDTH, batch - first), 8 * first
-            self._compiled.drive(
+            size, skipped = 8 * min(width, batch - first), 8 * first
+            drive(
                 *room,
                 source + skipped,
                 kept + skipped,
@@ -279,21 +291,22 @@ class CompiledBackend:
     ) -> tuple[FloatArray, FloatArray]:
         """Let the network drive itself; see `burstcast.esn.dynamics.Dynamics.closed_loop`."""
         neurons, batch = states.shape
-        dimension = weights.shape[1]
+        dimension, width = weights.shape[1], _width(batch)
         # Rows come in pairs: an odd number is filled up by a row of zeros.
         padded = np.zeros((neurons + 1, dimension + dimension % 2))
         padded[:, :dimension] = weights
         input_range = np.ascontiguousarray(input_range, dtype=np.float64)
-        fed, read = self._fed(dimension), _tiles(padded.shape[1])
-        old, new = _tiles(neurons), _tiles(neurons)
+        fed, read = self._fed(dimension, width), _tile(padded.shape[1], width)
+        old, new = _tile(neurons, width), _tile(neurons, width)
+        forecast = _forecast_of(width, self._leaking, self._squares)
         room = _addresses(*self._matrices, fed, old, new, padded, padded[-1], input_range, read)
         outputs = np.empty((steps, dimension, batch))
         target = outputs.ctypes.data
         final = np.empty_like(states)
-        for first in range(0, batch, _WIDTH):
+        for first in range(0, batch, width):
             _fill_tile(old, states, first)
-            size = 8 * min(_WIDTH, batch - first)
-            self._compiled.forecast(
+            size = 8 * min(width, batch - first)
+            forecast(
                 *room,
                 target + 8 * first,
                 *(neurons, dimension, steps, batch, size, padded.shape[1]),
@@ -301,8 +314,8 @@ class CompiledBackend:
             _read_tile(new if steps % 2 else old, final, first)
         return outputs, final
 
-    def _fed(self, dimension: int) -> FloatArray:
-        fed = _tiles(dimension + 1)
+    def _fed(self, dimension: int, width: int) -> FloatArray:
+        fed = _tile(dimension + 1, width)
         fed[dimension] = self._input_bias
         return fed
 
@@ -328,21 +341,25 @@ def _addresses(*arrays: FloatArray | Int32Array) -> list[int]:
     return [array.ctypes.data for array in arrays]
 
 
-def _tiles(rows: int) -> FloatArray:
-    """Zeros of shape ``(rows, 16)``, aligned to a cache line."""
+def _width(batch: int) -> int:
+    return next((width for width in _WIDTHS if batch <= width), _WIDTHS[-1])
+
+
+def _tile(rows: int, width: int) -> FloatArray:
+    """Zeros of shape ``(rows, width)``, aligned to a cache line."""
     spare = ALIGNMENT // 8
-    memory = np.zeros(rows * _WIDTH + spare)
+    memory = np.zeros(rows * width + spare)
     offset = -memory.ctypes.data % ALIGNMENT // 8
-    return memory[offset : offset + rows * _WIDTH].reshape(rows, _WIDTH)
+    return memory[offset : offset + rows * width].reshape(rows, width)
 
 
 def _fill_tile(tile: FloatArray, states: FloatArray, first: int) -> None:
     """Copy the states of the trajectories from ``first`` on; the lanes left over are zero."""
-    part = states[:, first : first + _WIDTH]
+    part = states[:, first : first + tile.shape[1]]
     tile[:, : part.shape[1]] = part
     tile[:, part.shape[1] :] = 0.0
 
 
 def _read_tile(tile: FloatArray, states: FloatArray, first: int) -> None:
-    part = states[:, first : first + _WIDTH]
+    part = states[:, first : first + tile.shape[1]]
     part[:] = tile[:, : part.shape[1]]

@@ -241,16 +241,8 @@ class Dynamics:
         weight = self.reservoir.input_weight * self.input_scaling
         columns, bias = self.reservoir.input_column, self.reservoir.input_bias
         arguments = (recurrent, columns, weight, bias, self.leak_rate, self.readout)
-        if self.backend == "scipy":
-            return ScipyBackend(*arguments)
-        try:
-            return CompiledBackend(*arguments)
-        except Exception as error:
-            raise RuntimeError(
-                f"the compiled backend does not run ({type(error).__name__}: {error}); repair the "
-                'installation of llvmlite, or take the backend "scipy", which is several times '
-                "slower"
-            ) from error
+        implementation = ScipyBackend if self.backend == "scipy" else CompiledBackend
+        return implementation(*arguments)
 
     def _panels(
         self, inputs: FloatArray, states: FloatArray, edges: Sequence[int], steps_per_panel: int

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import ByteArray, FloatArray
-from burstcast.compiled.machine_code import MachineCode, hexadecimal
+from burstcast.compiled.machine_code import compiled, hexadecimal
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.runge_kutta import step, whole_power
 
@@ -314,8 +314,7 @@ class CompiledSteps:
     """
 
     def __init__(self, program: str) -> None:
-        self._code = MachineCode(program)
-        self._run = self._code.function("run", pointers=3, integers=4)
+        self._run = compiled(program, "run", pointers=3, integers=4)
 
     def run(
         self,
