@@ -307,6 +307,9 @@ class Stages:
         """Measure everything."""
         return [
             self._closed_loop(),
+            self._of_loop(
+                "closed loop alone", "1e4 steps", 1e4, self._rates_of(self._closed_states[:, :1])
+            ),
             self._open_loop(),
             self._gram(),
             self._ridge(),
@@ -323,19 +326,20 @@ class Stages:
 
     @cached_property
     def _closed_rates(self) -> dict[str, float]:
-        """Seconds per step of one trajectory: compiled, scipy, textbook."""
+        """Seconds per step of one trajectory of a batch: compiled, scipy, textbook."""
+        return self._rates_of(self._closed_states)
+
+    def _rates_of(self, states: np.ndarray) -> dict[str, float]:
         arguments = self._readout.weights, self._data.training.input_range
         steps = 20 if self._quick else 100
         rates = {
             name: self._clock.seconds(
-                lambda dynamics=dynamics: dynamics.closed_loop(
-                    *arguments, self._closed_states, steps
-                )
+                lambda dynamics=dynamics: dynamics.closed_loop(*arguments, states, steps)
             )
-            / (steps * self._batch)
+            / (steps * states.shape[1])
             for name, dynamics in (("compiled", self._compiled), ("scipy", self._scipy))
         }
-        state = self._closed_states[:, 0]
+        state = states[:, 0]
         rates["textbook"] = (
             self._clock.seconds(lambda: self._textbook.closed_loop(*arguments, state, steps))
             / steps
