@@ -14,10 +14,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 52_300,
-    "product, code": 30_600,
-    "product, docstrings": 9_950,
-    "tests, all lines": 41_300,
+    "product, all lines": 49_600,
+    "product, code": 29_500,
+    "product, docstrings": 8_800,
+    "tests, all lines": 40_700,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}

@@ -70,22 +70,16 @@ SWITCHED = "Re400switched"
 
 @dataclass(frozen=True)
 class Target:
-    """Targets of control: remaining share of the exceedance, share of the time under actuation.
+    """Targets of control: remaining share of the exceedance, share of the time under actuation."""
 
-    Attributes
-    ----------
-    case, forecaster
-        Case that is controlled, and forecaster that controls it.
-    left, acting
-        Largest share of the exceedance that may be left, and of the time under actuation.
-    delay_lt, strength
-        Delay and strength of the actuator.
-    """
-
+    #: case, forecaster: case that is controlled, and forecaster that controls it
     case: str
     forecaster: str
+    #: left, acting: largest share of the exceedance that may be left, and of the time under
+    #: actuation
     left: float
     acting: float
+    #: delay_lt, strength: delay and strength of the actuator
     delay_lt: float = 0.0
     strength: float = 1.0
 

@@ -36,44 +36,23 @@ AN_ORDER = 5.0
 
 @dataclass(frozen=True)
 class Finding:
-    """Verdict on a claim.
+    """Verdict on a claim."""
 
-    Attributes
-    ----------
-    paper, ours
-        The numbers, as text; ours with intervals.
-    agrees
-        "yes", "nearly", "no" or, where only some of several do, how many: "3 of 4".
-    why
-        Why not, or what to keep in mind; "" for nothing.
-    """
-
+    #: paper, ours: the numbers, as text; ours with intervals
     paper: str
     ours: str
-    agrees: str
-    why: str = ""
+    agrees: str  #: "yes", "nearly", "no" or, where only some of several do, how many: "3 of 4"
+    why: str = ""  #: why not, or what to keep in mind; "" for nothing
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence of the paper, and how it is looked up.
-
-    Attributes
-    ----------
-    text
-        What it says.
-    section
-        Where it stands.
-    find
-        Looks it up.
-    rule
-        When it agrees, in words that end the sentence "agrees if ...".
-    """
+    """A sentence of the paper, and how it is looked up."""
 
     text: str
     section: str
     find: Callable[[Tables], Finding]
-    rule: str
+    rule: str  #: when it agrees, in words that end the sentence "agrees if ..."
 
 
 @dataclass(frozen=True)
@@ -86,17 +65,7 @@ class Unjudged:
 
 
 def verdict(paper: float, low: float, high: float, unit: float = 0.0) -> str:
-    """Whether the paper's number lies in our interval, or nearly.
-
-    Parameters
-    ----------
-    paper
-        Its number.
-    low, high
-        Ends of our interval.
-    unit
-        Unit of the last digit that the paper prints.
-    """
+    """Whether the paper's number lies in our interval, or nearly."""
     middle, half = (low + high) / 2, (high - low) / 2
     distance = abs(paper - middle) - unit / 2
     return "yes" if distance <= half else "nearly" if distance <= math.sqrt(2) * half else "no"

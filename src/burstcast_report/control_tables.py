@@ -19,18 +19,10 @@ from burstcast_report.results_tables import (
 
 @dataclass(frozen=True)
 class ChosenRun:
-    """A run of control with the settings that half of the flows chose, scored on the others.
+    """A run of control with the settings that half of the flows chose, scored on the others."""
 
-    Attributes
-    ----------
-    keys
-        Case, forecaster, strategy, conditions and settings, by column.
-    scores
-        Rows of `control_choices`, by metric.
-    """
-
-    keys: dict[str, Any]
-    scores: dict[str, dict[Any, Any]]
+    keys: dict[str, Any]  #: case, forecaster, strategy, conditions and settings, by column
+    scores: dict[str, dict[Any, Any]]  #: rows of `control_choices`, by metric
 
 
 _TOLD = ("strength", "delay_lt", "noise", "observed", "span_lt")

@@ -56,21 +56,11 @@ _TOLD_ELSEWHERE = ("campaign", "results", "figures", "captions")
 
 @dataclass(frozen=True)
 class Flagged:
-    """A file that a rule flags for the report.
-
-    Attributes
-    ----------
-    path
-        Where it is.
-    labels
-        ``figure`` and ``case``, or ``table``.
-    caption
-        What it shows, in HTML.
-    """
+    """A file that a rule flags for the report."""
 
     path: Path
-    labels: Mapping[str, str]
-    caption: str
+    labels: Mapping[str, str]  #: ``figure`` and ``case``, or ``table``
+    caption: str  #: what it shows, in HTML
 
 
 @dataclass(frozen=True)
@@ -86,23 +76,12 @@ class View:
 
 @dataclass(frozen=True)
 class Shown:
-    """Content under one title: a figure, with its views by case, or a table.
+    """Content under one title: a figure, with its views by case, or a table."""
 
-    Attributes
-    ----------
-    name
-        Name of the figure or table.
-    caption
-        What it shows, in HTML.
-    views
-        Views of a figure.
-    data
-        Data of a table: its CSV and its columns, as the page's script reads them (JSON).
-    """
-
-    name: str
-    caption: Markup
-    views: list[View] = field(default_factory=list)
+    name: str  #: name of the figure or table
+    caption: Markup  #: what it shows, in HTML
+    views: list[View] = field(default_factory=list)  #: views of a figure
+    #: data of a table: its CSV and its columns, as the page's script reads them (JSON)
     data: Markup | None = None
 
 
@@ -125,25 +104,8 @@ def page(
 ) -> str:
     """Text of the page.
 
-    Parameters
-    ----------
-    flagged
-        Files of the report.
-    campaign
-        Campaign of the results.
-    results
-        The results directory.
-    introduction
-        What the page begins with, in HTML.
-    costs
-        What jobs took: `burstcast_workflow.costs.records.rule_costs`.
-    days
-        When the first job began and the last one ended, in seconds since the epoch, if known.
-
-    Raises
-    ------
-    OSError
-        If a file is missing.
+    ``costs``: What jobs took: `burstcast_workflow.costs.records.rule_costs`. ``days``: When the
+    first job began and the last one ended, in seconds since the epoch, if known.
     """
     sections = list(_sections(flagged))
     there = {figure.name for section in sections for figure in section.figures}
@@ -192,12 +154,7 @@ def title_of(name: str) -> str:
 def computed(campaign: Campaign, tables: Path) -> list[dict[str, str]]:
     """Contents of a campaign, a row for each case: data, networks, other forecasters.
 
-    Parameters
-    ----------
-    campaign
-        Which.
-    tables
-        Directory of its tables, where the data are counted.
+    ``tables``: Directory of its tables, where the data are counted.
     """
     data = {row["case"]: row for row in pd.read_csv(tables / "dataset.csv").to_dict("records")}
     rows = []
@@ -239,11 +196,6 @@ def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     """Settings that differ from config.yaml, the paper's: name, value here, value there.
 
     Forecasters and the drawing of figures are left out.
-
-    Parameters
-    ----------
-    config
-        The whole configuration, loaded.
     """
     path = project_root() / "config.yaml"
     paper = load(yaml.safe_load(path.read_text(encoding="utf-8")))
@@ -278,15 +230,8 @@ def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:
 def times_of_rules(costs: pd.DataFrame) -> list[dict[str, str]]:
     """Times of jobs by rule, the longest first.
 
-    Parameters
-    ----------
-    costs
-        Costs of `burstcast_workflow.costs.records.rule_costs`.
-
-    Returns
-    -------
-    Rows: rule, number of jobs that have run, time of all of them, of the longest, and the largest
-    memory.
+    ``costs``: Costs of `burstcast_workflow.costs.records.rule_costs`. Returns rows: rule, number of
+    jobs that have run, time of all of them, of the longest, and the largest memory.
     """
     ran = costs[costs["records"] > 0].sort_values("minutes", ascending=False)
     return [

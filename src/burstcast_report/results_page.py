@@ -74,16 +74,7 @@ def collect(results: Path) -> None:
 
     The copy is made beside the tables that were kept before and replaces them when it is complete.
 
-    Parameters
-    ----------
-    results
-        Results directory of the campaign; its last name is the campaign's.
-
-    Raises
-    ------
-    RefusedError
-        If the directory does not hold a finished campaign, if its name cannot be a campaign's, or
-        if other files lie where its tables are kept.
+    ``results``: Results directory of the campaign; its last name is the campaign's.
     """
     results = Path(os.path.abspath(results))
     target = KEPT / results.name
@@ -143,19 +134,9 @@ def _finished_tables(results: Path) -> list[Path]:
 def differences(campaign: str, results: Path) -> list[str]:
     """Rows of another run's tables that a campaign's kept ones do not have.
 
-    Parameters
-    ----------
-    campaign
-        Name of the kept one.
-    results
-        Results directory of a campaign that is part of the kept one: the same cases, fewer
-        networks. Tables with rows for each network are compared, as text, to the last digit, in
-        the columns that are kept.
-
-    Raises
-    ------
-    RefusedError
-        If there is nothing to compare.
+    ``results``: Results directory of a campaign that is part of the kept one: the same cases, fewer
+    networks. Tables with rows for each network are compared, as text, to the last digit, in the
+    columns that are kept.
     """
     kept = KEPT / campaign
     if not any((results / "tables" / f"{name}.csv").exists() for name in OF_SINGLE_NETWORKS):
@@ -286,10 +267,7 @@ def sides_table(compared: pd.DataFrame) -> str:
 def page(kept: Path = KEPT) -> str:
     """The text of docs/results.md.
 
-    Parameters
-    ----------
-    kept
-        Directory with the template, and a directory of tables for each campaign.
+    ``kept``: Directory with the template, and a directory of tables for each campaign.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(kept),

@@ -42,23 +42,15 @@ PUBLISHED_TABLES = (
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Quartiles over the networks of an ensemble, and the interval of one network.
+    """Quartiles over the networks of an ensemble, and the interval of one network."""
 
-    Attributes
-    ----------
-    p25, p50, p75
-        Quartiles over networks; all the same for a forecaster without seeds.
-    low, high
-        Medians over networks of the ends of each one's 95 % bootstrap interval over test series,
-        events, runs or flows: what the test data leave open, which all networks share; the scatter
-        over training sets is not in it. NaN if there is no such interval.
-    networks
-        How many.
-    """
-
+    #: p25, p50, p75: quartiles over networks; all the same for a forecaster without seeds
     p25: float
     p50: float
     p75: float
+    #: low, high: medians over networks of the ends of each one's 95 % bootstrap interval over test
+    #: series, events, runs or flows: what the test data leave open, which all networks share; the
+    #: scatter over training sets is not in it. NaN if there is no such interval.
     low: float
     high: float
     networks: int
@@ -70,13 +62,7 @@ class Ensemble:
 
 
 class Tables:
-    """The tables of one campaign, by name; empty where there is none.
-
-    Parameters
-    ----------
-    directory
-        Where its CSV files lie.
-    """
+    """The tables of one campaign, by name; empty where there is none."""
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
@@ -94,15 +80,7 @@ class Tables:
         return read_table(path) if path.exists() and path.stat().st_size else pd.DataFrame()
 
     def rows(self, name: str, **where: Any) -> pd.DataFrame:
-        """Rows of a table whose columns have these values.
-
-        Parameters
-        ----------
-        name
-            Name of the table.
-        where
-            Values by column; None stands for an empty cell.
-        """
+        """Rows of a table whose columns have these values."""
         table = self._read(name)
         for column, value in where.items():
             if column not in table:
@@ -112,13 +90,7 @@ class Tables:
         return table
 
     def number(self, name: str, column: str, **where: Any) -> float:
-        """The one number in a column of those rows.
-
-        Raises
-        ------
-        LookupError
-            If no row or more than one fits.
-        """
+        """The one number in a column of those rows."""
         rows = self.rows(name, **where)
         if len(rows) != 1:
             raise LookupError(f"{self.directory}/{name}: {len(rows)} rows with {where}, not one")
@@ -162,13 +134,7 @@ def published_rows(table: str, metric: str, **where: Any) -> pd.DataFrame:
 
 
 def published_value(table: str, metric: str, **where: Any) -> float:
-    """A median that the paper published, in our definitions.
-
-    Raises
-    ------
-    LookupError
-        If no published row or more than one fits.
-    """
+    """A median that the paper published, in our definitions."""
     rows = published_rows(table, metric, **where)
     if len(rows) != 1:
         raise LookupError(f"{len(rows)} published rows of {table}, {metric}, {where}")
@@ -464,12 +430,9 @@ def strategies(
 ) -> str:
     """Remaining exceedance of control strategies against their cost, under one set of conditions.
 
-    Parameters
-    ----------
-    laminarisations
-        Whether to say how often flows become laminar, with control and without.
-    conditions
-        Columns of `control_strategies` and their values; the others have all that there are.
+    ``laminarisations``: Whether to say how often flows become laminar, with control and without.
+    ``conditions``: Columns of `control_strategies` and their values; the others have all that there
+    are.
     """
     found = tables.rows("control_strategies", case=case, **conditions)
     if found.empty:
@@ -512,12 +475,7 @@ _TOLD_ELSEWHERE = (
 def strategy_in_words(keys: Mapping[str, Any], told: Iterable[str] = ()) -> str:
     """Strategy and settings of a run of control, without the usual ones.
 
-    Parameters
-    ----------
-    keys
-        Columns of the run that are not results, and their values.
-    told
-        Columns that the page tells elsewhere.
+    ``keys``: Columns of the run that are not results, and their values.
     """
     left_out = {*_NO_SETTINGS, *_TOLD_ELSEWHERE, *told}
     parts = [
@@ -653,10 +611,8 @@ def sweep(tables: Tables, metric: str = "f_score") -> str:
 def choices_compared(best: Tables, other: Tables, case: str) -> str:
     """Networks whose hyperparameters were chosen in two ways: medians, extremes, lower counts.
 
-    Parameters
-    ----------
-    best, other
-        Campaigns that share the case and have networks of the same sizes and seeds.
+    ``best``, ``other``: Campaigns that share the case and have networks of the same sizes and
+    seeds.
     """
     both = [_by_network(tables, case) for tables in (best, other)]
     shared = both[0].index.intersection(both[1].index)

@@ -1,19 +1,16 @@
 """Every figure, drawn from small inputs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 import pandas as pd
 from helpers_figures import THRESHOLD, burst, interval_rows, percentile_rows
 from matplotlib.figure import Figure
 
-from burstcast.figures.alarm_lead_times import draw as alarm_lead_times
 from burstcast.figures.burst_forecast import burst_forecast
 from burstcast.figures.burst_vorticity import burst_vorticity
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
-from burstcast.figures.committee_event import CommitteeForecast, SeenEvent, committee_event
-from burstcast.figures.control_choices import control_choices
 from burstcast.figures.control_conditions import control_conditions
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
@@ -31,13 +28,11 @@ from burstcast.figures.midplane_mean_square import midplane_mean_square
 from burstcast.figures.midplane_planes import midplane_planes
 from burstcast.figures.network_schematic import draw as network_schematic
 from burstcast.figures.observable_and_density import observable_and_density
-from burstcast.figures.observed_components import draw as observed_components
 from burstcast.figures.parts.nothing_to_show import nothing_to_show
 from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
 from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.profile_errors import profile_errors
 from burstcast.figures.reliability import draw as reliability
-from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.skill_by_parameter import skill_by_parameter
 from burstcast.figures.suppressed_event import suppressed_event
 from burstcast.figures.survival import draw as survival
@@ -149,23 +144,6 @@ def _examples() -> Figure:
     )
 
 
-def search_trace() -> pd.DataFrame:
-    rows = []
-    for validation in ("SSV", "RV"):
-        for radius in np.geomspace(0.1, 1, 4):
-            for scaling in np.geomspace(0.1, 10, 4):
-                rows.append((validation, "grid", radius, scaling))
-        for index in range(3):
-            rows.append((validation, "bayesian", 0.2 + 0.2 * index, 0.2 + 0.4 * index))
-    trace = pd.DataFrame(rows, columns=["validation", "source", "spectral_radius", "input_scaling"])
-    trace["objective"] = (
-        np.square(np.log10(trace["spectral_radius"]) + 0.5)
-        + np.square(np.log10(trace["input_scaling"]) + 0.5)
-        - 6
-    )
-    return trace
-
-
 def statistics_rows() -> pd.DataFrame:
     metrics = {
         "nrmse_u": 0.02,
@@ -259,24 +237,6 @@ def control_rows() -> pd.DataFrame:
 
 
 USUAL = {"span_lt": 20.0, "noise": 0.01}
-
-
-def choice_rows() -> pd.DataFrame:
-    """Strategies at their best: rules fail late, plans do not."""
-    rows = []
-    for delay, strength, noise in ((0, 1, 0.01), (1, 1, 0.01), (0, 0.25, 0.01), (0, 1, 0.1)):
-        for forecaster, strategy, options, left, effort in (
-            ("none", "reactive", "watch=a1", 0.01 + 0.3 * delay, 0.004),
-            ("esn", "receding_horizon", None, 0.02 * delay, 0.003),
-            ("esn_aware", "receding_horizon", "aware=True", 0.005 * delay, 0.002),
-            ("quadratic_aware_filtered", "planned", None, 0.0, 0.001),
-        ):
-            keys = {"case": "Re400", "forecaster": forecaster, "strategy": strategy}
-            keys |= {"options": options, "delay_lt": delay, "strength": strength, "noise": noise}
-            for metric, value in (("relative_exceedance", left), ("effort", effort)):
-                ends = {"low": 0.5 * value, "high": 1.5 * value if value else 0.008}
-                rows.append({**keys, "metric": metric, "value": value, **ends})
-    return pd.DataFrame(rows)
 
 
 PARAMETER = {
@@ -381,25 +341,6 @@ def reynolds_rows(metric: str, times: tuple[float, ...] | None) -> pd.DataFrame:
     )
 
 
-def parts_rows() -> pd.DataFrame:
-    """F-scores of networks and learnt equations in parts of a case, and in the whole."""
-    rows = [
-        percentile_rows(
-            {"f_score": scale},
-            sizes=(500.0, 1000.0),
-            validations=("RV",),
-            prediction_times=PREDICTION_TIMES,
-            case=case,
-        )
-        for case, scale in (("Re400", 0.95), ("one", 0.6), ("four", 0.8), ("another", 0.1))
-    ]
-    networks = pd.concat(rows)
-    learnt = networks[networks["neurons"] == 500].assign(
-        forecaster="quadratic_filtered", neurons=np.nan, validation=None
-    )
-    return pd.concat([networks, learnt])
-
-
 ALARMS = {  # how good, between 0 and 1
     "esn_committee": 0.9,
     "esn": 0.8,
@@ -489,31 +430,6 @@ def _profiles() -> Figure:
     return profile_errors(Y, true, 0.9 * true, 1.02 * true, rows, interval_rows(rows))
 
 
-def seen_event() -> SeenEvent:
-    """An event four Lyapunov times after the starting point."""
-    time = np.linspace(-0.5, 6.0, 131)
-    times = np.arange(1.0, 6.0)
-    return SeenEvent(
-        time,
-        burst(time, 4.0),
-        np.where(time <= 0, burst(time, 4.0) + 0.002 * np.cos(40 * time), np.nan),
-        times,
-        (times < 4.0) & (times > 2.0),
-    )
-
-
-def committee_forecasts(kinds: Sequence[str], members: int = 7) -> list[CommitteeForecast]:
-    """Members that see it at different times, and one that does not stay finite."""
-    event = seen_event()
-    fan = np.array([burst(event.time_lt, 3.8 + 0.1 * number) for number in range(members)])
-    fan[:, event.time_lt <= 0] = np.nan
-    fan[-1, event.time_lt > 4] = np.nan
-    votes = np.linspace(0, 1, event.happened.size)
-    return [
-        CommitteeForecast(kind, fan, votes, 0.9 * votes, np.full(votes.size, 0.4)) for kind in kinds
-    ]
-
-
 GALLERY: dict[str, Callable[[], Figure]] = {
     "observable_and_density": lambda: observable_and_density(
         TIME, burst(TIME, 4.0), EDGES, DENSITY, THRESHOLD
@@ -540,28 +456,14 @@ GALLERY: dict[str, Callable[[], Figure]] = {
         percentile_rows({"mean_horizon_lt": 4.5}),
         interval_rows(percentile_rows({"mean_horizon_lt": 4.5})),
     ),
-    "committee_event": lambda: committee_event(
-        seen_event(),
-        committee_forecasts(["esn_committee", "quadratic_filtered_committee"]),
-        THRESHOLD,
-        1.0,
-        observable_name="kinetic energy",
-    ),
     "forecast_skill": lambda: forecast_skill(score_rows("f_score", "brier_skill"), 2000, "RV"),
     "reliability": lambda: reliability(reliability_rows(), [3.0], 2000, "RV"),
-    "alarm_lead_times": lambda: alarm_lead_times(
-        score_rows("warned_fraction", "false_alarms_per_lt", x="lead_time_lt"), 2000, "RV"
-    ),
     "by_reynolds": lambda: by_reynolds(
         reynolds_rows("mean_horizon_lt", None),
         reynolds_rows("f_score", PREDICTION_TIMES),
         2000,
         [2.0, 3.0],
     ),
-    "observed_components": lambda: observed_components(
-        [parts_rows()], {"Re400": 9, "one": 1, "four": 4}, 1000, [2.0, 3.0]
-    ),
-    "search_landscape": lambda: search_landscape(search_trace()),
     "nothing_to_show": lambda: nothing_to_show("No event was predicted from any start."),
     "network_schematic": lambda: network_schematic(
         inputs=9,
@@ -646,7 +548,6 @@ GALLERY: dict[str, Callable[[], Figure]] = {
     "control_tradeoff": lambda: control_tradeoff(control_rows()),
     "control_conditions": lambda: control_conditions(frontier_rows(), USUAL),
     "control_frontier": lambda: control_frontier(frontier_rows(), USUAL),
-    "control_choices": lambda: control_choices(choice_rows(), 0.01, usual_noise=0.01),
     "skill_by_parameter": lambda: skill_by_parameter(*parameter_rows(), PARAMETER, [2, 3]),
     "lost_skill": lambda: lost_skill(ranking_rows()),
     "burst_forecast": plane_forecast,

@@ -15,16 +15,11 @@ from gallery_figures import (
     Y,
     Z,
     alarm_rows,
-    choice_rows,
-    committee_forecasts,
     control_rows,
     frontier_rows,
-    parts_rows,
     reliability_rows,
     reynolds_rows,
     score_rows,
-    search_trace,
-    seen_event,
     statistics_rows,
 )
 from helpers_figures import (
@@ -43,12 +38,9 @@ from sklearn.decomposition import PCA
 
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.pod import PodEncoder
-from burstcast.figures.alarm_lead_times import draw as alarm_lead_times
 from burstcast.figures.burst_forecast import draw as burst_forecast
 from burstcast.figures.by_reynolds import by_reynolds
 from burstcast.figures.classification_scores import classification_scores
-from burstcast.figures.committee_event import committee_event
-from burstcast.figures.control_choices import control_choices
 from burstcast.figures.control_conditions import control_conditions
 from burstcast.figures.control_density import ControlledDensity, control_density
 from burstcast.figures.control_frontier import control_frontier
@@ -60,9 +52,7 @@ from burstcast.figures.horizon_by_size import horizon_by_size
 from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
 from burstcast.figures.long_term_density import long_term_density
 from burstcast.figures.observable_and_density import observable_and_density
-from burstcast.figures.observed_components import draw as observed_components
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
-from burstcast.figures.parts.control_runs import curve_style
 from burstcast.figures.parts.observable_axis import axis_floor, axis_limits
 from burstcast.figures.parts.percentile_curves import (
     draw_percentiles,
@@ -83,7 +73,6 @@ from burstcast.figures.prediction_examples import PredictionExample, prediction_
 from burstcast.figures.prediction_schematic import prediction_schematic
 from burstcast.figures.profile_errors import profile_errors
 from burstcast.figures.reliability import draw as reliability
-from burstcast.figures.search_landscape import search_landscape
 from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
 from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
 from burstcast.forecasters._labels import forecaster_label
@@ -322,19 +311,6 @@ def test_published_values_by_reynolds_are_those_that_we_have_as_well() -> None:
     assert "published" not in texts(figure)
 
 
-def test_observed_components_are_in_their_order() -> None:
-    scores = parts_rows()
-    counts = {"Re400": 9, "one": 1, "four": 4}
-    figure = observed_components([scores], counts, 1000, [2.0, 3.0])
-    chosen = select(scores, forecaster="esn", neurons=1000.0, prediction_time_lt=3.0)
-    medians = chosen.set_index("case")["p50"]
-    panel = figure.axes[1]
-    assert lines_with(panel, [medians["one"], medians["four"], medians["Re400"]]) == 1
-    assert list(panel.get_xticks()) == [1, 4, 9]
-    with pytest.raises(ValueError, match="no forecaster has scores in the cases none"):
-        observed_components([scores], {"none": 1}, 1000, [2.0])
-
-
 def test_events_are_shaded_where_the_signal_exceeds_the_threshold() -> None:
     signal = burst(TIME, 4.0)
     figure = observable_and_density(TIME, signal, EDGES, DENSITY, THRESHOLD)
@@ -348,22 +324,6 @@ def test_events_are_shaded_where_the_signal_exceeds_the_threshold() -> None:
 def test_true_runs() -> None:
     assert true_runs(np.array([True, True, False, True])) == [(0, 1), (3, 3)]
     assert true_runs(np.array([False, False])) == []
-
-
-def test_search_marks_the_best_point_and_refuses_what_is_not_finite() -> None:
-    trace = search_trace()
-    figure = search_landscape(trace)
-    best = np.minimum.accumulate(trace[trace["validation"] == "RV"]["objective"])
-    above_its_end = list(best - best.iloc[-1])
-    assert lines_with(figure.axes[2], above_its_end) == 2  # the same trace for both strategies
-    trace.loc[3, "objective"] = np.nan
-    with pytest.raises(ValueError, match="not finite"):
-        search_landscape(trace)
-
-
-def test_search_of_one_strategy_has_two_panels_and_a_bar() -> None:
-    trace = search_trace().query("validation == 'RV'")
-    assert len(search_landscape(trace).axes) == 3
 
 
 def test_isosurfaces_follow_the_field() -> None:
@@ -531,28 +491,6 @@ def test_a_frontier_of_nothing_says_so() -> None:
     assert "no event occurred" in " ".join(texts(control_frontier(table, USUAL)))
 
 
-def test_a_committee_is_drawn_member_by_member_with_its_probabilities():
-    event, (committee,) = seen_event(), committee_forecasts(["quadratic_filtered_committee"])
-    figure = committee_event(event, [committee], THRESHOLD, 1.0)
-    fan, chances = figure.axes
-    shown = event.time_lt > 0
-    for member in committee.members[:-1]:  # the last one ends on the way
-        assert lines_with(fan, member[shown].tolist()) == 1
-    median = np.nanmedian(committee.members[:, shown], axis=0)
-    assert lines_with(fan, median.tolist()) >= 1
-    assert lines_with(fan, event.true.tolist()) == 1
-    for values in (committee.votes, committee.probability, committee.alarm_threshold):
-        assert lines_with(chances, values.tolist()) == 1
-    # filled where an event begins within the window, open where none does
-    assert lines_with(chances, committee.probability[event.happened].tolist()) == 1
-    assert lines_with(chances, committee.probability[~event.happened].tolist()) == 1
-
-
-def test_no_committee_is_no_figure():
-    with pytest.raises(ValueError, match="no committee"):
-        committee_event(seen_event(), [], THRESHOLD, 1.0)
-
-
 def test_bars_are_the_intervals_of_single_networks():
     table = percentile_rows({"mean_horizon_lt": 4.5}, validations=("RV",))
     intervals = interval_rows(table)
@@ -634,33 +572,6 @@ def test_quartiles_of_one_network_are_no_band():
         draw_percentiles(axes, quartiles, "neurons", style)
         assert len(spread_handles([axes])) == entries
         assert lines_with(axes, [0.5, 0.6, 0.7]) == 1
-
-
-def test_no_false_alarm_has_a_place_on_the_axis():
-    rows = [
-        ("esn", time, metric, value)
-        for time, false in ((1.0, 0.0), (2.0, 0.02))
-        for metric, value in (("warned_fraction", 0.9), ("false_alarms_per_lt", false))
-    ]
-    table = pd.DataFrame(rows, columns=["forecaster", "lead_time_lt", "metric", "value"])
-    table = table.assign(
-        case="Re400", neurons=500.0, validation="RV", seed=0, low=table["value"], high=0.95
-    )
-    _, alarms = alarm_lead_times(table, 500.0, "RV").axes
-    assert lines_with(alarms, [0.0, 0.02]) == 1
-    assert alarms.get_ylim()[0] < 0
-    assert alarms.transData.transform((1.0, 0.0))[1] > alarms.transAxes.transform((0, 0))[1]
-
-
-def test_strategies_have_one_look_in_all_figures_of_control():
-    names = texts(control_choices(choice_rows(), 0.01, usual_noise=0.01))
-    assert {"reactive, on a1", "receding horizon: network"} <= set(names)
-    assert "planned: parameter-aware equations, filtered" in names
-    chosen = control_choices(choice_rows(), 0.01, usual_noise=0.01).axes[0]
-    colors = {line.get_color() for line in chosen.get_lines() if line.get_marker() == "o"}
-    assert colors == {
-        curve_style(kind, "receding_horizon", "")["color"] for kind in ("esn", "esn_aware")
-    }
 
 
 def test_an_axis_holds_the_intervals_of_single_networks():

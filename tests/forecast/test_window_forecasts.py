@@ -12,7 +12,6 @@ from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.linear_inverse import LinearInverseModel
-from burstcast.probability.committee_event import member_observables
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.parameters import SystemParameters
@@ -116,14 +115,6 @@ def test_members_scatter_around_the_forecast_of_their_mean(training, washouts):
     # nearly linear over so short a time
     np.testing.assert_allclose(states.mean(axis=2), of_mean, rtol=0.01, atol=0.02)
     assert (states.std(axis=2) > 1e-3).all()
-
-
-@pytest.mark.parametrize("steps", [1, 4])
-def test_observables_of_members_are_those_of_their_states(training, washouts, steps):
-    forecaster = FilteredEquations.fit(training, CASE)
-    found = member_observables(forecaster, first_component, washouts[3], steps)
-    states = member_forecasts(forecaster, washouts[3:4].transpose(1, 2, 0), steps)
-    np.testing.assert_array_equal(found, states[:, 0, :, 0].T)
 
 
 def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatch):

@@ -73,7 +73,7 @@ def test_a_campaign_without_networks(config):
     assert not campaign.networks
     figures, tables = figure_names(campaign), table_names(campaign)
     assert {"observable_and_density", "forecast_skill", "reliability"} <= set(figures)
-    assert not {"network_schematic", "prediction_examples", "search_landscape"} & set(figures)
+    assert not {"network_schematic", "prediction_examples"} & set(figures)
     assert {"classification", "horizon", "warnings"} <= set(tables)
     assert "hyperparameters" not in tables
 

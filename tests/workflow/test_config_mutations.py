@@ -135,7 +135,6 @@ def planned(config: dict) -> int:
             for run in (*campaign.control_runs, *campaign.strategy_runs)
         ),
         campaign.settings_of_cases("case.ensemble", "case.event_threshold"),
-        *(one.directory for case in campaign.case_names for one in campaign.shown_voters(case)),
         table_names(campaign),
         latex_names(campaign),
     ]

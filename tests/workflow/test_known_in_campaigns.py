@@ -68,7 +68,6 @@ CONFIG = {
 TARGETS = [
     *(f"results/plant/tables/{name}.csv" for name in ("classification", "horizon", "statistics")),
     "results/plant/tables/probability_scores.csv",
-    "results/plant/plant/committee_event.nc",
 ]
 
 
@@ -183,8 +182,6 @@ def test_what_is_known_in_advance_tells_events_that_nothing_else_does(results):
     ].set_index("alarm")["value"]
     assert skill["esn_aware-N40-RV-committee"] > 0.6
     assert skill["precursor"] > 0.4
-    event = read_netcdf(results / "plant/committee_event.nc")
-    assert np.isfinite(event["forecast"][:, -1]).all()
 
 
 @pytest.mark.long

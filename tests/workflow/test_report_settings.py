@@ -34,7 +34,6 @@ EVERYWHERE = [
     "observable_and_density",
     "validation_strategies",
     "network_schematic",
-    "search_landscape",
     "prediction_schematic",
     "prediction_examples",
     "classification_scores",
@@ -71,12 +70,10 @@ def test_the_paper_has_all_figures_and_those_of_other_cases():
     assert set(FIGURES) - set(names) == {
         "burst_forecast",
         "burst_vorticity",
-        "control_choices",
         "control_conditions",
         "control_frontier",
         "encoder_loss",
         "lost_skill",
-        "observed_components",
         "skill_by_parameter",
     }
     for case in ("Re600", "Re800", "Re1000"):
@@ -108,31 +105,6 @@ def test_the_frontier_is_made_where_other_strategies_control():
     shown = settings(frontier, "control_frontier")["shown.frontier_network"]
     assert shown == {"forecaster": "esn", "neurons": 1000, "validation": "RV", "seed": 0}
     assert settings(PAPER, "control_frontier", "Re800")["shown.frontier_network"]["seed"] == 0
-
-
-def test_parts_of_a_state_are_shown_beside_the_whole():
-    overlay = yaml.safe_load((WORKFLOW / "presets" / "partial_observation.yaml").read_text())
-    parts = campaign(overlay)
-    assert "observed_components" in figure_names(parts)
-    counts = {f"modes_{number}": number for number in (1, 2, 4, 6, 8)}
-    expected = {"Re400": 9, "energy": 0, **counts}
-    assert settings(parts, "observed_components")["shown.observed"] == expected
-    flows = {"midplane_planes", "vorticity_isosurfaces"}
-    assert flows <= set(figure_names(parts))  # of the whole only
-
-
-def test_measured_series_alone_are_no_parts(tmp_path):
-    path = tmp_path / "own.csv"
-    path.write_text("x,z\n" + "".join(f"{row},{row % 7}\n" for row in range(100)))
-    networks = {"neurons": [30], "validation": ["RV"], "seeds": 1}
-    own = {"files": [str(path)], "observable": "z", "time_step": 0.1, "blocks": {"duration": 1}}
-    overlay = {
-        "campaign": [{"cases": ["own"], "forecasters": {"esn": networks}}],
-        "cases": {"own": {"event_threshold": 5.0, "data": own}},
-    }
-    names = figure_names(campaign(overlay))
-    assert "forecast_skill" in names
-    assert "observed_components" not in names
 
 
 def test_figure_over_reynolds_numbers_takes_each_once():
@@ -227,9 +199,6 @@ def test_files_of_figures_are_those_of_the_example():
         "hyperparameters": "Re400/esn-N2000-RV-seed0/hyperparameters.json"
     }
     assert found["prediction_examples"] == {"examples": "Re400/esn-N2000-RV-seed0/examples.nc"}
-    assert found["search_landscape"] == {
-        "traces": [f"Re400/esn-N2000-{name}-seed0/search.csv" for name in ("RV", "SSV")]
-    }
     assert found["observable_and_density"] == {"observable": "Re400/ensemble.nc", "exponents": []}
     computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
     assert files_of(computed, FIGURES["observable_and_density"], "Re400") == {

@@ -175,7 +175,6 @@ def stage(
         {"scan": f"{CASE}/scan.csv"}             a path
         {"forecasts": files_in_case("forecast.nc")}              of all forecasters of the case
         {"flows": files_in_case("flows.nc", campaign.strategy_runs)}    of some, or of control
-        {"forecasts": files_in_case("forecast.nc", Campaign.shown_voters)}    of a function's
         {"scores": of_cases("scores.csv")}                       of all cases
         stages.tables_of_case("dataset horizon")     tables of the case, as far as it has them
         stages.file_of_case("lyapunov.json", campaign.simulated_cases)  of some cases alone

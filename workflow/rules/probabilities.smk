@@ -59,21 +59,6 @@ stage(
     "probability.prior_forecasts",
     uncalibrated=of_case(Campaign.alarm_thresholds),
 )
-stage(
-    # of the shown ensembles: the example's and others
-    "probabilities/committee_event",
-    "an event as committees see it",
-    inputs={
-        **files("ensemble evaluation_set calibration"),
-        "forecasters": files_in_case("forecaster.nc", Campaign.shown_voters),
-        "forecasts": files_in_case("forecast.nc", Campaign.shown_voters),
-    },
-    outputs={"committee_event": f"{CASE}/committee_event.nc"},
-    settings="SYSTEM TIME WINDOWS case.event_threshold case.training.series "
-    "classification.prediction_times_lt",
-    cost="gather",
-)
-
 # What tables of probabilities are made from.
 PROBABILITIES = {
     "forecasts": files_in_case("forecast.nc"),

@@ -64,23 +64,10 @@ def draw(
 ) -> Figure:
     """Draw an event that the forecaster follows.
 
-    Parameters
-    ----------
-    event
-        The event, its forecast and where it lies in the series
-        (`burstcast.forecast.example_events.FlowEvent`).
-    gain, constant
-        How states of the flow follow from channels (`burstcast.encoders.state_maps.StateMaps`).
-    states
-        True states of the flow, ``(series, time, dimension)``.
-    source
-        System and parameters of the flow.
-    forecaster
-        Kind of the forecaster.
-    threshold
-        Event threshold.
-    symbol, observable_name
-        Symbol and name of the observable.
+    ``event``: The event, its forecast and where it lies in the series
+    (`burstcast.forecast.example_events.FlowEvent`). ``gain``, ``constant``: How states of the flow
+    follow from channels (`burstcast.encoders.state_maps.StateMaps`). ``states``: True states of the
+    flow, ``(series, time, dimension)``.
     """
     if not len(event["time_lt"]):
         return nothing_to_show("No event of the test series stands alone.")
@@ -116,24 +103,9 @@ def burst_forecast(
 ) -> Figure:
     """Draw the observable above the true and the forecast fields.
 
-    Parameters
-    ----------
-    time_lt
-        Time after the start of the forecast in Lyapunov times, ``(time,)``.
-    observable
-        "true" and "forecast", ``(time,)`` each.
-    times_lt
-        Times of the fields.
-    fields
-        "true" and "forecast" vorticity, ``(fields, x, y)`` each.
-    domain
-        Periods along x and y.
-    threshold
-        Event threshold.
-    label
-        Label of the observable's axis.
-    forecast_label
-        Label of the forecast observable.
+    ``time_lt``: Time after the start of the forecast in Lyapunov times, ``(time,)``.
+    ``observable``: "true" and "forecast", ``(time,)`` each. ``fields``: "true" and "forecast"
+    vorticity, ``(fields, x, y)`` each.
     """
     curves = [
         (observable["true"], {"label": "truth", **TRUTH}),

@@ -64,22 +64,9 @@ def draw(
 ) -> Figure:
     """Draw the largest peak that has all of its times within its series.
 
-    Parameters
-    ----------
-    states, observable
-        States and observable of all series, ``(series, time, dimension)`` and ``(series, time)``.
-    exponents
-        Computed Lyapunov exponents, if they are the unit of time; else the published one is.
-    system, parameters
-        A flow with a vorticity in a plane.
-    training_series
-        Series that are passed over.
-    time_step, sampling_stride, published_exponent
-        Time step, sampling stride and published exponent of the case.
-    threshold
-        Event threshold.
-    symbol, observable_name
-        Symbol and name of the observable.
+    ``states``, ``observable``: States and observable of all series, ``(series, time, dimension)``
+    and ``(series, time)``. ``time_step``, ``sampling_stride``, ``published_exponent``: Time step,
+    sampling stride and published exponent of the case.
     """
     unit = samples_per_lyapunov_time(exponents, published_exponent, time_step, sampling_stride)
     margin = min(round(_SHOWN_LT * unit), (observable.shape[1] - 1) // 2)
@@ -113,20 +100,8 @@ def burst_vorticity(
 ) -> Figure:
     """Draw the observable above the fields.
 
-    Parameters
-    ----------
-    time_lt, observable
-        Around the peak, ``(time,)``; Lyapunov times.
-    times_lt
-        Times of the fields in Lyapunov times.
-    fields
-        Vorticity, ``(fields, x, y)``.
-    domain
-        Periods along x and y.
-    threshold
-        Event threshold.
-    label
-        Label of the observable's axis.
+    ``time_lt``, ``observable``: Around the peak, ``(time,)``; Lyapunov times. ``fields``:
+    Vorticity, ``(fields, x, y)``.
     """
     labels = "Time from the peak [LT]", label
     figure, evolution, lower = evolution_above_fields(

@@ -88,23 +88,11 @@ def by_reynolds(
     strategy; the lower one F-scores against the prediction time, a panel for each strategy and a
     curve for each Reynolds number.
 
-    Parameters
-    ----------
-    horizon, classification
-        Percentile tables; rows without a Reynolds number are ignored. Cases may have other
-        prediction times than each other.
-    neurons
-        Reservoir size shown.
-    prediction_times_lt
-        Prediction times of the F-scores in the upper row; each has a panel of its own.
-    published_horizon, published_classification
-        Published percentiles in the same form, drawn as open markers where we have networks of
-        the same strategy and Reynolds number.
-
-    Raises
-    ------
-    ValueError
-        If no network of this size has a Reynolds number.
+    ``horizon``, ``classification``: Percentile tables; rows without a Reynolds number are ignored.
+    Cases may have other prediction times than each other. ``prediction_times_lt``: Prediction times
+    of the F-scores in the upper row; each has a panel of its own. ``published_horizon``,
+    ``published_classification``: Published percentiles in the same form, drawn as open markers
+    where we have networks of the same strategy and Reynolds number.
     """
     size = float(neurons)
     horizon, classification = (

@@ -85,24 +85,13 @@ def classification_scores(
     sizes for one strategy. With a single size the other columns would repeat the first one and are
     left out.
 
-    Parameters
-    ----------
-    percentiles
-        Percentiles of one case: forecaster, neurons, validation, prediction_time_lt, metric, p25,
-        p50, p75. Forecasters other than ``esn`` (the equations) are drawn as grey references in the
-        first column.
-    fixed_neurons, fixed_prediction_time_lt
-        What the first and the second column hold fixed. Where the table has no such value, the
-        nearest one is shown; the heads of the columns name it.
-    sizes_validation
-        Strategy of the third column, if the table has it.
-    published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table.
-
-    Raises
-    ------
-    ValueError
-        If the table holds several cases, or no network.
+    ``percentiles``: Percentiles of one case: forecaster, neurons, validation, prediction_time_lt,
+    metric, p25, p50, p75. Forecasters other than ``esn`` (the equations) are drawn as grey
+    references in the first column. ``fixed_neurons``, ``fixed_prediction_time_lt``: What the first
+    and the second column hold fixed. Where the table has no such value, the nearest one is shown;
+    the heads of the columns name it. ``sizes_validation``: Strategy of the third column, if the
+    table has it. ``published``: Published percentiles in the same form, drawn as open markers at
+    the sizes of the table.
     """
     require_single_case(percentiles)
     networks = percentiles[percentiles["forecaster"] == "esn"]

@@ -48,32 +48,17 @@ FIGURE = Declaration(
 
 @dataclass(frozen=True)
 class ControlledDensity:
-    """Densities of one case.
+    """Densities of one case."""
 
-    Attributes
-    ----------
-    title
-        Title of the panel: "Re = 400".
-    bin_edges
-        ``(bins + 1,)``.
-    threshold
-        Event threshold.
-    uncontrolled
-        Density without control, ``(bins,)``.
-    controlled
-        Density with control by prediction time in Lyapunov times, ``(bins,)`` each.
-    uncontrolled_band
-        Interval of the density without control, ``(2, bins)``; None: it is not shown.
-    bands
-        Intervals of the densities with control, ``(2, bins)`` each.
-    """
-
-    title: str
+    title: str  #: title of the panel: "Re = 400"
     bin_edges: FloatArray
     threshold: float
-    uncontrolled: FloatArray
+    uncontrolled: FloatArray  #: density without control, ``(bins,)``
+    #: density with control by prediction time in Lyapunov times, ``(bins,)`` each
     controlled: Mapping[float, FloatArray]
+    #: interval of the density without control, ``(2, bins)``; None: it is not shown
     uncontrolled_band: FloatArray | None = None
+    #: intervals of the densities with control, ``(2, bins)`` each
     bands: Mapping[float, FloatArray] = field(default_factory=dict)
 
 
@@ -87,17 +72,8 @@ def draw(
 ) -> Figure:
     """Draw a panel for each case.
 
-    Parameters
-    ----------
-    densities
-        Tables of the cases.
-    panels
-        Each case that is shown, its event threshold, and ``neurons`` and ``validation`` of the
-        networks that are shown.
-    prediction_times_lt
-        Prediction times that are shown.
-    symbol, observable_name
-        Symbol and name of the observable.
+    ``panels``: Each case that is shown, its event threshold, and ``neurons`` and ``validation`` of
+    the networks that are shown.
     """
     table = pd.concat(densities, ignore_index=True)
     shown = []
@@ -152,20 +128,7 @@ def control_density(
     symbol: str = "k",
     name: str = "kinetic energy",
 ) -> Figure:
-    """Draw one panel per case, two beside each other, on logarithmic scale.
-
-    Parameters
-    ----------
-    cases
-        At least one.
-    symbol, name
-        Symbol and name of the observable.
-
-    Raises
-    ------
-    ValueError
-        If there is no case, or no density is positive anywhere.
-    """
+    """Draw one panel per case, two beside each other, on logarithmic scale."""
     if not cases:
         raise ValueError("there is no case to draw")
     positive = [

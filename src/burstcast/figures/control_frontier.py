@@ -76,16 +76,7 @@ def draw(
 ) -> Figure:
     """Draw all strategies with one network, and the forecasters to compare it with.
 
-    Parameters
-    ----------
-    scores
-        Table of one case.
-    network
-        Key columns of the network; None: no network is shown.
-    span_lt, noise
-        Usual length of a run and noise of the observations.
-    symbol
-        Symbol of the observable.
+    ``span_lt``, ``noise``: Usual length of a run and noise of the observations.
     """
     usual = {"span_lt": span_lt, "noise": noise}
     return control_frontier(of_network(scores, network), usual, symbol=symbol)
@@ -100,27 +91,13 @@ def control_frontier(
     Bars are confidence intervals over flows. The vertical axis is logarithmic, and linear in the
     shaded strip at its foot: "nothing left" has a place.
 
-    Parameters
-    ----------
-    scores
-        A row for each run of control and metric (``relative_exceedance``, ``control_fraction``),
-        of one case and one network at most: ``strategy``, its settings, ``forecaster`` ("none"
-        where it does without), ``starts``, ``quiet_lt``, ``span_lt``, ``delay_lt``, ``strength``,
-        ``noise``, ``metric``, ``value``, ``low``, ``high``. Shown are flows that start quietly, of
-        the span that is usual and the quiet that most runs have.
-    usual
-        ``span_lt`` and ``noise`` where nothing else is tried.
-    symbol
-        Symbol of the observable.
-
-    Returns
-    -------
-    The figure; one that says why it is empty where no share is defined.
-
-    Raises
-    ------
-    ValueError
-        If the table holds several cases.
+    ``scores``: A row for each run of control and metric (``relative_exceedance``,
+    ``control_fraction``), of one case and one network at most: ``strategy``, its settings,
+    ``forecaster`` ("none" where it does without), ``starts``, ``quiet_lt``, ``span_lt``,
+    ``delay_lt``, ``strength``, ``noise``, ``metric``, ``value``, ``low``, ``high``. Shown are flows
+    that start quietly, of the span that is usual and the quiet that most runs have. ``usual``:
+    ``span_lt`` and ``noise`` where nothing else is tried. Returns the figure; one that says why it
+    is empty where no share is defined.
     """
     require_single_case(scores)
     runs = where(runs_of(scores, usual["span_lt"]), usual_conditions(usual["noise"]))

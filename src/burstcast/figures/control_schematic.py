@@ -98,21 +98,10 @@ def control_schematic(
 ) -> Figure:
     """Draw one event with and without control, and the parts of the strategy.
 
-    Parameters
-    ----------
-    time_lt, uncontrolled, controlled, forecast
-        Observable, ``(time,)``; the forecast that raises the alarm starts at time 0 and is not a
-        number where there is none.
-    threshold
-        Event threshold.
-    prediction_time_lt, window_lt
-        The forecast crosses the threshold in the window that begins at the prediction time.
-    actuation_lt
-        Start and end of the actuation.
-    symbol
-        Symbol of the observable.
-    actuation_label
-        What the actuation does.
+    ``time_lt``, ``uncontrolled``, ``controlled``, ``forecast``: Observable, ``(time,)``; the
+    forecast that raises the alarm starts at time 0 and is not a number where there is none.
+    ``prediction_time_lt``, ``window_lt``: The forecast crosses the threshold in the window that
+    begins at the prediction time.
     """
     figure = new_figure(DOUBLE_COLUMN, 2.6)
     axes = figure.subplots()

@@ -105,14 +105,9 @@ def over_flows(percentiles: pd.DataFrame, strategies: pd.DataFrame) -> pd.DataFr
 
     Networks are few, and react to the same flows: their quartiles say nothing about other flows.
 
-    Parameters
-    ----------
-    percentiles
-        Percentiles of one case: forecaster, neurons, validation, prediction_time_lt, metric, p25,
-        p50, p75.
-    strategies
-        Costs and gains of control of the same case: the same keys, seed, strategy, metric, low,
-        high.
+    ``percentiles``: Percentiles of one case: forecaster, neurons, validation, prediction_time_lt,
+    metric, p25, p50, p75. ``strategies``: Costs and gains of control of the same case: the same
+    keys, seed, strategy, metric, low, high.
     """
     papers = strategies
     for name, value in _PAPERS.items():
@@ -140,25 +135,11 @@ def control_tradeoff(
 
     Error bars and bands are intervals over flows; in (b) each point is a prediction time.
 
-    Parameters
-    ----------
-    percentiles
-        Percentiles of one case, one size and one strategy: forecaster, prediction_time_lt, metric
-        (``reduction``, ``control_fraction``), p50, and the ends p25 and p75 (`over_flows`).
-    symbol
-        Symbol of the observable.
-    published
-        Published reductions by networks of this size and strategy in the same form, drawn as open
-        markers in (a).
-
-    Returns
-    -------
-    The figure; one that says why it is empty where no reduction is defined.
-
-    Raises
-    ------
-    ValueError
-        If the table holds several cases.
+    ``percentiles``: Percentiles of one case, one size and one strategy: forecaster,
+    prediction_time_lt, metric (``reduction``, ``control_fraction``), p50, and the ends p25 and p75
+    (`over_flows`). ``published``: Published reductions by networks of this size and strategy in the
+    same form, drawn as open markers in (a). Returns the figure; one that says why it is empty where
+    no reduction is defined.
     """
     require_single_case(percentiles)
     if select(percentiles, metric="reduction").empty:

@@ -57,16 +57,7 @@ def draw(
 ) -> Figure:
     """Draw the modes of a flow, and what they hold.
 
-    Parameters
-    ----------
-    states
-        States of all series, ``(series, time, dimension)``.
-    system, parameters
-        A flow with a vorticity in a plane.
-    training_series
-        Series that modes are made from.
-    symbol
-        Symbol of the observable.
+    ``states``: States of all series, ``(series, time, dimension)``.
     """
     flow: Any = make_system(system, parameters)
     training = states[:training_series].reshape(-1, states.shape[2])
@@ -90,20 +81,9 @@ def kept(
 ) -> dict[str, FloatArray]:
     """Shares of the variance and the observable, and correlations of the observable.
 
-    Parameters
-    ----------
-    encoder
-        With all modes.
-    flow
-        Has the observable.
-    states
-        States that are decoded from their leading coefficients, ``(dimension, states)``.
-    numbers
-        Numbers of leading modes, ``(numbers,)``.
-
-    Returns
-    -------
-    "variance", "mean" and "correlation", ``(numbers,)`` each.
+    ``states``: States that are decoded from their leading coefficients, ``(dimension, states)``.
+    ``numbers``: Numbers of leading modes, ``(numbers,)``. Returns "variance", "mean" and
+    "correlation", ``(numbers,)`` each.
     """
     true, coefficients = flow.observable(states), encoder.encode(states)
     shares, means, correlations = [], [], []
@@ -131,16 +111,7 @@ def encoder_loss(
 ) -> Figure:
     """Draw the shares of the modes above a number of leading modes.
 
-    Parameters
-    ----------
-    numbers, kept
-        As in `kept`.
-    modes
-        Vorticity ``(x, y)`` of modes, by their numbers from 1.
-    domain
-        Periods along x and y.
-    symbol
-        Symbol of the observable.
+    ``modes``: Vorticity ``(x, y)`` of modes, by their numbers from 1.
     """
     figure = new_figure(DOUBLE_COLUMN, 3.9)
     grid = figure.add_gridspec(2, 1, height_ratios=[1.25, 1.0])

@@ -42,19 +42,10 @@ _LOWEST = -0.1
 def draw(scores: pd.DataFrame, neurons: float, validation: str) -> Figure:
     """Draw F-score and Brier skill against prediction time.
 
-    Parameters
-    ----------
-    scores
-        Scores of one case: forecaster, neurons, validation, seed, probability, prediction_time_lt,
-        metric, value, low, high. Shown are calibrated probabilities.
-    neurons, validation
-        Size and validation strategy of the networks that are shown; see
-        `burstcast.figures.parts.alarm_scores.alarms_shown`.
-
-    Raises
-    ------
-    ValueError
-        If the table holds several cases.
+    ``scores``: Scores of one case: forecaster, neurons, validation, seed, probability,
+    prediction_time_lt, metric, value, low, high. Shown are calibrated probabilities. ``neurons``,
+    ``validation``: Size and validation strategy of the networks that are shown; see
+    `burstcast.figures.parts.alarm_scores.alarms_shown`.
     """
     require_single_case(scores)
     scores = alarms_shown(calibrated(scores), neurons, validation)

@@ -63,21 +63,10 @@ def horizon_by_size(
 ) -> Figure:
     """Draw the quartiles over networks of the mean PH_ee, one curve per validation strategy.
 
-    Parameters
-    ----------
-    percentiles
-        Percentiles of one case: forecaster, neurons, validation, metric (``mean_horizon_lt``), p25,
-        p50, p75.
-    intervals
-        Intervals of the same case and each forecaster by itself: forecaster, neurons, validation,
-        metric, low, high.
-    published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table.
-
-    Raises
-    ------
-    ValueError
-        If the table holds several cases.
+    ``percentiles``: Percentiles of one case: forecaster, neurons, validation, metric
+    (``mean_horizon_lt``), p25, p50, p75. ``intervals``: Intervals of the same case and each
+    forecaster by itself: forecaster, neurons, validation, metric, low, high. ``published``:
+    Published percentiles in the same form, drawn as open markers at the sizes of the table.
     """
     require_single_case(percentiles)
     networks = percentiles[percentiles["forecaster"] == "esn"]

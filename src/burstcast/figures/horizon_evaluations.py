@@ -39,24 +39,13 @@ FIGURE = Declaration(
 
 @dataclass(frozen=True)
 class HorizonEvaluation:
-    """One forecast of an event, started at a given time before it.
+    """One forecast of an event, started at a given time before it."""
 
-    Attributes
-    ----------
-    lead_time_lt
-        tau_e: how long before the event the forecast starts.
-    time_lt
-        Time from the event, ``(time,)``; the forecast starts at ``-lead_time_lt``.
-    forecast
-        Observable, ``(time,)``.
-    horizon_lt
-        Prediction horizon of this forecast.
-    """
-
-    lead_time_lt: float
+    lead_time_lt: float  #: tau_e: how long before the event the forecast starts
+    #: time from the event, ``(time,)``; the forecast starts at ``-lead_time_lt``
     time_lt: FloatArray
-    forecast: FloatArray
-    horizon_lt: float
+    forecast: FloatArray  #: observable, ``(time,)``
+    horizon_lt: float  #: prediction horizon of this forecast
 
 
 def draw(
@@ -98,25 +87,9 @@ def horizon_evaluations(
 ) -> Figure:
     """Draw one panel per evaluation, two by two: truth, tolerance band and forecast.
 
-    Parameters
-    ----------
-    time_lt, true
-        Observable around the event, ``(time,)``; the event is at time 0. NaN beyond the end of the
-        series.
-    evaluations
-        In the order in which they are made.
-    threshold
-        Event threshold.
-    allowed_error
-        Half-width of the band that the forecast must stay in, in units of the observable: the
-        tolerance times (threshold - mean).
-    symbol
-        Symbol of the observable.
-
-    Raises
-    ------
-    ValueError
-        If there is no evaluation.
+    ``time_lt``, ``true``: Observable around the event, ``(time,)``; the event is at time 0. NaN
+    beyond the end of the series. ``allowed_error``: Half-width of the band that the forecast must
+    stay in, in units of the observable: the tolerance times (threshold - mean).
     """
     if not evaluations:
         raise ValueError("there is no evaluation to draw")

@@ -23,17 +23,7 @@ FIGURE = Declaration(
 def draw(
     *, longest_lead_time_lt: float, lead_time_step_lt: float, tolerance: float, symbol: str = "k"
 ) -> Figure:
-    """Draw the procedure that yields PH_ee of one event, with the values in use.
-
-    Parameters
-    ----------
-    longest_lead_time_lt, lead_time_step_lt
-        First tau_e, and by how much it decreases.
-    tolerance
-        Tolerance of the normalised error.
-    symbol
-        Symbol of the observable.
-    """
+    """Draw the procedure that yields PH_ee of one event, with the values in use."""
     figure = new_figure(DOUBLE_COLUMN, 2.6, layout=None)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_xlim(0, 140)

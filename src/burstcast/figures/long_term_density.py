@@ -105,32 +105,10 @@ def long_term_density(
 ) -> Figure:
     """Draw (a) the densities, (b) the Kantorovich metric and (c) the mean logarithmic error.
 
-    Parameters
-    ----------
-    bin_edges
-        ``(bins + 1,)``.
-    true, training, network
-        Densities, ``(bins,)``; the network is the best one of its size, None if no network has one.
-    percentiles
-        Percentiles of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation,
-        metric (``kantorovich``, ``mean_log_error``), p25, p50, p75.
-    intervals
-        Intervals of the same case and each network by itself: neurons, validation, metric, low,
-        high.
-    threshold
-        Event threshold.
-    network_label
-        Label of the network in the legend.
-    symbol, name
-        Symbol and name of the observable.
-    published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table,
-        or on the right edge for the training set.
-
-    Raises
-    ------
-    ValueError
-        If the table holds several cases.
+    ``bin_edges``: ``(bins + 1,)``. ``true``, ``training``, ``network``: Densities, ``(bins,)``; the
+    network is the best one of its size, None if no network has one. ``percentiles``: Percentiles of
+    one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
+    (``kantorovich``, ``mean_log_error``), p25, p50, p75.
     """
     require_single_case(percentiles)
     figure = new_figure(DOUBLE_COLUMN, 4.2)

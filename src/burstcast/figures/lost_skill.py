@@ -50,10 +50,7 @@ def draw(*, tables: Sequence[pd.DataFrame]) -> Figure:
 def lost_skill(ranking: pd.DataFrame) -> Figure:
     """Draw the equations beside the forecasters that learn.
 
-    Parameters
-    ----------
-    ranking
-        The table ``ranking`` of all cases, of which only onsets are drawn.
+    ``ranking``: The table ``ranking`` of all cases, of which only onsets are drawn.
     """
     onsets = ranking[ranking["event"] == ONSET]
     rates = onsets[onsets["metric"] == "base_rate"].groupby("prediction_time_lt")["value"].mean()

@@ -49,26 +49,13 @@ def draw(
 ) -> Figure:
     """Draw (a) the exponents by their number and (b) the dimension against reservoir size.
 
-    Parameters
-    ----------
-    exponents
-        Rows of the forecaster ``data`` of one case: number, lyapunov_exponent,
-        lyapunov_exponent_low, lyapunov_exponent_high.
-    exponent_percentiles
-        Percentiles over networks, of the same case: forecaster, neurons, validation, number, metric
-        (``lyapunov_exponent``), p25, p50, p75.
-    dimensions
-        Row of ``data`` of the same case: kaplan_yorke_dimension, kaplan_yorke_dimension_low,
-        kaplan_yorke_dimension_high.
-    dimension_percentiles
-        Percentiles over networks, of the same case, of the metric ``kaplan_yorke_dimension``.
-    neurons
-        Size of the networks in (a).
-
-    Raises
-    ------
-    ValueError
-        If a table of percentiles holds several cases.
+    ``exponents``: Rows of the forecaster ``data`` of one case: number, lyapunov_exponent,
+    lyapunov_exponent_low, lyapunov_exponent_high. ``exponent_percentiles``: Percentiles over
+    networks, of the same case: forecaster, neurons, validation, number, metric
+    (``lyapunov_exponent``), p25, p50, p75. ``dimensions``: Row of ``data`` of the same case:
+    kaplan_yorke_dimension, kaplan_yorke_dimension_low, kaplan_yorke_dimension_high.
+    ``dimension_percentiles``: Percentiles over networks, of the same case, of the metric
+    ``kaplan_yorke_dimension``.
     """
     of_data, dimension = (table[table["forecaster"] == "data"] for table in (exponents, dimensions))
     return two_panels(

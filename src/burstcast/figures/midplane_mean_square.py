@@ -76,14 +76,7 @@ def midplane_mean_square(
 ) -> Figure:
     """Draw (a) the time average of u^2 in the data, (b) the network's error, (c) the training's.
 
-    Parameters
-    ----------
-    x, z
-        Coordinates in the plane, ``(points_x,)`` and ``(points_z,)``.
-    true, network, training
-        Time averages of u^2, ``(points_x, points_z)``.
-    network_label
-        What the network is called.
+    ``true``, ``network``, ``training``: Time averages of u^2, ``(points_x, points_z)``.
     """
     errors = [np.abs(network - true), np.abs(training - true)]
     figure = new_figure(DOUBLE_COLUMN, 2.15)

@@ -89,20 +89,8 @@ def midplane_planes(
 ) -> Figure:
     """Draw (a) the observable with the times marked, below it the planes at these times.
 
-    Parameters
-    ----------
-    time_lt, true, forecast
-        Observable over the event, ``(time,)``.
-    plane_times_lt
-        Times of the planes, ``(planes,)``.
-    x, z
-        Coordinates in the plane, ``(points_x,)`` and ``(points_z,)``.
-    true_planes, forecast_planes
-        Velocity along x, ``(planes, points_x, points_z)``.
-    threshold
-        Event threshold.
-    symbol
-        Symbol of the observable.
+    ``time_lt``, ``true``, ``forecast``: Observable over the event, ``(time,)``. ``true_planes``,
+    ``forecast_planes``: Velocity along x, ``(planes, points_x, points_z)``.
     """
     figure = new_figure(DOUBLE_COLUMN, 4.6)
     top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.0, 2.1])[:, 0]

@@ -46,16 +46,8 @@ def draw(
 ) -> Figure:
     """Draw (a) the network with its real sizes, (b) the open loop and (c) the closed loop.
 
-    Parameters
-    ----------
-    inputs, neurons
-        N_u and N_r.
-    connectivity
-        Mean number of connections of a neuron, d.
-    input_bias
-        b_in of the network that is shown.
-    hyperparameters
-        Its ``spectral_radius``, ``input_scaling`` and ``tikhonov``: rho, sigma_in and beta.
+    ``hyperparameters``: Its ``spectral_radius``, ``input_scaling`` and ``tikhonov``: rho, sigma_in
+    and beta.
     """
     figure = new_figure(DOUBLE_COLUMN, 4.1)
     whole, loops = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.25, 1.0])[:, 0]

@@ -58,22 +58,8 @@ def draw(
 ) -> Figure:
     """Draw the first kept series with an event, and the histogram of all kept series.
 
-    Parameters
-    ----------
-    observable
-        Observable of all series, ``(series, time)``.
-    exponents
-        Computed Lyapunov exponents, if they are the unit of time; else the published one is.
-    time_step, sampling_stride
-        Step of the integration in time units, and steps of it from sample to sample.
-    published_exponent
-        Published leading Lyapunov exponent.
-    threshold
-        Event threshold.
-    density
-        Number of ``bins`` of the histogram, and their ``range``; None: the range of the data.
-    symbol, observable_name
-        Symbol and name of the observable.
+    ``observable``: Observable of all series, ``(series, time)``. ``density``: Number of ``bins`` of
+    the histogram, and their ``range``; None: the range of the data.
     """
     shown = observable[np.argmax(observable.max(axis=1) >= threshold)]  # the first if none has any
     unit = samples_per_lyapunov_time(exponents, published_exponent, time_step, sampling_stride)
@@ -107,16 +93,10 @@ def observable_and_density(
 ) -> Figure:
     """Draw (a) the observable over time with its events shaded and (b) its density.
 
-    Parameters
-    ----------
-    time_lt, observable
-        Time and observable of one series, ``(time,)``; time in Lyapunov times.
-    bin_edges, density
-        Edges of the bins and density over all data, ``(bins + 1,)`` and ``(bins,)``.
-    threshold
-        The observable at which an event begins.
-    symbol, name
-        Symbol and name of the observable; the symbol in TeX without dollars.
+    ``time_lt``, ``observable``: Time and observable of one series, ``(time,)``; time in Lyapunov
+    times. ``bin_edges``, ``density``: Edges of the bins and density over all data, ``(bins + 1,)``
+    and ``(bins,)``. ``symbol``, ``name``: Symbol and name of the observable; the symbol in TeX
+    without dollars.
     """
     figure = new_figure(DOUBLE_COLUMN, 2.1)
     evolution, histogram = figure.subplots(1, 2, width_ratios=[2.1, 1.0])

@@ -43,21 +43,12 @@ FIGURE = Declaration(
 
 @dataclass(frozen=True)
 class PredictionExample:
-    """One forecast beside the truth.
+    """One forecast beside the truth."""
 
-    Attributes
-    ----------
-    outcome
-        "true positive", "false positive" or "false negative".
-    time_lt
-        ``(time,)``; the forecast starts at 0.
-    true, forecast
-        Observable, ``(time,)``; NaN where there is none: before the forecast, or where the series
-        has not begun.
-    """
-
-    outcome: str
-    time_lt: FloatArray
+    outcome: str  #: "true positive", "false positive" or "false negative"
+    time_lt: FloatArray  #: ``(time,)``; the forecast starts at 0
+    #: true, forecast: observable, ``(time,)``; NaN where there is none: before the forecast, or
+    #: where the series has not begun
     true: FloatArray
     forecast: FloatArray
 
@@ -98,21 +89,7 @@ def prediction_examples(
 ) -> Figure:
     """Draw one panel per example, with the threshold and the window that is classified.
 
-    Parameters
-    ----------
-    examples
-        At least one; an outcome that never happened is left out.
-    threshold
-        Event threshold.
-    prediction_time_lt, window_lt
-        The window begins at the prediction time.
-    symbol
-        Symbol of the observable.
-
-    Raises
-    ------
-    ValueError
-        If there is no example.
+    ``examples``: At least one; an outcome that never happened is left out.
     """
     if not examples:
         raise ValueError("there is no example to draw")

@@ -81,17 +81,8 @@ def prediction_schematic(
 ) -> Figure:
     """Draw one real forecast with the names of its parts.
 
-    Parameters
-    ----------
-    time_lt, true, forecast
-        ``(time,)``; the forecast starts at 0 and is NaN before. Time should begin before the
-        washout does; the truth is NaN where the series has not begun.
-    threshold
-        Event threshold.
-    prediction_time_lt, washout_lt, window_lt
-        Durations.
-    symbol
-        Symbol of the observable.
+    ``time_lt``, ``true``, ``forecast``: ``(time,)``; the forecast starts at 0 and is NaN before.
+    Time should begin before the washout does; the truth is NaN where the series has not begun.
     """
     figure = new_figure(DOUBLE_COLUMN, 2.5)
     axes = figure.subplots()

@@ -119,29 +119,11 @@ def profile_errors(
 ) -> Figure:
     """Draw (a-c) the profiles of u, u^2 and uv and (d-f) the errors against reservoir size.
 
-    Parameters
-    ----------
-    y
-        Distance from the midplane, ``(points_y,)``.
-    true, training, network
-        Averages over x, z and time, ``(3, points_y)``: of u, u^2 and uv. The network is the best
-        one of its size, None if no network has any.
-    percentiles
-        Percentiles of one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation,
-        metric (``nrmse_u``, ``nrmse_uu``, ``nrmse_uv``), p25, p50, p75.
-    intervals
-        Intervals of the same case and each network by itself: neurons, validation, metric, low,
-        high.
-    network_label
-        Label of the network in the legend.
-    published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table,
-        or on the right edge for the training set.
-
-    Raises
-    ------
-    ValueError
-        If the table holds several cases.
+    ``y``: Distance from the midplane, ``(points_y,)``. ``true``, ``training``, ``network``:
+    Averages over x, z and time, ``(3, points_y)``: of u, u^2 and uv. The network is the best one of
+    its size, None if no network has any. ``percentiles``: Percentiles of one case: forecaster
+    (``esn``, ``training``, ``floor``), neurons, validation, metric (``nrmse_u``, ``nrmse_uu``,
+    ``nrmse_uv``), p25, p50, p75.
     """
     require_single_case(percentiles)
     figure = new_figure(DOUBLE_COLUMN, 4.0)

@@ -25,38 +25,25 @@ class Declaration:
     """Inputs and settings of a figure, by the names of the arguments of its function ``draw``.
 
     The declaration is a call with literals only.
-
-    Attributes
-    ----------
-    section
-        Name of the section of the report that shows the figure.
-    position
-        Place in that section: figures with smaller numbers come first.
-    inputs
-        File of each input: the place that it lies in, and its name there. ``case`` is the
-        directory of the figure's case, ``example`` of the example network. The input is the
-        content of the file: a table as a DataFrame, a NetCDF file as a mapping of its variables
-        and attributes, a JSON file as a mapping. A place with several directories gives a list.
-        ``<file>.nc:<variable>`` is one variable.
-    settings
-        Path of each setting in the config. ``case.`` stands for the figure's case; ``shown.`` for
-        what the campaign chooses to show.
-    cases
-        Name of the choice of cases that the figure is made for. The first case has the plain
-        name, the figures of the others end in ``_<case>``.
-    only_flows
-        Whether only cases with a velocity field have the figure.
-    published
-        Whether the figure shows the paper's published values, if these are wanted: as a table in
-        the argument ``published``, or None.
     """
 
-    section: str
-    position: int
+    section: str  #: name of the section of the report that shows the figure
+    position: int  #: place in that section: figures with smaller numbers come first
+    #: file of each input: the place that it lies in, and its name there. ``case`` is the directory
+    #: of the figure's case, ``example`` of the example network. The input is the content of the
+    #: file: a table as a DataFrame, a NetCDF file as a mapping of its variables and attributes, a
+    #: JSON file as a mapping. A place with several directories gives a list.
+    #: ``<file>.nc:<variable>`` is one variable.
     inputs: Mapping[str, str] = field(default_factory=dict)
+    #: path of each setting in the config. ``case.`` stands for the figure's case; ``shown.`` for
+    #: what the campaign chooses to show.
     settings: Mapping[str, str] = field(default_factory=dict)
+    #: name of the choice of cases that the figure is made for. The first case has the plain name,
+    #: the figures of the others end in ``_<case>``.
     cases: str = "example"
-    only_flows: bool = False
+    only_flows: bool = False  #: whether only cases with a velocity field have the figure
+    #: whether the figure shows the paper's published values, if these are wanted: as a table in the
+    #: argument ``published``, or None
     published: bool = False
 
 
@@ -72,13 +59,7 @@ def figure_module(name: str) -> ModuleType:
 
 @cache
 def declaration(name: str) -> Declaration:
-    """Declaration of a figure, without importing its module.
-
-    Raises
-    ------
-    ValueError
-        If the module has none that can be read.
-    """
+    """Declaration of a figure, without importing its module."""
     for node in _head(name).body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "FIGURE":
             assert isinstance(node.value, ast.Call)

@@ -61,22 +61,12 @@ def draw(
     A row for each forecaster with more than two probabilities: yes and no alone are easily
     calibrated. Without any, forecasters with two probabilities are shown.
 
-    Parameters
-    ----------
-    bins
-        Bins of one case: forecaster, neurons, validation, probability ("calibrated", "votes"),
-        prediction_time_lt, bin, forecasts, mean_probability, observed_frequency, consistency_low,
-        consistency_high.
-    prediction_times_lt
-        Prediction times of the columns; the longest in the table where the table has none of them.
-    neurons, validation
-        Size and validation strategy of the networks that are shown; see
-        `burstcast.figures.parts.alarm_scores.alarms_shown`.
-
-    Raises
-    ------
-    ValueError
-        If the table holds several cases.
+    ``bins``: Bins of one case: forecaster, neurons, validation, probability ("calibrated",
+    "votes"), prediction_time_lt, bin, forecasts, mean_probability, observed_frequency,
+    consistency_low, consistency_high. ``prediction_times_lt``: Prediction times of the columns; the
+    longest in the table where the table has none of them. ``neurons``, ``validation``: Size and
+    validation strategy of the networks that are shown; see
+    `burstcast.figures.parts.alarm_scores.alarms_shown`.
     """
     require_single_case(bins)
     bins = alarms_shown(bins, neurons, validation)

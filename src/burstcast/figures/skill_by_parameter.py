@@ -91,21 +91,14 @@ def skill_by_parameter(
 ) -> Figure:
     """Draw a panel for each prediction time, and one of the escape rates.
 
-    Parameters
-    ----------
-    scores
-        ``case``, ``forecaster``, ``prediction_time_lt``, ``f_score``: one row for each forecaster
-        and time; networks that differ by their seeds are shown by their medians.
-    intervals
-        Intervals of the scores: the same keys, ``metric``, ``low``, ``high``.
-    survival
-        ``case``, ``forecaster`` ("data" for the true flow), ``escape_rate``, ``escape_rate_low``,
-        ``escape_rate_high``.
-    parameter
-        ``name`` of the parameter, its ``values`` by case, the ``trained`` values, and the
-        ``kinds`` of forecasters that know it.
-    prediction_times_lt
-        Prediction times of the panels; times that the scores do not have are left out.
+    ``scores``: ``case``, ``forecaster``, ``prediction_time_lt``, ``f_score``: one row for each
+    forecaster and time; networks that differ by their seeds are shown by their medians.
+    ``intervals``: Intervals of the scores: the same keys, ``metric``, ``low``, ``high``.
+    ``survival``: ``case``, ``forecaster`` ("data" for the true flow), ``escape_rate``,
+    ``escape_rate_low``, ``escape_rate_high``. ``parameter``: ``name`` of the parameter, its
+    ``values`` by case, the ``trained`` values, and the ``kinds`` of forecasters that know it.
+    ``prediction_times_lt``: Prediction times of the panels; times that the scores do not have are
+    left out.
     """
     times = [time for time in prediction_times_lt if time in set(scores["prediction_time_lt"])]
     bars = intervals[intervals["metric"] == "f_score"].drop(columns="metric")

@@ -93,22 +93,9 @@ def suppressed_event(
 ) -> Figure:
     """Draw (a) the observable with and without control, (b, c) the midplane at the times marked.
 
-    Parameters
-    ----------
-    time_lt, uncontrolled, controlled
-        Observable over the event, ``(time,)``.
-    actuation_lt
-        Start and end of the actuation.
-    plane_times_lt
-        Times of the planes, ``(planes,)``.
-    x, z
-        Coordinates in the plane, ``(points_x,)`` and ``(points_z,)``.
-    uncontrolled_planes, controlled_planes
-        Velocity along x, ``(planes, points_x, points_z)``.
-    threshold
-        Event threshold.
-    symbol
-        Symbol of the observable.
+    ``time_lt``, ``uncontrolled``, ``controlled``: Observable over the event, ``(time,)``.
+    ``uncontrolled_planes``, ``controlled_planes``: Velocity along x, ``(planes, points_x,
+    points_z)``.
     """
     figure = new_figure(DOUBLE_COLUMN, 3.8)
     top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.0, 1.45])[:, 0]

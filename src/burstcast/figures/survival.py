@@ -42,24 +42,11 @@ def draw(
 ) -> Figure:
     """Draw (a) the survival curves and (b) the escape rate against reservoir size.
 
-    Parameters
-    ----------
-    curves
-        Rows of the forecaster ``data`` of one case: time, survival, survival_low, survival_high.
-    curve_percentiles
-        Percentiles over networks, of the same case: forecaster, neurons, validation, time, metric
-        (``survival``), p25, p50, p75.
-    rates
-        Row of ``data`` of the same case: escape_rate, escape_rate_low, escape_rate_high.
-    rate_percentiles
-        Percentiles over networks, of the same case, of the metric ``escape_rate``.
-    neurons
-        Size of the networks in (a).
-
-    Raises
-    ------
-    ValueError
-        If a table of percentiles holds several cases.
+    ``curves``: Rows of the forecaster ``data`` of one case: time, survival, survival_low,
+    survival_high. ``curve_percentiles``: Percentiles over networks, of the same case: forecaster,
+    neurons, validation, time, metric (``survival``), p25, p50, p75. ``rates``: Row of ``data`` of
+    the same case: escape_rate, escape_rate_low, escape_rate_high. ``rate_percentiles``: Percentiles
+    over networks, of the same case, of the metric ``escape_rate``.
     """
     curve, rate = (table[table["forecaster"] == "data"] for table in (curves, rates))
     return two_panels(

@@ -50,25 +50,14 @@ FIGURE = Declaration(
 
 @dataclass(frozen=True)
 class ValidationLayout:
-    """Training and validation intervals of a strategy in one series, in Lyapunov times.
+    """Training and validation intervals of a strategy in one series, in Lyapunov times."""
 
-    Attributes
-    ----------
-    validation
-        Short name of the strategy: "SSV", "RV".
-    title
-        Its name in full.
-    washout, training
-        Start and end of the washout and of the data used for training.
-    intervals
-        Start and end of each validation interval, ``(intervals, 2)``.
-    """
-
-    validation: str
+    validation: str  #: short name of the strategy: "SSV", "RV"
     title: str
+    #: washout, training: start and end of the washout and of the data used for training
     washout: tuple[float, float]
     training: tuple[float, float]
-    intervals: FloatArray
+    intervals: FloatArray  #: start and end of each validation interval, ``(intervals, 2)``
 
 
 def draw(
@@ -87,26 +76,9 @@ def draw(
 ) -> Figure:
     """Draw where each strategy trains and validates, on the first series.
 
-    Parameters
-    ----------
-    observable
-        Observable of all series, ``(series, time)``.
-    exponents
-        Computed Lyapunov exponents, if they are the unit of time; else the published one is.
-    time_step, sampling_stride
-        Step of the integration in time units, and steps of it from sample to sample.
-    published_exponent
-        Published leading Lyapunov exponent.
-    threshold
-        Event threshold.
-    strategies
-        Names of the strategies.
-    recycle
-        Number of ``series`` and of ``intervals_per_series`` of recycle validation.
-    washout_lt, interval_lt
-        Lengths of the washout and of a validation interval.
-    symbol
-        Symbol of the observable.
+    ``observable``: Observable of all series, ``(series, time)``. ``recycle``: Number of ``series``
+    and of ``intervals_per_series`` of recycle validation. ``washout_lt``, ``interval_lt``: Lengths
+    of the washout and of a validation interval.
     """
     unit = samples_per_lyapunov_time(exponents, published_exponent, time_step, sampling_stride)
     plan = ValidationPlan(
@@ -148,16 +120,7 @@ def validation_strategies(
 
     The signal is drawn in the strategy's colour where the network is validated on it.
 
-    Parameters
-    ----------
-    time_lt, observable
-        Time and observable of the first training series, ``(time,)``.
-    layouts
-        The strategies.
-    threshold
-        Event threshold.
-    symbol
-        Symbol of the observable.
+    ``time_lt``, ``observable``: Time and observable of the first training series, ``(time,)``.
     """
     figure = new_figure(DOUBLE_COLUMN, 1.55 * len(layouts) + 0.15)
     panels = figure.subplots(len(layouts), 1, sharex=True, squeeze=False)[:, 0]

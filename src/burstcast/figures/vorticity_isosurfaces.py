@@ -50,21 +50,11 @@ _BEFORE, _AFTER = 2, 3
 
 @dataclass(frozen=True)
 class FlowSnapshot:
-    """The flow in a box at one time, on a regular grid.
+    """The flow in a box at one time, on a regular grid."""
 
-    Attributes
-    ----------
-    title
-        Title of the panel.
-    velocity
-        u, v, w: ``(3, points_x, points_y, points_z)``.
-    scalar
-        The field whose isosurfaces are drawn: ``(points_x, points_y, points_z)``.
-    """
-
-    title: str
-    velocity: FloatArray
-    scalar: FloatArray
+    title: str  #: title of the panel
+    velocity: FloatArray  #: u, v, w: ``(3, points_x, points_y, points_z)``
+    scalar: FloatArray  #: the field whose isosurfaces are drawn: ``(points_x, points_y, points_z)``
 
 
 def draw(
@@ -113,23 +103,7 @@ def vorticity_isosurfaces(
     its left end are the velocity along x; vectors there are the velocity in these planes. Surfaces
     are closed where the box cuts them.
 
-    Parameters
-    ----------
-    x, y, z
-        Coordinates, regular.
-    snapshots
-        The flow at several times, on one scale.
-    level
-        Level of the isosurfaces; drawn where the scalar attains ``level`` and ``-level``.
-    scalar_label
-        The scalar in TeX without dollars.
-    arrows
-        Vectors along x.
-
-    Raises
-    ------
-    ValueError
-        If the level is not positive.
+    ``level``: Level of the isosurfaces; drawn where the scalar attains ``level`` and ``-level``.
     """
     if not level > 0:
         raise ValueError(f"the level of an isosurface must be positive, not {level}")
@@ -316,9 +290,7 @@ def _closed_surface(
 ) -> tuple[FloatArray, FloatArray]:
     """Surface of the region above the level, closed at the ends of the box.
 
-    Returns
-    -------
-    Corners of the triangles, ``(triangles, 3, 3)``, and their normals, ``(triangles, 3)``.
+    Returns corners of the triangles, ``(triangles, 3, 3)``, and their normals, ``(triangles, 3)``.
     """
     # So low beyond the box that the surface closes right at its ends.
     outside = level - 1e6 * (float(scalar.max()) - level)

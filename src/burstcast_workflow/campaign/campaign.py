@@ -240,17 +240,6 @@ class Campaign:
         case = figures.example_case or self.forecasters[0].case
         return CaseForecaster(case, parsed(figures.example_forecaster or "none"))
 
-    def shown_voters(self, case: str) -> list[CaseForecaster]:
-        """Forecasters that vote in the committees that figures show.
-
-        They are networks of the example's size and strategy if these are several, then filters.
-        """
-        forecasters = self.select(case=case)
-        example = replace(self.example.name, seed=None)
-        networks = [one for one in forecasters if replace(one.name, seed=None) == example]
-        filters = [one for one in forecasters if one.kind.has_filter]
-        return [*(networks if len(networks) > 1 else []), *filters]
-
     @property
     def hyperparameters_file(self) -> str:
         """File in a network's directory with the hyperparameters that it is trained with."""

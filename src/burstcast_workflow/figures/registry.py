@@ -14,7 +14,7 @@ from burstcast.forecasters.registry import learns_parameters
 from burstcast.observation.velocity_sensors import PlaneFlow
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.config.cases import is_flow
-from burstcast_workflow.config.measured_cases import OBSERVABLE, undecoded
+from burstcast_workflow.config.measured_cases import undecoded
 from burstcast_workflow.tables.declarations import SECTIONS
 
 Value = TypeVar("Value")
@@ -117,20 +117,6 @@ def _frontier_network(campaign: Campaign, case: str) -> dict[str, Any] | None:
     return None if name is None else name.keys
 
 
-def _observed(campaign: Campaign, case: str) -> dict[str, int]:
-    """Number of observed components beside the observable, in a case and in its parts.
-
-    Parts whose past is seen, too, are others.
-    """
-    parts = {
-        part: sum(name != OBSERVABLE for name in campaign.data(part).components)
-        for part in campaign.measured_cases
-        if campaign.source_case(part) == case
-        and not (campaign.data(part).delays or part in campaign.encoded_cases)
-    }
-    return {case: campaign.space(case).dimension, **parts} if parts else {}
-
-
 def _aware_cases(campaign: Campaign) -> list[str]:
     """Cases of the example's system with forecasters that know the parameters, tested freely."""
     system = campaign.cases[campaign.example.case].system
@@ -214,10 +200,8 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "encoded_cases": lambda campaign, case: [
         one for one in campaign.ranked_cases if campaign.source_case(one) == case
     ],
-    # a case and its parts
-    "parts": lambda campaign, case: list(_observed(campaign, case)),
 }
-_OF_SEVERAL_CASES = ("reynolds_cases", "controlled_cases", "aware_cases", "parts", "encoded_cases")
+_OF_SEVERAL_CASES = ("reynolds_cases", "controlled_cases", "aware_cases", "encoded_cases")
 
 # Settings that are not in the config, by what follows ``shown.``
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
@@ -226,7 +210,6 @@ _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
     "dimension": lambda campaign, case: campaign.space(case).dimension,
     "neurons": lambda campaign, case: campaign.example.name.neurons,
     "validation": lambda campaign, case: campaign.example.name.validation,
-    "observed": _observed,
     "source": Campaign.source_system,
     "decoded_kind": lambda campaign, case: _decoded_example(campaign, case).name.kind,
     "strategies": _strategies,
@@ -273,15 +256,6 @@ def _with_reynolds(campaign: Campaign) -> list[str]:
 def _with_parameters(campaign: Campaign) -> list[str]:
     values = {tuple(campaign.own_values(case)) for case in _aware_cases(campaign)}
     return _example(campaign) if len(values) > 1 else []
-
-
-def _with_committees(campaign: Campaign) -> list[str]:
-    return [case for case in _example(campaign) if campaign.shown_voters(case)]
-
-
-def _with_parts(campaign: Campaign) -> list[str]:
-    """Cases that others are parts of."""
-    return [case for case in _every(campaign) if len(_observed(campaign, case)) > 1]
 
 
 def _encoded(campaign: Campaign) -> list[str]:
@@ -334,12 +308,6 @@ def _with_frontier(campaign: Campaign) -> list[str]:
     return [case for case in _every(campaign) if case in cases]
 
 
-def _with_choices(campaign: Campaign) -> list[str]:
-    """Cases whose control is shown with the settings chosen on half of the flows."""
-    cases = {run.case for run in campaign.chosen_runs}
-    return [case for case in _every(campaign) if case in cases]
-
-
 CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
     "example": _example,
     "every": _every,
@@ -347,8 +315,6 @@ CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
     "several_sizes": _with_sizes,
     "several_reynolds": _with_reynolds,
     "several_parameters": _with_parameters,
-    "committees": _with_committees,
-    "parts": _with_parts,
     "encoded": _encoded,
     "plane_flows": _plane_flows,
     "decoded_planes": _decoded_planes,
@@ -358,7 +324,6 @@ CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
     "controlled": _controlled,
     "controlled_systems": _controlled_systems,
     "other_control": _with_frontier,
-    "chosen_control": _with_choices,
 }
 """Choices of cases by name."""
 

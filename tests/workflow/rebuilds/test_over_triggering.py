@@ -269,8 +269,7 @@ GATHERED = """classification_table/* horizon_table/* warnings_table/*
     all_classification_table all_horizon_table all_warnings_table all_probability_scores
     all_probability_diagrams all_lead_times
     figure/classification_scores figure/horizon_by_size
-    figure/forecast_skill figure/reliability figure/alarm_lead_times
-    committee_event/* figure/committee_event"""
+    figure/forecast_skill figure/reliability"""
 GATHERED_CONTROL = """control_table/* control_density_table/* control_strategies_table/*
     all_control_table all_control_density_table all_control_strategies_table
     figure/control_tradeoff figure/control_density figure/control_frontier
@@ -283,7 +282,7 @@ GATHERED_NETWORKS = f"""{GATHERED} {GATHERED_CONTROL}
     {GATHERED_LONG_RUNS}
     figure/long_term_density figure/profile_errors figure/midplane_mean_square"""
 OF_NETWORKS = """scan/* search/* train/* */esn-*
-    figure/network_schematic figure/search_landscape figure/prediction_* figure/horizon_evaluations
+    figure/network_schematic figure/prediction_* figure/horizon_evaluations
     figure/midplane_planes figure/vorticity_isosurfaces figure/control_schematic
     figure/suppressed_event"""
 

@@ -57,7 +57,6 @@ def joined(*tables: str) -> dict[str, int]:
 OF_A_SCORE = {
     **dict.fromkeys((*SCORES, *PROBABILITIES, "warnings_table"), CASES),
     **joined(*SCORES, *PROBABILITIES, "warnings_table"),
-    "committee_event": 1,
     "figure": 2 * CASES + OF_ALARMS,  # scores and skill of each case
 }
 JOBS = {
@@ -67,7 +66,7 @@ JOBS = {
     **dict.fromkeys((*FORECASTS, "horizon"), FORECASTERS),
     **dict.fromkeys(LONG_RUNS, RECYCLED),
     "control": 2 * CONTROLLED + BY_EQUATIONS,  # random alarms beside networks
-    **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
+    **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
     **dict.fromkeys((*OF_NETWORKS, "dataset_table"), CASES),
     "data_generation_parameters": 1,
     "network_hyperparameters": 1,
@@ -124,7 +123,7 @@ def test_another_event_threshold(paper):
         "events": CASES,
         "horizon": FORECASTERS,
         "control": 2 * CONTROLLED + BY_EQUATIONS,
-        **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
+        **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
         **dict.fromkeys((*SCORES, *PROBABILITIES, *CONTROL_TABLES), CASES),
         **dict.fromkeys(("dataset_table", "horizon_table", "warnings_table"), CASES),
         "data_generation_parameters": 1,
@@ -152,7 +151,6 @@ def test_one_more_seed(paper):
         "control": 2 * CONTROLLED // 10,
         # of all
         **dict.fromkeys(OF_NETWORKS, CASES),
-        "committee_event": 1,
         **joined(*OF_NETWORKS),
         "figure": OF_CASES + OF_ALARMS + 2,  # horizon by size, density under control
     }
@@ -168,7 +166,7 @@ def test_one_more_beta(paper):
         **dict.fromkeys((*FORECASTS, "horizon"), NETWORKS),  # not the equations'
         **dict.fromkeys(LONG_RUNS, RECYCLED),
         "control": 2 * CONTROLLED,
-        **dict.fromkeys(("examples", "flow_event", "suppressed_event", "committee_event"), 1),
+        **dict.fromkeys(("examples", "flow_event", "suppressed_event"), 1),
         **dict.fromkeys(OF_NETWORKS, CASES),
         "network_hyperparameters": 1,
         **joined(*OF_NETWORKS),

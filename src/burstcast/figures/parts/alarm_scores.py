@@ -19,14 +19,10 @@ _BOLD = 1.4  # lines of networks; the others are thinner
 def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.DataFrame:
     """Rows of networks of one size and strategy, and of all other sources of alarms.
 
-    Parameters
-    ----------
-    table
-        Table of one case: forecaster, neurons, validation, ...
-    neurons, validation
-        Which networks. Where the table has no such size, the nearest one; where it has no such
-        strategy, all strategies of that size. Where it has no network, as a table of committees
-        has none if there is but one seed, all are shown.
+    ``table``: Table of one case: forecaster, neurons, validation, ... ``neurons``, ``validation``:
+    Which networks. Where the table has no such size, the nearest one; where it has no such
+    strategy, all strategies of that size. Where it has no network, as a table of committees has
+    none if there is but one seed, all are shown.
     """
     networks = table["forecaster"].isin(_NETWORKS)
     if not networks.any():
@@ -57,12 +53,7 @@ def median_network(table: pd.DataFrame, x: str) -> pd.DataFrame:
 
     The band is then an interval over test series, like all other bands.
 
-    Parameters
-    ----------
-    table
-        Rows of one metric: forecaster, value, low, high, and the column ``x``.
-    x
-        Name of the column on the horizontal axis.
+    ``table``: Rows of one metric: forecaster, value, low, high, and the column ``x``.
     """
     single = table["forecaster"] == "esn"
     median = table[single].groupby(x)[["value", "low", "high"]].median()
@@ -73,15 +64,8 @@ def median_network(table: pd.DataFrame, x: str) -> pd.DataFrame:
 def draw_alarms(axes: Axes, table: pd.DataFrame, x: str) -> None:
     """Draw a curve for each kind of forecaster, with a band from ``low`` to ``high``.
 
-    Parameters
-    ----------
-    axes
-        Where to draw.
-    table
-        Rows of one metric: forecaster, value, low, high, and the column ``x``; rows of single
-        networks are drawn as `median_network`.
-    x
-        Name of the column on the horizontal axis.
+    ``table``: Rows of one metric: forecaster, value, low, high, and the column ``x``; rows of
+    single networks are drawn as `median_network`.
     """
     table = median_network(table, x)
     for kind in ordered_forecasters(set(table["forecaster"])):

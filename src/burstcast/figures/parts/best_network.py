@@ -10,12 +10,8 @@ from burstcast.statistics.reductions import LongTermStatistics
 def best_of(data: Mapping[str, Any], long_term: Sequence[Mapping[str, Any]]) -> BestNetwork | None:
     """Network whose long-term statistics are nearest to the data's; None if none has any.
 
-    Parameters
-    ----------
-    data
-        File of the data's statistics (`LongTermStatistics.from_arrays`).
-    long_term
-        Files of the networks' statistics; each says its ``neurons`` and ``seed``.
+    ``data``: File of the data's statistics (`LongTermStatistics.from_arrays`). ``long_term``: Files
+    of the networks' statistics; each says its ``neurons`` and ``seed``.
     """
     statistics = {
         (file["neurons"], file["seed"]): LongTermStatistics.from_arrays(file) for file in long_term

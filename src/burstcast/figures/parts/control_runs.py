@@ -113,15 +113,7 @@ def usual_conditions(noise: float) -> dict[str, float]:
 
 
 def of_network(scores: pd.DataFrame, network: Mapping[str, Any] | None) -> pd.DataFrame:
-    """Rows of one network, of the committee of networks of its size, and of all other forecasters.
-
-    Parameters
-    ----------
-    scores
-        Table of one case.
-    network
-        Key columns of the network; None: no network is shown.
-    """
+    """Rows of one network, of the committee of its size, and of all other forecasters."""
     shown = ~scores["forecaster"].isin(["esn", "esn_committee", "random"])
     if network is not None:
         shown |= (scores[list(network)] == pd.Series(network)).all(axis="columns")

@@ -32,20 +32,7 @@ def two_panels(
     draw_right: Callable[[Axes], None],
     *percentiles: pd.DataFrame,
 ) -> Figure:
-    """Draw two panels with a common legend.
-
-    Parameters
-    ----------
-    draw_left, draw_right
-        What draws them.
-    percentiles
-        Tables that they show.
-
-    Raises
-    ------
-    ValueError
-        If a table holds several cases.
-    """
+    """Draw two panels with a common legend."""
     for table in percentiles:
         require_single_case(table)
     figure = new_figure(DOUBLE_COLUMN, 2.6)
@@ -63,16 +50,8 @@ def draw_by_size(
 ) -> None:
     """Draw a metric of networks against their size, beside its value and interval of the data.
 
-    Parameters
-    ----------
-    axes
-        Where.
-    data
-        The metric, and its interval, ``<metric>_low`` and ``<metric>_high``.
-    percentiles
-        Percentiles of the networks of all sizes, with others to compare with.
-    metric
-        Its name.
+    ``data``: The metric, and its interval, ``<metric>_low`` and ``<metric>_high``. ``percentiles``:
+    Percentiles of the networks of all sizes, with others to compare with.
     """
     ends = data[f"{metric}_low"], data[f"{metric}_high"]
     axes.axhspan(*ends, color=TRUTH["color"], alpha=0.15, linewidth=0)

@@ -49,26 +49,14 @@ def select(table: pd.DataFrame, **values: object) -> pd.DataFrame:
 
 
 def require_single_case(table: pd.DataFrame) -> None:
-    """Check that a percentile table holds one case only, as a figure without a case axis must.
-
-    Raises
-    ------
-    ValueError
-        If it holds several.
-    """
+    """Check that a percentile table holds one case only, as a figure without a case axis must."""
     if "case" in table.columns and table["case"].nunique() > 1:
         cases = ", ".join(str(case) for case in table["case"].unique())
         raise ValueError(f"the figure shows one case, the table has {cases}")
 
 
 def nearest_value(table: pd.DataFrame, column: str, wanted: float) -> float:
-    """Value of the column that lies nearest to the one wanted.
-
-    Raises
-    ------
-    ValueError
-        If the column has no value.
-    """
+    """Value of the column that lies nearest to the one wanted."""
     values = np.unique(table[column].dropna().to_numpy(dtype=np.float64))
     if values.size == 0:
         raise ValueError(f"the table has no value in column {column}")
@@ -90,22 +78,8 @@ def draw_percentiles(
     A single point, two sizes, or ``band=False`` show the quartiles as error bars. The quartiles of
     one network are its median: no band or bar then. Nothing is drawn for no rows.
 
-    Parameters
-    ----------
-    axes
-        Where to draw.
-    rows
-        Rows of a percentile table: one per value of ``x``.
-    x
-        Name of the column on the horizontal axis.
-    style
-        Style of the line.
-    label
-        For the legend.
-    band
-        Whether a band shows the quartiles.
-    shift
-        Added to ``x``, so that error bars of several curves stay apart.
+    ``rows``: Rows of a percentile table: one per value of ``x``. ``shift``: Added to ``x``, so that
+    error bars of several curves stay apart.
     """
     if rows.empty:
         return
@@ -145,17 +119,8 @@ def draw_single_intervals(
 
     Quartiles over networks do not tell that.
 
-    Parameters
-    ----------
-    axes
-        Where to draw.
-    intervals
-        Intervals of each forecaster by itself: forecaster, neurons, validation, metric, low, high.
-        The bar of a size has the medians over its networks, of the kind ``esn``.
-    metric, validation
-        What is shown of them.
-    style
-        Style of the line that the bars belong to.
+    ``intervals``: Intervals of each forecaster by itself: forecaster, neurons, validation, metric,
+    low, high. The bar of a size has the medians over its networks, of the kind ``esn``.
     """
     shown = (intervals["metric"] == metric) & (intervals["validation"] == validation)
     rows = intervals[shown & (intervals["forecaster"] == "esn")].dropna(subset=["low", "high"])

@@ -27,16 +27,8 @@ def draw_plane(
 ) -> QuadMesh:
     """Draw values over the plane, in its physical proportions.
 
-    Parameters
-    ----------
-    axes
-        Where to draw.
-    x, z
-        Coordinates, ``(points_x,)`` and ``(points_z,)``.
-    values
-        ``(points_x, points_z)``.
-    norm, colours
-        Scale and name of the colour map.
+    ``x``, ``z``: Coordinates, ``(points_x,)`` and ``(points_z,)``. ``values``: ``(points_x,
+    points_z)``.
     """
     mesh = axes.pcolormesh(
         x, z, values.T, norm=norm, cmap=colours, shading="gouraud", rasterized=True
@@ -64,22 +56,10 @@ def evolution_above_fields(
 ) -> tuple[Figure, Axes, SubFigure]:
     """Draw an observable with the event threshold and the times of fields, and leave room for them.
 
-    Parameters
-    ----------
-    height, fields_share
-        Height of the figure in inches, and of the part for the fields in heights of the panel.
-    time_lt, curves
-        Lyapunov times ``(time,)``, and each observable ``(time,)`` with the style of its line.
-    times_lt
-        Times of the fields.
-    threshold
-        Event threshold.
-    labels
-        Of the time and of the observable.
-
-    Returns
-    -------
-    The figure, the panel of the observable, and the part below it.
+    ``height``, ``fields_share``: Height of the figure in inches, and of the part for the fields in
+    heights of the panel. ``time_lt``, ``curves``: Lyapunov times ``(time,)``, and each observable
+    ``(time,)`` with the style of its line. Returns the figure, the panel of the observable, and the
+    part below it.
     """
     figure = new_figure(DOUBLE_COLUMN, height)
     grid = figure.add_gridspec(2, 1, height_ratios=[1.0, fields_share])
@@ -99,18 +79,8 @@ def evolution_above_fields(
 def vorticity_fields(flow: Any, states: FloatArray, points: int = 96) -> FloatArray:
     """Vorticity of states of a plane flow on a regular grid.
 
-    Parameters
-    ----------
-    flow
-        A flow with a vorticity in a plane (`burstcast.systems.kolmogorov.KolmogorovFlow`).
-    states
-        ``(dimension, states)``.
-    points
-        Along each side.
-
-    Returns
-    -------
-    ``(states, points, points)``, along x, then y.
+    ``flow``: A flow with a vorticity in a plane (`burstcast.systems.kolmogorov.KolmogorovFlow`).
+    ``states``: ``(dimension, states)``. Shape ``(states, points, points)``, along x, then y.
     """
     sides = [np.linspace(0.0, side, points) for side in flow.domain]
     grid = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -123,16 +93,7 @@ def draw_periodic_field(
 ) -> AxesImage:
     """Draw a field of a doubly periodic flow, with diverging colours.
 
-    Parameters
-    ----------
-    axes
-        Where to draw.
-    field
-        ``(points_x, points_y)``.
-    domain
-        Periods along x and y.
-    largest
-        Magnitude at both ends of the scale.
+    ``field``: ``(points_x, points_y)``.
     """
     image = axes.imshow(
         field.T,
@@ -190,20 +151,8 @@ def frame_evolution(
 ) -> None:
     """Frame the panel (a) above planes: threshold, times of the planes, limits, names.
 
-    Parameters
-    ----------
-    axes
-        Panel in which the observables are drawn.
-    time_lt
-        Their time, ``(time,)``.
-    observables
-        What is drawn, ``(time,)`` each; may have gaps.
-    threshold
-        Event threshold.
-    plane_times_lt
-        Times of the planes, ``(planes,)``.
-    symbol
-        Symbol of the observable.
+    ``time_lt``: Their time, ``(time,)``. ``observables``: What is drawn, ``(time,)`` each; may have
+    gaps.
     """
     draw_threshold(axes, threshold, f"${symbol}_e$", at_left=True)
     _mark_times(axes, plane_times_lt)

@@ -73,21 +73,9 @@ def draw_references(
 
     A kind that has sizes has a line for each validation strategy.
 
-    Parameters
-    ----------
-    axes
-        Where to draw.
-    percentiles
-        Percentiles of one case; rows of the kind ``esn`` are left out.
-    metric
-        Which metric.
-    x
-        Column on the horizontal axis. If it is ``neurons``, kinds without sizes are horizontal
-        lines.
-    neurons
-        Size that is shown of kinds that have sizes, where another column is on the axis.
-    leave_out
-        Kinds that are not drawn.
+    ``percentiles``: Percentiles of one case; rows of the kind ``esn`` are left out. ``x``: Column
+    on the horizontal axis. If it is ``neurons``, kinds without sizes are horizontal lines.
+    ``neurons``: Size that is shown of kinds that have sizes, where another column is on the axis.
     """
     for kind in ordered_forecasters(set(percentiles["forecaster"].dropna()) - {"esn", *leave_out}):
         rows = select(percentiles, forecaster=kind, metric=metric)

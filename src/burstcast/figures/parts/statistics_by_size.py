@@ -34,18 +34,9 @@ def draw_statistics_by_size(
 ) -> None:
     """Draw statistics' errors against reservoir size, with the training set and the floor.
 
-    Parameters
-    ----------
-    panels
-        Where to draw, by metric; all have axes of one kind, so that they can be compared.
-    percentiles
-        Percentiles of one case; rows of forecaster ``training`` and ``floor`` are horizontal lines.
-    intervals
-        Intervals of the same case and each network by itself: neurons, validation, metric, low,
-        high.
-    published
-        Published percentiles in the same form, drawn as open markers at the sizes of the table,
-        or on the right edge for the training set.
+    ``panels``: Where to draw, by metric; all have axes of one kind, so that they can be compared.
+    ``percentiles``: Percentiles of one case; rows of forecaster ``training`` and ``floor`` are
+    horizontal lines.
     """
     for metric, axes in panels.items():
         _draw(axes, percentiles, metric, intervals, published)

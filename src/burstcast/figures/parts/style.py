@@ -151,11 +151,6 @@ def render(figure: Figure, file_format: Literal["pdf", "png", "svg"]) -> bytes:
     """Content of the figure's file: equal figures give equal bytes on any day.
 
     Matplotlib would write the time of creation and its version into the file; both are left out.
-
-    Raises
-    ------
-    ValueError
-        If the format is unknown.
     """
     without: dict[str, Mapping[str, str | None]] = {
         "pdf": {"CreationDate": None, "ModDate": None, "Producer": None, "Creator": None},

@@ -14,14 +14,8 @@ def samples_per_lyapunov_time(
 ) -> int:
     """Samples of a series in one Lyapunov time.
 
-    Parameters
-    ----------
-    exponents
-        Computed Lyapunov exponents, if they are the unit of time; None: the published one is.
-    published_exponent
-        Published leading Lyapunov exponent, in inverse time units.
-    time_step, sampling_stride
-        Step of the integration in time units, and steps of it from sample to sample.
+    ``exponents``: Computed Lyapunov exponents, if they are the unit of time; None: the published
+    one is. ``published_exponent``: Published leading Lyapunov exponent, in inverse time units.
     """
     exponent = exponents["leading"]["mean"] if exponents else published_exponent
     return steps_per_lyapunov_time(exponent, time_step * sampling_stride)
