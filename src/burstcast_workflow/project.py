@@ -57,6 +57,7 @@ def code_of(project: Path) -> Project:
         packages=PACKAGES,
         stand_ins=dict.fromkeys(HARNESS, VERSION),
         revision=source_revision(),
+        checked=True,
     )
 
 

@@ -26,7 +26,7 @@ from snaketrust.run import check_ownership
 
 logger = logging.getLogger(__name__)
 
-_FORMAT = 5
+_FORMAT = 6
 _RECORD = "record.json"
 _BLOCK = 2**20
 
@@ -37,26 +37,16 @@ class DamagedEntryError(ValueError):
 
 @dataclass(frozen=True)
 class Cache:
-    """A directory of entries.
+    """A directory of entries."""
 
-    Attributes
-    ----------
-    directory
-        It is made when the first entry is stored.
-    environment
-        What results depend on beside settings, code and inputs, such as versions of libraries.
-    """
-
-    directory: Path
+    directory: Path  #: it is made when the first entry is stored
+    #: what results depend on beside settings, code and inputs, such as versions of libraries
     environment: Mapping[str, Any]
 
     def entry(self, **job: Any) -> Path:
         """Directory of the entry of a job, by a hash of everything that its outputs depend on.
 
-        Parameters
-        ----------
-        job
-            Plain data: rule and wildcards, settings, code, digests of inputs, names of outputs.
+        ``job`` is plain data: rule, wildcards, settings, code, digests of inputs, names of files.
         """
         material = {"format": _FORMAT, "environment": self.environment, **job}
         key = hashlib.sha256(json.dumps(material, sort_keys=True).encode()).hexdigest()
@@ -64,12 +54,7 @@ class Cache:
 
 
 def restore(entry: Path, outputs: Mapping[str, Path]) -> bool:
-    """Copy the outputs of an entry into place if it is there and sound; remove it if it is damaged.
-
-    Returns
-    -------
-    Whether they were there.
-    """
+    """Copy the outputs of an entry into place and return True; remove a damaged entry."""
     if not entry.exists():
         return False
     try:

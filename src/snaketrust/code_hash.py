@@ -27,21 +27,12 @@ HASH_LENGTH = 12
 
 
 class Code(NamedTuple):
-    """Code hash and imports of a source.
+    """Code hash and imports of a source."""
 
-    Attributes
-    ----------
-    digest
-        Hash of what it does.
-    imports
-        Names of what it imports, at its top or in a function, with their numbers of leading dots.
-    reads
-        Calls that probably read a file, or run code that imports do not show, with their lines.
-    """
-
-    digest: str
-    imports: list[tuple[str, int]]
-    reads: list[str]
+    digest: str  # hash of what it does
+    imports: list[tuple[str, int]]  # names, at its top or in a function, with their leading dots
+    reads: list[str]  # calls that probably read a file, or run what imports do not show
+    unseen: list[str] = []  # noqa: RUF012 - places of what no fingerprint sees
 
 
 class Codes:
@@ -60,26 +51,14 @@ class Codes:
             with suppress(OSError, ValueError, KeyError, TypeError):
                 found = json.loads(memory.read_bytes())
                 if found["found_out_by"] == _tools():
-                    for key, (code, imports, reads) in found["sources"].items():
-                        self._known[key] = Code(code, [tuple(one) for one in imports], reads)
+                    for key, (code, imports, *places) in found["sources"].items():
+                        self._known[key] = Code(code, [tuple(one) for one in imports], *places)
         self._remembered = {*self._known}
 
     def of(self, path: Path, *, strict: bool = False) -> Code:
-        """Hash of what a source does.
+        """Hash of what a source does; of a compiled module, of its bytes. Words count if `strict`.
 
-        Parameters
-        ----------
-        path
-            The source; of a compiled module, the bytes count.
-        strict
-            Whether words count, too.
-
-        Raises
-        ------
-        FileNotFoundError
-            If there is no such file.
-        SyntaxError
-            If it is not Python.
+        `FileNotFoundError` or `SyntaxError` if there is no such file, or it is not Python.
         """
         if (path, strict) not in self._seen:
             source = path.read_bytes()
@@ -127,7 +106,9 @@ def parsed(source: bytes, path: str, *, strict: bool = False) -> Code:
         _leave_out_words(tree, nodes)
     text = "\x1f".join(_serialised(tree)).encode("utf-8", "surrogatepass")
     digest = hashlib.sha256(text).hexdigest()[:HASH_LENGTH]
-    return Code(digest, list(_imports(nodes)), list(_reads(nodes)) if strict else [])
+    if not strict:
+        return Code(digest, [*_imports(nodes)], [])
+    return Code(digest, [*_imports(nodes)], [*_reads(nodes)], [*_unseen(nodes)])
 
 
 def _imports(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, int]]:
@@ -142,6 +123,8 @@ def _imports(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, int]]:
             for alias in node.names:
                 # a module, or a name in one: only the former is found as a file
                 yield f"{base}.{alias.name}" if base else alias.name, node.level
+        elif (name := _import_by_call(node)) and not name.startswith("."):
+            yield name, 0
 
 
 _READS = re.compile(
@@ -158,6 +141,65 @@ def _reads(nodes: Iterable[ast.AST]) -> Iterator[str]:
             text = f"{ast.unparse(called)}()" if called else ast.unparse(node)
             if _READS.search(text):
                 yield f"line {node.lineno}: {text}"
+
+
+def _import_by_call(node: ast.AST) -> str | None:
+    """Name of a module that a call imports; empty if it is computed, None for other calls."""
+    if isinstance(node, ast.Call) and node.args:
+        called = ast.unparse(node.func).rpartition(".")[2]
+        if called in ("import_module", "__import__"):
+            return _literal(node.args[0])
+    return None
+
+
+def _literal(node: ast.expr) -> str:
+    value = getattr(node, "value", None)
+    return value if isinstance(value, str) else ""
+
+
+_UNSEEN = re.compile(
+    r"^((exec|eval|compile|__file__|__path__|sys\.path)$|(runpy|pkgutil|importlib\.resources)\b"
+    r"|snakemake\.config\b|getattr\(snakemake\b|(os\.)?getenv\(|(os\.)?environ\.get\()"
+)
+_PROGRAMS = re.compile(
+    r"^(subprocess\.\w+|os\.(system|popen)|run|Popen|call|check_\w+)\("
+    r".*(sys\.executable|['\"/ ]python|\.py\b)"
+)
+_WRITES = re.compile(r"[wax][bt+]{0,2}$")
+
+
+def _unseen(nodes: Iterable[ast.AST]) -> Iterator[str]:
+    """Places that run code, or read data, that neither imports nor inputs show."""
+    for node in nodes:
+        if isinstance(node, ast.Name | ast.Attribute | ast.Call):
+            text = ast.unparse(node)
+            found = _UNSEEN.match(text)
+        elif isinstance(node, ast.ImportFrom):
+            text, found = node.module or "", _UNSEEN.match(f"{node.module}")
+        elif isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Load):
+            text = ast.unparse(node)
+            found = re.match(r"(os\.)?environ\[", text)
+        else:
+            continue
+        if isinstance(node, ast.Call) and not found:
+            computed = _import_by_call(node) == ""
+            if not (computed or _PROGRAMS.match(text) or _reads_by_name(node, text)):
+                continue
+        elif not found:
+            continue
+        yield f"line {getattr(node, 'lineno', 0)}: {text}"
+
+
+def _reads_by_name(node: ast.Call, text: str) -> bool:
+    """Whether a call reads a file whose name it holds."""
+    function = ast.unparse(node.func)
+    modes = node.args[isinstance(node.func, ast.Name) :]
+    if "snakemake" in text or not _READS.search(f"{function}()") or _import_by_call(node):
+        return False
+    if any(_WRITES.match(_literal(one)) for one in [*modes, *(one.value for one in node.keywords)]):
+        return False
+    calls = [node, *(one for one in ast.walk(node.func) if isinstance(one, ast.Call))]
+    return any(_literal(one.args[0]) for one in calls if one.args)
 
 
 # fields that say nothing about what the code does, or that repeat its position

@@ -26,12 +26,7 @@ def stamp(path: str) -> list[int]:
 def replaced(path: Path, check: Callable[[], None] | None = None) -> Iterator[Path]:
     """Yield a temporary path to write to, which becomes ``path`` unless an exception is raised.
 
-    Parameters
-    ----------
-    path
-        The file; its directory is made if it is missing.
-    check
-        Called when the temporary file is complete; it may raise.
+    ``check`` is called when the temporary file is complete; it may raise.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.{os.urandom(6).hex()}{PARTIAL_SUFFIX}")

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 from snaketrust.code_hash import HASH_LENGTH, Code, Codes, parsed
 from snaketrust.files import digest
-from snaketrust.modules import UnlikeCodeError, module_file
+from snaketrust.modules import SUFFIXES, UnlikeCodeError, module_file
 from snaketrust.project import Project
 
 # where libraries are: their versions count, not their code
@@ -31,28 +31,24 @@ _LIBRARIES = {"site-packages", "dist-packages"}
 _STANDARD_LIBRARY = os.path.dirname(os.__file__)
 _FILE = "file:"
 """Begins the fingerprint of a file that a user's module reads."""
+_BESIDE = "beside:"
+"""Begins the fingerprint of a module beside a script, by its path from the script's directory."""
 
 
 class _Module(NamedTuple):
-    """Name and file of a module, and whether it is a user's own."""
+    """Name and file of a module."""
 
     name: str
     path: Path
-    own: bool
+    own: bool  # whether it is a user's own
+    beside: Path | None = None  # directory of the script that it lies beside
 
 
 class Sources:
     """The project's sources. Files are read once: edits count for another instance.
 
-    Parameters
-    ----------
-    project
-        Where they are.
-    own_modules
-        Modules outside the project that are found by name, with the files that they read; None if
-        these are not declared.
-    memory
-        File in which is kept what sources do (`Codes`).
+    ``own_modules`` are modules outside the project that are found by name, with the files that they
+    read; None if these are not declared.
     """
 
     def __init__(
@@ -67,44 +63,34 @@ class Sources:
         self._located: dict[tuple[str, bool], _Module | None] = {}
         self._imported: dict[_Module, list[_Module]] = {}
         self._fingerprints: dict[object, list[str]] = {}
+        self._beneath: dict[str, bool] = {}
+        self.unseen: dict[str, None] = {}  # places of the project's code that no fingerprint sees
+        self._strict = not project.checked
 
     # -- of a job ----------------------------------------------------------------------------------
 
     def fingerprint(
         self, script: str, found_by_name: Mapping[str, Sequence[str]] | None = None
     ) -> list[str]:
-        """Fingerprints of the code of a job.
+        """Fingerprints of the code of a job: sorted entries ``module@hash``.
 
-        Parameters
-        ----------
-        script
-            Below the directory of scripts.
-        found_by_name
-            By package with a ``registry``: the modules of it that the job is about; with a colon,
-            module and class outside of the package.
+        The script is ``name.py@hash``, a module beside it ``beside:path@hash``, a file that a
+        user's module reads ``file:module:path@hash``. `FileNotFoundError` if the script, a module
+        or one of their files does not exist, `SyntaxError` if it is not Python.
 
-        Returns
-        -------
-        list of str
-            Sorted entries ``module@hash``; ``name.py@hash`` for the script, and
-            ``file:module:path@hash`` for a file which a user's module reads.
-
-        Raises
-        ------
-        FileNotFoundError
-            If the script, one of the modules or one of their files does not exist.
-        SyntaxError
-            If one of the files is not Python.
+        ``found_by_name`` has, by package with a ``registry``, the modules of it that the job is
+        about; with a colon, module and class outside of the package.
         """
         found_by_name = found_by_name or {}
         key = script, *((name, *modules) for name, modules in found_by_name.items())
         if key not in self._fingerprints:
             path, known = self._project.scripts / script, set[str]()
+            own_code = self.codes.of(path, strict=self._strict)
             imported = [
                 module
-                for name, level in self.codes.of(path).imports
+                for name, level in own_code.imports
                 if level == 0
-                for module in self._run_by_import(name, False)
+                for module in self._run_by_import(name, False, path.parent)
             ]
             while True:
                 found = self._reached([*imported, *self._by_name(known)])
@@ -119,7 +105,11 @@ class Sources:
                 known = more  # what is found by name may reach another registry
             entries = [self._entry(module) for module in found.values()]
             files = [_file_entry(name) for name in self._files(known)]
-            script_entry = f"{path.name}@{self.codes.of(path).digest}"
+            script_entry = f"{path.name}@{own_code.digest}"
+            if self._strict:
+                codes = [(one.name, self._code(one)) for one in found.values() if not one.own]
+                for name, code in [(path.name, own_code), *codes]:
+                    self.unseen |= dict.fromkeys(f"{name}, {place}" for place in code.unseen)
             self._fingerprints[key] = sorted([*entries, *files, script_entry])
         return list(self._fingerprints[key])
 
@@ -144,23 +134,34 @@ class Sources:
         """Modules that a module imports itself, and the packages that they lie in."""
         if module not in self._imported:
             is_package = module.path.stem == "__init__"
-            package = module.name if is_package else module.name.rpartition(".")[0]
+            dotted = module.name
+            if module.beside is not None:
+                parts = module.path.relative_to(module.beside).with_suffix("").parts
+                dotted = ".".join(parts).removesuffix(".__init__")
+            package = dotted if is_package else dotted.rpartition(".")[0]
             found: dict[str, _Module] = {}
             for name, level in self._code(module).imports:
-                for one in self._run_by_import(_absolute(name, level, package), module.own):
+                absolute = _absolute(name, level, package)
+                for one in self._run_by_import(absolute, module.own, module.beside):
                     found.setdefault(one.name, one)
             self._imported[module] = [*found.values()]
         return self._imported[module]
 
-    def _run_by_import(self, wanted: str, maybe_own: bool) -> list[_Module]:
+    def _run_by_import(
+        self, wanted: str, maybe_own: bool, beside: Path | None = None
+    ) -> list[_Module]:
         """Modules that an import runs: the packages that a module lies in, and itself."""
         parts = wanted.split(".")
         names = (".".join(parts[:count]) for count in range(1, len(parts) + 1))
-        found = [one for name in names if (one := self._module(name, maybe_own)) is not None]
+        located = (
+            self._module(name, maybe_own) or _beside(self._project.stand_in(name), beside)
+            for name in names
+        )
+        found = [one for one in located if one is not None]
         if parts[-1] == "*" and found and found[-1].path.stem == "__init__":
             # a package may name modules of its own in __all__
-            beside = {file.stem for file in found[-1].path.parent.iterdir()} - {"__init__"}
-            modules = (self._module(f"{found[-1].name}.{name}", True) for name in sorted(beside))
+            inside = {file.stem for file in found[-1].path.parent.iterdir()} - {"__init__"}
+            modules = (self._module(f"{found[-1].name}.{name}", True) for name in sorted(inside))
             found += [one for one in modules if one is not None]
         return found
 
@@ -176,14 +177,27 @@ class Sources:
 
     def _file(self, module: str) -> Path | None:
         """File of a module of the project; None for other names."""
-        if module.partition(".")[0] not in self._project.packages:
+        if not self._is_beneath(module.partition(".")[0]):
             return None
-        path = self._project.sources.joinpath(*module.split("."))
-        candidates = path / "__init__.py", path.with_name(path.name + ".py")
-        return next((candidate for candidate in candidates if candidate.is_file()), None)
+        return _file_in(self._project.sources, module)
+
+    def _is_beneath(self, first: str) -> bool:
+        """Whether Python imports a package, or a module, from the sources."""
+        sources = self._project.sources
+        if first not in self._beneath:
+            maybe = first in self._project.packages
+            if (
+                not maybe
+                and not _LIBRARIES.intersection(sources.parts)
+                and _file_in(sources, first)
+            ):
+                path = module_file(first)
+                maybe = path is not None and path.resolve().is_relative_to(sources.resolve())
+            self._beneath[first] = maybe
+        return self._beneath[first]
 
     def _code(self, module: _Module) -> Code:
-        return self.codes.of(module.path, strict=module.own)
+        return self.codes.of(module.path, strict=module.own or self._strict)
 
     def _entry(self, module: _Module) -> str:
         return f"{module.name}@{self._code(module).digest}"
@@ -192,18 +206,28 @@ class Sources:
 
     def all_code(self) -> dict[str, str]:
         """Fingerprints of all modules, scripts and files, each with the SHA-256 of its bytes."""
-        found = {}
-        for path in self._project.scripts.rglob("*.py"):
-            found[f"{path.name}@{self.codes.of(path).digest}"] = self.codes.content(path)
-        for path in self._project.files():
-            entry = f"{self._project.name_of(path)}@{self.codes.of(path).digest}"
-            found[entry] = self.codes.content(path)
+        found, scripts = {}, self._project.scripts
+        for path in scripts.rglob("*.py"):
+            digest_, content = self._hashes(path)
+            found[f"{path.name}@{digest_}"] = content
+            for above in [*path.parents][: len(path.relative_to(scripts).parts)]:
+                found[f"{_BESIDE}{path.relative_to(above)}@{digest_}"] = content
+        beneath = [one for one in self._located.values() if one is not None and not one.own]
+        names = {path: self._project.name_of(path) for path in self._project.files()}
+        for path, name in {**{one.path: one.name for one in beneath}, **names}.items():
+            digest_, content = self._hashes(path)
+            found[f"{name}@{digest_}"] = content
         for module in self._own(self._own_modules):
             content = self.codes.content(module.path, strict=True)
             found[self._entry(module)] = content
         for name in self._files(self._own_modules):
             found[_file_entry(name)] = digest(_place(name))
         return found
+
+    def _hashes(self, path: Path) -> tuple[str, str]:
+        """Code hash of a file of the project, and the SHA-256 of its bytes."""
+        digest_ = self.codes.of(path, strict=self._strict).digest
+        return digest_, self.codes.content(path, strict=self._strict)
 
     def own_files(self) -> list[Path]:
         """Files of modules outside the project: those found by name, and what they import."""
@@ -229,6 +253,21 @@ class Sources:
             for module in modules
             for file in self._own_modules.get(module) or ()
         ]
+
+
+def _file_in(directory: Path, module: str) -> Path | None:
+    """File of a module that Python finds from a directory on: package, compiled or plain."""
+    path = directory.joinpath(*module.split("."))
+    candidates = path / "__init__.py", *(path.with_name(path.name + one) for one in SUFFIXES)
+    return next((candidate for candidate in candidates if candidate.is_file()), None)
+
+
+def _beside(module: str, directory: Path | None) -> _Module | None:
+    """The module of this name beside a script, where Python looks last."""
+    path = directory and _file_in(directory, module)
+    if not path or directory is None:
+        return None
+    return _Module(f"{_BESIDE}{path.relative_to(directory)}", path, False, directory)
 
 
 def _own_file(module: str, packages: Collection[str]) -> Path | None:
@@ -265,28 +304,21 @@ def _place(file: str) -> Path:
 def changed_code(script: Path, code: Sequence[str], planned: Mapping[str, str]) -> list[str]:
     """Names of the script, modules and files that are not what they were when the run was planned.
 
-    Only what has other bytes is parsed.
-
-    Parameters
-    ----------
-    script
-        The job's script.
-    code
-        Fingerprints as its rule passes them; on a cluster, they are taken anew for every job.
-    planned
-        Fingerprints of all code at the time when the run was planned, with the SHA-256 of their
-        bytes (`Sources.all_code`). Where it is empty, no run was planned.
+    ``code`` has the fingerprints of the rule, which a cluster takes anew for every job; ``planned``
+    those of all code when the run was planned (`Sources.all_code`), empty where none was.
     """
     changed = []
     for entry in code:
         name, _, expected = entry.rpartition("@")
-        path = script if name == script.name else _located(name)
+        path = script if name == script.name else _located(name, script.parent)
         if (planned and entry not in planned) or not _has_code(path, expected, planned.get(entry)):
             changed.append(name)
     return changed
 
 
-def _located(name: str) -> Path | None:
+def _located(name: str, scripts: Path) -> Path | None:
+    if name.startswith(_BESIDE):
+        return scripts / name.removeprefix(_BESIDE)
     return _place(name) if name.startswith(_FILE) else module_file(name)
 
 
@@ -307,13 +339,7 @@ def _has_code(path: Path | None, expected: str, content: str | None) -> bool:
 
 
 def check_code(script: Path, code: Sequence[str], planned: Mapping[str, str]) -> None:
-    """Check that the code on disk is what fingerprints were taken of (`changed_code`).
-
-    Raises
-    ------
-    UnlikeCodeError
-        If it is not.
-    """
+    """Check that the code on disk is what fingerprints were taken of (`changed_code`)."""
     if changed := changed_code(script, code, planned):
         raise UnlikeCodeError(
             f"{', '.join(changed)} changed after the workflow was planned: nothing is kept of this "

@@ -1,4 +1,4 @@
-"""Changes to Snakemake: four of its functions are replaced, for which there is no setting.
+"""Changes to Snakemake: six of its functions are replaced, for which there is no setting.
 
 `HOOKS` lists them with the reasons. With a release of Snakemake that is not among `TESTED` a run
 warns, and continues if the functions have the same parameters. If they differ, it does without the
@@ -7,17 +7,22 @@ replacements that only save time or lines on the terminal, and refuses to start 
 
 import inspect
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, BinaryIO, NamedTuple
 
 import snakemake.api  # noqa: F401 - other modules of Snakemake cannot be imported before it
 from snakemake.common import __version__
 from snakemake.exceptions import WorkflowError
-from snakemake.persistence import RECORD_FORMAT_VERSION, MetadataRecord, PersistenceBase
+from snakemake.persistence import (
+    RECORD_FORMAT_VERSION,
+    MetadataRecord,
+    ParamsChange,
+    PersistenceBase,
+)
 from snakemake.scheduling.job_scheduler import JobScheduler
 from snakemake.script import PythonScript
 
-from snaketrust.planning import KnownResults
+from snaketrust.planning import Jobs, KnownResults
 
 logger = logging.getLogger(__name__)
 
@@ -32,36 +37,20 @@ FIRST_LINE = (
 )
 """What scripts begin with: SIGINT, 2, ends the process at once, unless it is ignored (nohup)."""
 
-_FORMER = " as it was"  # put after the path of an input that is not what a file was made from
-
 
 class UnfitSnakemakeError(WorkflowError):  # type: ignore[misc]
     """Snakemake is not what this package knows any more."""
 
 
 class Hook(NamedTuple):
-    """A function of Snakemake that is replaced.
-
-    Attributes
-    ----------
-    owner, name
-        Which function.
-    own
-        Snakemake's own.
-    parameters
-        Names of its parameters.
-    reason
-        What it is replaced for.
-    without
-        What happens where it is not replaced; empty if nothing can be trusted then.
-    """
+    """A function of Snakemake that is replaced."""
 
     owner: Any
     name: str
-    own: Any
-    parameters: tuple[str, ...]
-    reason: str
-    without: str = ""
+    own: Any  # Snakemake's own function
+    parameters: tuple[str, ...]  # their names
+    reason: str  # what it is replaced for
+    without: str = ""  # what happens where it is not; empty if nothing can be trusted then
 
     def fits(self) -> bool:
         """Whether this release of Snakemake has the function as it is known here."""
@@ -77,6 +66,20 @@ HOOKS = (
         getattr(PersistenceBase, "metadata", None),
         ("self", "target"),
         "what is planned rests on the records of results, not on what Snakemake noted",
+    ),
+    Hook(
+        PersistenceBase,
+        "params_changed",
+        getattr(PersistenceBase, "params_changed", None),
+        ("self", "job", "file"),
+        "parameters are compared with their names and in their order, in plain form",
+    ),
+    Hook(
+        PersistenceBase,
+        "_input_changed",
+        getattr(PersistenceBase, "_input_changed", None),
+        ("self", "job", "file"),
+        "inputs are compared in their order, by content, whatever their paths are spelt like",
     ),
     Hook(
         JobScheduler,
@@ -110,26 +113,21 @@ HOOKS = (
 def install(known: KnownResults, planning_is_over: Callable[[Any], None]) -> None:
     """Replace what `HOOKS` lists.
 
-    Parameters
-    ----------
-    known
-        What is known of results.
-    planning_is_over
-        Called with Snakemake's workflow when it knows all jobs, in a dry run, too.
-
-    Raises
-    ------
-    UnfitSnakemakeError
-        If this release of Snakemake has one of the functions no more that nothing goes without.
+    ``planning_is_over`` is called with Snakemake's workflow when it knows all jobs, in a dry run,
+    too. `UnfitSnakemakeError` if this release lacks a function without which nothing is trusted.
     """
-    replacements: Sequence[Callable[..., Any]] = metadata_of, _scheduler, _incomplete, _write_script
+    jobs = Jobs(known)
+    replacements: Sequence[Callable[..., Any]] = (
+        *(metadata_of, _params_changed, _input_changed),
+        *(_scheduler, _incomplete, _write_script),
+    )
     if __version__ not in TESTED:
         releases = ", ".join(TESTED)
         logger.warning("Snakemake %s is none of the tested releases (%s)", __version__, releases)
     for hook, replacement in zip(HOOKS, replacements, strict=True):
         function = f"{hook.owner.__name__}.{hook.name}"
         if hook.fits():
-            setattr(hook.owner, hook.name, replacement(hook.own, known, planning_is_over))
+            setattr(hook.owner, hook.name, replacement(hook.own, jobs, planning_is_over))
         elif hook.without:
             logger.warning("Snakemake has another %s now: %s", function, hook.without)
         else:
@@ -141,12 +139,16 @@ def install(known: KnownResults, planning_is_over: Callable[[Any], None]) -> Non
 
 def plan_by(known: KnownResults) -> None:
     """Replace only what Snakemake plans by, as in the process of a single job."""
-    PersistenceBase.metadata = metadata_of(HOOKS[0].own, known)
+    jobs = Jobs(known)
+    replacements = metadata_of, _params_changed, _input_changed
+    for hook, replacement in zip(HOOKS[:3], replacements, strict=True):
+        setattr(hook.owner, hook.name, replacement(hook.own, jobs))
 
 
-def metadata_of(own: Any, known: KnownResults, *_: object) -> Callable[..., MetadataRecord | None]:
+def metadata_of(own: Any, jobs: Jobs, *_: object) -> Callable[..., MetadataRecord | None]:
     """Replace Snakemake's metadata of results by their records."""
     told: dict[str, tuple[object, MetadataRecord | None]] = {}
+    known = jobs.known
 
     def metadata(self: PersistenceBase, target: Any) -> MetadataRecord | None:
         path = str(target)
@@ -161,28 +163,63 @@ def metadata_of(own: Any, known: KnownResults, *_: object) -> Callable[..., Meta
     return metadata
 
 
+class _Checksums(dict[str, str]):
+    """Digests of inputs by any spelling of their paths."""
+
+    def __init__(self, known: KnownResults, digests: Mapping[str, str]) -> None:
+        super().__init__(digests)
+        self._name = known.records.name
+
+    def get(self, path: str, default: Any = None) -> Any:
+        value = super().get(self._name(str(path)), default)
+        return value and f"sha256:{value}"
+
+
 def record_of(known: KnownResults, path: str) -> MetadataRecord | None:
     """Record of a result in the form of Snakemake's own."""
     record, problem, changed = known.of(path)
     if record is None:
-        # parameters that no job has: it runs again, and Snakemake says why
-        version = RECORD_FORMAT_VERSION
-        return MetadataRecord(record_format_version=version, params=[problem]) if problem else None
-    inputs, end = known.inputs(record), (changed or 0) / 1e9
-    digests = {known.records.path(name): value for name, value in record.inputs.items()}
-    return MetadataRecord(
+        return MetadataRecord(record_format_version=RECORD_FORMAT_VERSION) if problem else None
+    end = (changed or 0) / 1e9
+    found = MetadataRecord(
         record_format_version=RECORD_FORMAT_VERSION,
         rule=record.identity["rule"],
-        params=sorted(map(repr, record.parameters.values())),
-        input=sorted(name if fits else name + _FORMER for name, fits in inputs.items()),
-        input_checksums={name: f"sha256:{value}" for name, value in digests.items()},
         log=[known.records.path(record.log)] if record.log else [],
         starttime=end - record.seconds,
         endtime=end,
     )
+    found.input_checksums = _Checksums(known, record.inputs)
+    return found
 
 
-def _scheduler(own: Any, _: KnownResults, planning_is_over: Callable[[Any], None]) -> Any:
+def _params_changed(own: Any, jobs: Jobs, *_: object) -> Any:
+    """Compare parameters, names of files and wildcards with those of the records."""
+
+    def params_changed(self: PersistenceBase, job: Any, file: Any = None) -> Any:
+        files = job.output if file is None else [file]
+        if any(str(path) not in jobs.known for path in files):
+            return own(self, job, file)
+        found = ParamsChange()
+        for path in files:
+            before, now = jobs.changed_parameters(job, str(path))
+            found |= ParamsChange(only_old=before, only_new=now, files={path})
+        return found
+
+    return params_changed
+
+
+def _input_changed(own: Any, jobs: Jobs, *_: object) -> Any:
+    """Compare inputs with those of the records."""
+
+    def input_changed(self: PersistenceBase, job: Any, file: Any = None) -> bool:
+        if str(file) in jobs.known:
+            return jobs.has_other_inputs(job, str(file))
+        return bool(own(self, job, file))
+
+    return input_changed
+
+
+def _scheduler(own: Any, _: Jobs, planning_is_over: Callable[[Any], None]) -> Any:
     """Actions when planning is over."""
 
     def make(self: JobScheduler, workflow: Any, *arguments: Any, **options: Any) -> None:
@@ -195,11 +232,11 @@ def _scheduler(own: Any, _: KnownResults, planning_is_over: Callable[[Any], None
     return make
 
 
-def _incomplete(own: Any, known: KnownResults, *_: object) -> Any:
+def _incomplete(own: Any, jobs: Jobs, *_: object) -> Any:
     """Outputs that were being made when Snakemake was killed, and were not finished since."""
 
     async def incomplete(self: PersistenceBase, job: Any) -> list[Any]:
-        marked = await own(self, job)
+        marked, known = await own(self, job), jobs.known
         return [path for path in marked if str(path) not in known or not known.of(path).record]
 
     return incomplete

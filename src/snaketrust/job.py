@@ -9,8 +9,9 @@ from typing import Any
 from snaketrust.cache import Cache, restore, store
 from snaketrust.files import remove_partial
 from snaketrust.fingerprint import check_code, script_of
-from snaketrust.modules import make_importable
-from snaketrust.records import Inputs, Records
+from snaketrust.modules import UnlikeCodeError, make_importable
+from snaketrust.plain import groups, named, plain
+from snaketrust.records import Inputs, Records, shape
 from snaketrust.run import Run
 
 logger = logging.getLogger(__name__)
@@ -27,7 +28,7 @@ def run_job(
     """Make a job's outputs, and write the records that make them results.
 
     The job has the parameter ``code``, fingerprints of what it runs (`Sources.fingerprint`), and
-    any others, which are plain data.
+    any others, which are plain data; ``compute`` finds them in one form (`snaketrust.plain`).
 
     Parameters
     ----------
@@ -57,20 +58,26 @@ def run_job(
     plan: dict[str, Any] = {"code": {}, "directories": []} if run is None else run.plan()
     make_importable(plan["directories"])
     identity = identity or {"rule": str(snakemake.rule), **dict(snakemake.wildcards.items())}
-    script, parameters = script_of(snakemake), dict(snakemake.params.items())
+    parameters = {
+        name: plain(value, f"params.{name}") for name, value in named(snakemake.params).items()
+    }
+    _hand_on(snakemake, parameters)
+    script = script_of(snakemake)
     check_code(script, parameters["code"], plan["code"])
     for path in map(Path, snakemake.output):
         path.parent.mkdir(parents=True, exist_ok=True)
         remove_partial(path)
 
-    inputs, shelf = Inputs.read(_by_name(snakemake.input), records), cache()
-    outputs = {
-        f"{name}{number or ''}": Path(path)
-        for name, paths in _by_name(snakemake.output).items()
-        for number, path in enumerate(paths)
-    }
-    job = {"identity": identity, "parameters": parameters, "inputs": inputs.by_name}
-    entry = shelf.entry(**job, outputs=sorted(outputs)) if shelf else None
+    paths = list(map(str, snakemake.input))
+    inputs, shelf = Inputs.read(paths, records), cache()
+    outputs = {str(place): Path(path) for place, path in enumerate(snakemake.output)}
+    name = str if records is None else records.name
+    read, made = ([*map(name, files)] for files in (paths, snakemake.output))
+    told = shape(snakemake.input, read, snakemake.output, made, snakemake.wildcards)
+    places = [groups(snakemake.input, read), groups(snakemake.output, made)]
+    job = {"identity": identity, "parameters": repr(parameters), "places": repr(places)}
+    digests = {one: inputs.by_path[path] for one, path in zip(read, paths, strict=True)}
+    entry = shelf.entry(**job, inputs=[*digests.values()]) if shelf else None
     cached = entry is not None and restore(entry, outputs)
     if not cached:
         compute()
@@ -82,14 +89,30 @@ def run_job(
     if records is not None:
         log = snakemake.log[0] if snakemake.log else ""
         noted = plan["revision"], environment()
-        records.write(snakemake.output, identity, parameters, inputs.by_path, log, seconds, *noted)
+        records.write(
+            snakemake.output, identity, parameters, inputs.by_path, log, seconds, *noted, told
+        )
     if entry is not None and not cached:
         store(entry, identity["rule"], outputs, seconds)
 
 
-def _by_name(files: Any) -> dict[str, list[str]]:
-    """A job's inputs or outputs by the rule's names for them; those without a name as ``file``."""
-    found = {name: [one] if isinstance(one, str) else list(one) for name, one in files.items()}
-    named = {path for group in found.values() for path in group}
-    unnamed = [path for path in files if path not in named]
-    return {**found, **({"file": unnamed} if unnamed else {})}
+class _Untracked:
+    """The config in a job: reading it would be a setting that nothing compares."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise UnlikeCodeError(
+            "a job reads snakemake.config, which no record compares: give what it reads to the "
+            "rule's params"
+        )
+
+    __getitem__ = __contains__ = __iter__ = __len__ = __getattr__
+
+
+def _hand_on(snakemake: Any, parameters: Mapping[str, Any]) -> None:
+    """Give a script the parameters that are compared, and no config."""
+    names = {place: name for name, (place, _) in snakemake.params._get_names()}
+    for place, value in enumerate(parameters.values()):
+        snakemake.params[place] = value
+        if place in names:
+            setattr(snakemake.params, names[place], value)
+    snakemake.config = _Untracked()

@@ -8,9 +8,12 @@ import py_compile
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
-from importlib.machinery import ModuleSpec
+from importlib.machinery import EXTENSION_SUFFIXES, ModuleSpec
 from importlib.util import MAGIC_NUMBER, cache_from_source
 from pathlib import Path
+
+SUFFIXES = (*EXTENSION_SUFFIXES, ".py")
+"""Endings of the files of modules, in the order in which Python looks for them."""
 
 
 class UnlikeCodeError(RuntimeError):
@@ -72,12 +75,7 @@ def compile_by_content(files: Iterable[Path]) -> None:
     """Compile modules so that Python compares them with the content of their sources.
 
     By itself it compares size and time of change only, and runs an old compiled module after an
-    edit that keeps both. A module that is compiled like this stays so.
-
-    Raises
-    ------
-    UnlikeCodeError
-        If this process itself runs a module that was compiled from another source.
+    edit that keeps both. `UnlikeCodeError` if this process runs an old one.
     """
     running = {
         os.path.abspath(getattr(one, "__file__", "") or "") for one in [*sys.modules.values()]

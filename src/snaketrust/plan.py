@@ -20,14 +20,7 @@ _CHANGING = (
 
 
 def planned(arguments: Sequence[str]) -> Any:
-    """Let Snakemake plan by its options, and return its workflow.
-
-    Raises
-    ------
-    SystemExit
-        If Snakemake fails, and has said why, or the workflow does not call `snaketrust`; with
-        status 2 if an option would change anything.
-    """
+    """Let Snakemake plan by its options, and return its workflow; `SystemExit` where it cannot."""
     global started
     started, said = None, io.StringIO()
     with redirect_stdout(said), redirect_stderr(said):

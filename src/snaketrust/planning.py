@@ -11,28 +11,19 @@ waits until a job needs the file.
 """
 
 import os
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from snaketrust.files import digest
-from snaketrust.records import Record, Records
+from snaketrust.plain import named, plain
+from snaketrust.records import Record, Records, shape
 
 
 class Known(NamedTuple):
-    """Knowledge of a result.
+    """Knowledge of a result."""
 
-    Attributes
-    ----------
-    record
-        Its record, if it is what its job wrote, or was deleted.
-    problem
-        What is wrong otherwise; empty for a file that was never made.
-    changed
-        Time of its last change, in nanoseconds; None if it is missing.
-    """
-
-    record: Record | None
-    problem: str
-    changed: int | None
+    record: Record | None  # if it is what its job wrote, or was deleted
+    problem: str  # what is wrong otherwise; empty for a file that was never made
+    changed: int | None  # time of its last change, in nanoseconds; None if it is missing
 
 
 class KnownResults:
@@ -44,7 +35,7 @@ class KnownResults:
         self._others: dict[tuple[str, int], str] = {}
 
     def __contains__(self, path: str) -> bool:
-        return path.startswith(f"{self.results}/")
+        return path in self.records
 
     def of(self, path: str) -> Known:
         """Knowledge of a result; its record is read anew when the file has changed."""
@@ -64,9 +55,10 @@ class KnownResults:
         A damaged one is: it is made again anyway.
         """
         paths = {self.records.path(name): value for name, value in record.inputs.items()}
-        return {path: self._fits(path, value) for path, value in paths.items()}
+        return {path: self.fits(path, value) for path, value in paths.items()}
 
-    def _fits(self, path: str, value: str) -> bool:
+    def fits(self, path: str, value: str) -> bool:
+        """Whether a file that a result was made from has this digest still, or is damaged."""
         if path in self:
             known = self.of(path)
             return bool(known.problem) if known.record is None else known.record.digest == value
@@ -83,3 +75,57 @@ def _time_of_change(path: str) -> int | None:
         return os.stat(path).st_mtime_ns
     except FileNotFoundError:
         return None
+
+
+class Jobs:
+    """Comparison of planned jobs with the records of their results."""
+
+    def __init__(self, known: KnownResults) -> None:
+        self.known = known
+        # representations of parameters by their id; the parameters are kept
+        self._texts: dict[int, tuple[Any, str]] = {}
+
+    def text(self, value: Any, name: str) -> str:
+        """Representation of a parameter in plain form."""
+        found = self._texts.get(id(value))
+        if found is None or found[0] is not value:
+            found = self._texts[id(value)] = value, repr(plain(value, name))
+        return found[1]
+
+    def name(self, path: Any) -> str:
+        """Path of a file from the results directory."""
+        return self.known.records.name(str(path))
+
+    def changed_parameters(self, job: Any, path: str) -> tuple[set[str], set[str]]:
+        """Parameters, names and wildcards of a job that its result has not, and the reverse."""
+        record, problem, _ = self.known.of(path)
+        if record is None:
+            return ({problem} if problem else set()), set()
+        parameters, values = named(job.params), record.parameters
+        now = [
+            # what Snakemake cannot tell yet, since an input is missing, is not compared
+            f"{key}: {record.texts.get(key) or repr(values.get(key))}"
+            if type(value).__name__ == "TBDString"
+            else f"{key}: {self.text(value, f'params.{key} of the rule {job.rule.name}')}"
+            for key, value in parameters.items()
+        ]
+        then = [f"{key}: {record.texts.get(key) or repr(one)}" for key, one in values.items()]
+        if {*now} == {*then} and now != then:
+            return {f"the order {', '.join(values)}"}, {f"the order {', '.join(parameters)}"}
+        told = ""
+        if record.shape:
+            read, made = ([*map(self.name, files)] for files in (job.input, job.output))
+            told = shape(job.input, read, job.output, made, job.wildcards_dict)
+        if told != record.shape:
+            then, now = [*then, record.shape], [*now, told]
+        return {*then} - {*now}, {*now} - {*then}
+
+    def has_other_inputs(self, job: Any, path: str) -> bool:
+        """Whether a result was made from other files, in another order or with other content."""
+        record = self.known.of(path).record
+        if record is None:
+            return False
+        paths = {self.name(one): str(one) for one in job.input}
+        return [*paths] != [*record.inputs] or not all(
+            self.known.fits(paths[name], value) for name, value in record.inputs.items()
+        )

@@ -9,32 +9,27 @@ from snaketrust.modules import UnlikeCodeError, module_file
 
 @dataclass(frozen=True, eq=False)
 class Project:
-    """The code of a workflow.
+    """The code of a workflow."""
 
-    Attributes
-    ----------
-    root
-        Its own directory: modules beside its Snakefile are not a user's own.
-    scripts
-        Directory of its scripts.
-    sources
-        Directory of its packages, which scripts import.
-    packages
-        Names of these packages: other ones may lie in the same directory.
-    stand_ins
-        Modules that no fingerprint has, or packages of such modules, each with the module that
-        stands for it: one that holds a version, raised by hand. This is for code that all jobs run,
-        such as what writes files.
-    revision
-        Revision of the sources, which records repeat for people. It makes no job run again.
-    """
-
+    #: Its own directory: modules beside its Snakefile are not a user's own.
     root: Path
+    #: Directory of its scripts.
     scripts: Path
+    #: Directory of its packages, which scripts import.
     sources: Path
+    #: Names of these packages. Others in the same directory count, too, unless it is one of
+    #: installed libraries.
     packages: tuple[str, ...]
+    #: Modules that no fingerprint has, or packages of such modules, each with the module that
+    #: stands for it: one that holds a version, raised by hand. This is for code that all jobs run,
+    #: such as what writes files.
     stand_ins: Mapping[str, str] = field(default_factory=dict)
+    #: Revision of the sources, which records repeat for people. It makes no job run again.
     revision: str = ""
+    #: Whether tests of the project keep out what fingerprints cannot see. Docstrings, texts of
+    #: errors and of the log, and what packages offer late then count nothing; otherwise all but
+    #: comments and formatting counts, and code that cannot be seen is refused.
+    checked: bool = False
 
     def files(self) -> list[Path]:
         """All modules of the packages, sorted."""
@@ -57,10 +52,7 @@ class Project:
     def check_imports(self) -> None:
         """Check that Python imports the packages from the sources that fingerprints are taken of.
 
-        Raises
-        ------
-        UnlikeCodeError
-            If it imports another copy: edits of this one would be recorded, and the other one run.
+        `UnlikeCodeError` if it is another copy: this one would be recorded, and the other one run.
         """
         for package in self.packages:
             path = module_file(package)

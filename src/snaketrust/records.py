@@ -15,17 +15,20 @@ import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from snaketrust.files import digest, replaced, stamp
+from snaketrust.plain import groups
 from snaketrust.run import check_ownership
 
 DIRECTORY = ".records"
 """Directory of the records, in the results directory."""
 
 NO_RECORD = "results without a record of what made them"
+
+_SOURCE_CACHE = "snakemake-runtime-cache"
 
 # larger files are verified by their stamp where it is known; reading a smaller one takes no time
 _LARGE = 4 * 2**20
@@ -37,43 +40,23 @@ class DamagedFileError(ValueError):
 
 @dataclass(frozen=True)
 class Record:
-    """Origin of a file.
+    """Origin of a file."""
 
-    Attributes
-    ----------
-    path
-        The file, below the results directory.
-    digest
-        SHA-256 of its content.
-    stamp
-        State of the file when its digest was last found right.
-    identity
-        Rule and wildcards of its job.
-    parameters
-        Settings and code of the job, as Snakemake passed them.
-    inputs
-        Digests of the files that it was made from, by their paths below the results directory.
-    log
-        Its log, below the results directory; empty if it has none.
-    seconds
-        How long the job took.
-    revision
-        Revision of the sources that it was planned with. It makes no job run again: what a job
-        runs, the fingerprints in its parameters tell.
-    environment
-        What the job noted of its surroundings. It makes no job run again either.
-    """
-
-    path: str
-    digest: str
-    stamp: list[int]
-    identity: dict[str, Any]
-    parameters: dict[str, Any]
-    inputs: dict[str, str]
-    log: str
-    seconds: float
-    revision: str = ""
-    environment: Sequence[str] = ()
+    path: str  # of the file, below the results directory
+    digest: str  # SHA-256 of its content
+    stamp: list[int]  # state of the file when its digest was last found right
+    identity: dict[str, Any]  # rule and wildcards of its job
+    parameters: dict[str, Any]  # of the job, plain data by name, in the order of the rule
+    inputs: dict[str, str]  # digests by paths below the results directory, in the rule's order
+    log: str  # below the results directory; empty if there is none
+    seconds: float  # how long the job took
+    revision: str = ""  # of the sources at planning; it makes no job run again
+    environment: Sequence[str] = ()  # what the job noted of its surroundings; nor does this
+    #: Names of the job's inputs and outputs, and its wildcards, as `shape` tells them; empty in
+    #: records of former versions, of which the order of inputs counts alone.
+    shape: str = ""
+    #: Representations of parameters that JSON cannot hold, with whole numbers as keys.
+    texts: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         texts = self.digest, self.log, self.identity["rule"], *self.inputs.values()
@@ -82,17 +65,45 @@ class Record:
             raise TypeError("an entry is not of its type")
 
 
+def shape(
+    inputs: Any, read: Sequence[str], outputs: Any, made: Sequence[str], wildcards: Any
+) -> str:
+    """Text of what tells equal files of a job apart: names of inputs and outputs, and wildcards.
+
+    ``read`` and ``made`` are the files' names in the results directory (`Records.name`).
+    """
+    own = {key: str(value) for key, value in wildcards.items()}
+    return repr([groups(inputs, read), groups(outputs, made), list(made), own])
+
+
 class Records:
     """Records of a results directory."""
 
     def __init__(self, results: str) -> None:
         self.results = results
+        self._prefix, self._names = f"{results}/", dict[str, str]()
 
     def name(self, path: str) -> str:
-        """Path of a file from the results directory."""
-        prefix = f"{self.results}/"
-        inside = path.startswith(prefix)
-        return path.removeprefix(prefix) if inside else os.path.relpath(path, self.results)
+        """Path of a file from the results directory: one for all spellings of the path."""
+        if path not in self._names:
+            self._names[path] = self._name(path)
+        return self._names[path]
+
+    def _name(self, path: str) -> str:
+        inside = path.removeprefix(self._prefix)
+        if inside != path and not {"", ".", ".."}.intersection(inside.split("/")):
+            return inside
+        if _SOURCE_CACHE in path:  # a copy of a file of the workflow, in a temporary directory
+            return f"../{_SOURCE_CACHE}/{os.path.basename(path)}"
+        name = os.path.relpath(path, self.results)
+        if name.startswith("../"):  # unless a link leads there
+            place, results = map(os.path.realpath, (os.path.dirname(path) or ".", self.results))
+            linked = os.path.relpath(os.path.join(place, os.path.basename(path)), results)
+            return name if linked.startswith("../") else linked
+        return name
+
+    def __contains__(self, path: str) -> bool:
+        return not self.name(path).startswith("../")
 
     def path(self, name: str) -> str:
         """Path of a file from its name, as the rules give it."""
@@ -112,12 +123,7 @@ class Records:
         return [name for name in found if os.path.exists(self.path(name))]
 
     def read(self, path: str) -> tuple[Record | None, str]:
-        """Read the record of a file, which may have been deleted.
-
-        Returns
-        -------
-        The record, or None and what is wrong.
-        """
+        """Read the record of a file, which may have been deleted."""
         try:
             record = Record(**json.loads(self.file(path).read_bytes()))
         except FileNotFoundError:
@@ -131,16 +137,7 @@ class Records:
     def found(self, path: str, *, read: bool = False) -> tuple[Record | None, str]:
         """Find the record of a file, if the file is still what its job wrote.
 
-        Parameters
-        ----------
-        path
-            The file, which exists.
-        read
-            Whether to read files that are not large even if their stamps are right.
-
-        Returns
-        -------
-        The record, or None and what is wrong.
+        With ``read``, files that are not large are read even if their stamps are right.
         """
         record, problem = self.read(path)
         if record is None:
@@ -165,13 +162,14 @@ class Records:
         seconds: float,
         revision: str = "",
         environment: Sequence[str] = (),
+        shape: str = "",
     ) -> None:
         """Write the records (`Record`) of a job's outputs; inputs by their paths in the rules."""
+        held = json.loads(json.dumps(parameters))
+        texts = {key: repr(one) for key, one in parameters.items() if repr(held[key]) != repr(one)}
         for path in outputs:
-            if (name := self.name(path)).startswith("../"):
-                continue  # elsewhere, as by the prefix of a workflow that has this one as a module
             record = Record(
-                path=name,
+                path=self.name(path),
                 digest=digest(path),
                 stamp=stamp(path),
                 identity=dict(identity),
@@ -181,6 +179,8 @@ class Records:
                 seconds=round(seconds, 3),
                 revision=revision,
                 environment=list(environment),
+                shape=shape,
+                texts=texts,
             )
             check_ownership()
             self._write(record)
@@ -193,45 +193,23 @@ class Records:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Files that a job reads, verified.
+    """Files that a job reads, verified."""
 
-    Attributes
-    ----------
-    by_name
-        Their digests, by the rule's names for them.
-    by_path
-        Their digests.
-    stamps
-        Their states when they were verified.
-    """
-
-    by_name: dict[str, list[str]]
-    by_path: dict[str, str]
-    stamps: dict[str, list[int]]
+    by_path: dict[str, str]  # their digests
+    stamps: dict[str, list[int]]  # their states when they were verified
 
     @classmethod
-    def read(cls, files: Mapping[str, Sequence[str]], records: Records | None) -> "Inputs":
+    def read(cls, paths: Sequence[str], records: Records | None) -> "Inputs":
         """Verify files by their records; without records, outside of the workflow, digest them.
 
-        Raises
-        ------
-        DamagedFileError
-            If a result is not what its job wrote; the message says how to repair it.
+        Raises `DamagedFileError`, which says how to repair it, if a result is not what its job
+        wrote.
         """
-        paths = [path for group in files.values() for path in group]
         stamps = {path: stamp(path) for path in paths}
-        digests = {path: _verified(path, records) for path in paths}
-        by_name = {name: [digests[path] for path in group] for name, group in files.items()}
-        return cls(by_name, digests, stamps)
+        return cls({path: _verified(path, records) for path in paths}, stamps)
 
     def check(self) -> None:
-        """Check that the files are unchanged since.
-
-        Raises
-        ------
-        DamagedFileError
-            If a file has changed.
-        """
+        """Check that the files are unchanged since, else raise `DamagedFileError`."""
         changed = [
             path
             for path, before in self.stamps.items()
@@ -242,7 +220,7 @@ class Inputs:
 
 
 def _verified(path: str, records: Records | None) -> str:
-    if records is None or records.name(path).startswith("../"):
+    if records is None or path not in records:
         return digest(path)  # a source
     record, problem = records.found(path, read=True)
     if record is None:

@@ -49,13 +49,7 @@ class Run:
 
     @classmethod
     def of_job(cls) -> "Run":
-        """Run that the job of this process belongs to.
-
-        Raises
-        ------
-        OvertakenError
-            If nothing says which it is.
-        """
+        """Run that the job of this process belongs to."""
         run = cls.current()
         if run is None:
             raise OvertakenError(
@@ -77,24 +71,7 @@ class Run:
         directories: Iterable[str] = (),
         revision: str = "",
     ) -> None:
-        """Take the results directory, and let the jobs that this process starts know the run.
-
-        Parameters
-        ----------
-        config
-            The whole config, as it was loaded.
-        code
-            Fingerprints of all code, each with the SHA-256 of its bytes.
-        directories
-            Where jobs find modules of the user's own.
-        revision
-            Revision of the sources.
-
-        Raises
-        ------
-        OvertakenError
-            If a run on this machine that is alive has it.
-        """
+        """Take the results directory, and let the jobs that this process starts know the run."""
         self.check_idle()
         host, process = socket.gethostname(), os.getpid()
         claim = {
@@ -112,13 +89,7 @@ class Run:
         os.environ[VARIABLE] = f"{self.token} {self.results}"
 
     def check_idle(self) -> None:
-        """Check that no other run is at work in the results directory, as far as one can see.
-
-        Raises
-        ------
-        OvertakenError
-            If a run on this machine that is alive has it.
-        """
+        """Check that no other run is at work in the results directory, as far as one can see."""
         found = self._read()
         other = found.get("process", 0)
         here = found.get("host") == socket.gethostname() and other != os.getpid()
@@ -130,13 +101,7 @@ class Run:
             )
 
     def plan(self) -> dict[str, Any]:
-        """Read what was planned: the claim with what `claim` has got.
-
-        Raises
-        ------
-        OvertakenError
-            If a newer run has the results directory.
-        """
+        """Read what was planned: the claim with what `claim` has got."""
         claim = self._read()
         if claim.get("token") != self.token:
             by = f"{claim.get('host')}, process {claim.get('process')}" if claim else "unknown"
@@ -154,13 +119,7 @@ class Run:
 
 
 def check_ownership() -> None:
-    """Check that the run of this process, if there is one, still has its results directory.
-
-    Raises
-    ------
-    OvertakenError
-        If a newer run has it.
-    """
+    """Check that the run of this process, if there is one, still has its results directory."""
     if run := Run.current():
         run.plan()
 

@@ -1,5 +1,7 @@
 """Start of a workflow before any of its rules: `start`."""
 
+import ast
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +10,7 @@ from typing import Any
 from snakemake.exceptions import WorkflowError
 
 from snaketrust import hooks, plan
+from snaketrust.checks import check_rules
 from snaketrust.fingerprint import Sources
 from snaketrust.modules import compile_by_content, make_importable, search_directories
 from snaketrust.planning import KnownResults
@@ -23,21 +26,11 @@ OwnModules = Mapping[str, Sequence[str] | None]
 
 @dataclass(frozen=True)
 class Started:
-    """Config and sources for rules.
+    """Config and sources for rules."""
 
-    Attributes
-    ----------
-    config
-        The whole config of the run, whatever its files say by now.
-    run
-        The run, with the results directory.
-    sources
-        The code that jobs run: `Sources.fingerprint` makes their parameter ``code``.
-    """
-
-    config: dict[str, Any]
-    run: Run
-    sources: Sources
+    config: dict[str, Any]  # of the run, whatever its files say by now
+    run: Run  # with the results directory
+    sources: Sources  # the code of jobs: `Sources.fingerprint` makes their parameter ``code``
 
 
 def start(
@@ -67,42 +60,79 @@ def start(
     ------
     UnlikeCodeError
         If Python imports other packages than those beside the workflow, or runs an old version.
+    WorkflowError
+        If the Snakefile starts a second workflow with other results or another config, or a rule
+        (at the end of planning) is one whose results cannot be trusted.
     OvertakenError
         If another run has overtaken the one that this job belongs to.
     """
-    plan.started = workflow
     project.check_imports()
     if not workflow.is_main_process:
         run = Run.of_job()
         claim = run.plan()
         make_importable(claim["directories"])
         config = claim["config"]
+        config = ast.literal_eval(config) if isinstance(config, str) else config
+        plan.started = workflow
         hooks.plan_by(KnownResults(run.results))
         return Started(config, run, Sources(project, own_modules(config), MEMORY))
 
     directories = search_directories(workflow.configfiles, project.root)
     make_importable(directories)
     config = load()
-    planned = dict(config)  # the workflow may add to the config what is no setting
+    planned = _told(config)  # the workflow may add to the config what is no setting
     # where another workflow's prefix puts it, if it has this one as a module
-    run = Run.new(workflow.modifier.path_modifier.replace_prefix(results(config)))
+    place = workflow.modifier.path_modifier.replace_prefix(results(config))
+    if plan.started is workflow:
+        return _once_more(project, place, planned)
+    plan.started = workflow
+    run = Run.new(place)
     sources = Sources(project, own_modules(config), MEMORY)
     compile_by_content([*project.files(), *sources.own_files()])
 
     def planning_is_over(workflow: Any) -> None:
         sources.codes.keep()
-        _refuse_what_nothing_makes(workflow, run.results)
+        check_rules(workflow, known, sources.unseen)
+        _refuse_what_nothing_makes(workflow, known)
         if not workflow.dryrun and any(True for _ in workflow.dag.needrun_jobs()):
             try:
                 run.claim(planned, sources.all_code(), directories, project.revision)
             except OvertakenError as error:
                 raise WorkflowError(str(error)) from None
 
-    hooks.install(KnownResults(run.results), planning_is_over)
-    return Started(config, run, sources)
+    known = KnownResults(run.results)
+    hooks.install(known, planning_is_over)
+    started = Started(config, run, sources)
+    _first[:] = project.root, place, repr(planned), started
+    return started
 
 
-def _refuse_what_nothing_makes(workflow: Any, results: str) -> None:
+_first: list[Any] = []  # root, results, config of the last workflow, and what it was given
+
+
+def _told(config: dict[str, Any]) -> Any:
+    """Config as the claim holds it for jobs: as it is, or as text where JSON would change it."""
+    text = repr(config)
+    try:
+        if ast.literal_eval(text) != config:
+            raise ValueError("it changes when it is written and read")
+        return dict(config) if repr(json.loads(json.dumps(config))) == text else text
+    except (TypeError, ValueError, SyntaxError) as error:
+        raise WorkflowError(f"the config is no plain data ({error}): jobs cannot read it") from None
+
+
+def _once_more(project: Project, results: str, planned: Any) -> Started:
+    """Repeat what the same module was given when `use rule` read it before."""
+    if [project.root, results, repr(planned)] != _first[:3]:
+        raise WorkflowError(
+            f"this Snakefile starts snaketrust for {_first[1]} and for {results}: one run owns one "
+            f"results directory; run the two workflows one after the other, from a Snakefile each"
+        )
+    found: Started = _first[3]
+    return found
+
+
+def _refuse_what_nothing_makes(workflow: Any, known: KnownResults) -> None:
     """Make it an error if a result is needed and there, but no job makes it.
 
     Snakemake takes such a file for a source, whether its name matches no rule or something is
@@ -113,10 +143,10 @@ def _refuse_what_nothing_makes(workflow: Any, results: str) -> None:
         return
     made = {str(path) for job in workflow.dag.jobs for path in job.output}
     wanted = {str(path) for job in workflow.dag.jobs for path in job.input}
-    lost = sorted(path for path in wanted - made if path.startswith(f"{results}/"))
-    if lost:
+    if lost := sorted(path for path in wanted - made if path in known):
         more = f", as {len(lost) - 1} others" if len(lost) > 1 else ""
         raise WorkflowError(
-            f"{lost[0]} is there, but nothing makes it{more}: its name matches no rule, or a "
-            f"source file is missing that it comes from (without it, Snakemake says which)"
+            f"{lost[0]} is there, but nothing makes it{more}: its name matches no rule, or is "
+            f"spelt otherwise there, or a source file is missing that it comes from (without it, "
+            f"Snakemake says which)"
         )

@@ -5,7 +5,7 @@ import pytest
 
 from forbidden_code import offered_late, words_read
 from snaketrust import code_hash
-from snaketrust.code_hash import Code, Codes
+from snaketrust.code_hash import Code, Codes, parsed
 
 
 @pytest.fixture
@@ -424,3 +424,40 @@ def test_a_sum_of_many_terms_is_no_trouble(tmp_path):
 def test_of_a_compiled_module_the_bytes_count(tmp_path):
     path = tmp_path / "module.so"
     assert digest_of(b"\x7fELF a", path, strict=True) != digest_of(b"\x7fELF b", path, strict=True)
+
+
+# -- what fingerprints do not see ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        *("exec(text)", "eval(text)", "run = exec", "import runpy; runpy.run_path(name)"),
+        *("from pkgutil import iter_modules", "__import__(name)", "importlib.import_module(name)"),
+        *("here = Path(__file__).parent", "sys.path.insert(0, place)"),
+        *("importlib.resources.files(package)", "from importlib.resources import files"),
+        *("snakemake.config['low']", "value = snakemake.config", "getattr(snakemake, name)"),
+        *("os.environ['LOW']", "os.getenv('LOW')", "environ.get('LOW')"),
+        *("open('low.txt')", "Path('low.txt').read_text()", "Path('low.txt').open()"),
+        *("np.load('low.npy')", "pd.read_csv('low.csv')", "xr.open_dataset('low.nc')"),
+        *("subprocess.run([sys.executable, name])", "os.system('python low.py')"),
+    ],
+)
+def test_what_is_not_seen_is_told_by_its_line(code):
+    (*_, place) = parsed(f"\n{code}\n".encode(), "a.py", strict=True).unseen
+    assert place.startswith("line 2: ")
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        *("import_module('json')", "re.compile(text)", "frame.eval(text)", "model.eval()"),
+        *("open(snakemake.input[0])", "Path(snakemake.input['low']).read_text()"),
+        *("open('low.txt', 'w')", "Path('low.txt').open('w')", "open('low.txt', mode='wb')"),
+        *("os.environ['LOW'] = '1'", "os.environ.setdefault('LOW', '1')", "pd.read_csv(path)"),
+        *("subprocess.run(['bcftools', path])", "snakemake.params.low", "print(__doc__)"),
+        *("zipfile.ZipFile(snakemake.input[0]).open('member')", "run(python)"),
+    ],
+)
+def test_what_is_seen_or_cannot_be_noticed_is_not_refused(code):
+    assert not parsed(code.encode(), "a.py", strict=True).unseen

@@ -14,7 +14,8 @@ VERSION = "pack.harness.version"
 def sources_of(root: Path, own_modules=None) -> Sources:
     """What is read now: edits are seen by another one."""
     harness = {"pack.harness": VERSION}
-    return Sources(Project(root, root / "scripts", root / "src", ("pack",), harness), own_modules)
+    places = root, root / "scripts", root / "src"
+    return Sources(Project(*places, ("pack",), harness, checked=True), own_modules)
 
 
 @pytest.fixture
@@ -68,7 +69,7 @@ def test_closure_follows_imports_and_nothing_else(tmp_path, project):
         ("if False:\n    import pack.unused", {"pack", "pack.unused"}),
         ("try:\n    import pack.unused\nexcept ImportError: pass", {"pack", "pack.unused"}),
         ("from pack import deep, unused", {"pack", "pack.deep", "pack.unused"}),
-        ("import neighbour", set()),  # Snakemake runs a copy of the script, elsewhere
+        ("import neighbour", {"beside:neighbour.py"}),
         ("import json, os.path", set()),
         ("from pack import missing", {"pack"}),
     ],

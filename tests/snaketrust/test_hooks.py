@@ -10,8 +10,10 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from snakemake.cli import get_argument_parser
+from snakemake.iocontainers import Namedlist
 from snakemake.persistence import PersistenceBase
 from snakemake.scheduling.job_scheduler import JobRateLimiter, JobScheduler
 from snakemake.script import PythonScript
@@ -21,8 +23,9 @@ from snakemake.workflow import Workflow
 from snaketrust import hooks
 from snaketrust.files import digest
 from snaketrust.hooks import FIRST_LINE, HOOKS, UnfitSnakemakeError, install
+from snaketrust.plain import plain
 from snaketrust.planning import KnownResults
-from snaketrust.records import Records
+from snaketrust.records import Records, shape
 from snaketrust.run import VARIABLE
 
 
@@ -87,10 +90,10 @@ def test_what_is_not_needed_is_left_out(another):
     text = another("incomplete", "write_script")
     assert "another PersistenceBase.incomplete now: such jobs run again" in text
     assert "tracebacks on the terminal" in text
-    assert (PersistenceBase.incomplete, PythonScript.write_script) == (HOOKS[2].own, HOOKS[3].own)
+    assert (PersistenceBase.incomplete, PythonScript.write_script) == (HOOKS[4].own, HOOKS[5].own)
 
 
-@pytest.mark.parametrize("name", ["metadata", "__init__"])
+@pytest.mark.parametrize("name", ["metadata", "params_changed", "_input_changed", "__init__"])
 def test_without_what_all_rests_on_nothing_starts(another, name):
     with pytest.raises(UnfitSnakemakeError, match=r"has another .*install one of the releases 9"):
         another(name)
@@ -115,18 +118,99 @@ def test_snakemake_is_told_what_records_say(tmp_path, monkeypatch):
 
     assert known("results/b.nc") is None
     found = known()
-    assert (found.rule, found.params, found.log) == ("train", ["1"], ["results/a.log"])
+    assert (found.rule, found.log) == ("train", ["results/a.log"])
     assert (found.starttime, found.endtime) == pytest.approx((changed - 5, changed), abs=1e-3)
-    assert found.input == ["series.csv"]
-    assert found.input_checksums == {"series.csv": f"sha256:{inputs['series.csv']}"}
-    source.write_text("another")
+    checksums = found.input_checksums
+    for spelling in ("series.csv", "./series.csv", str(source.absolute())):
+        assert checksums.get(spelling) == f"sha256:{inputs['series.csv']}"
+
+
+def job(inputs=(), params=(), outputs=("results/a.nc",), **wildcards):
+    """A planned job: pairs of names and values, or values without a name."""
+    files = [Namedlist() for _ in range(3)]
+    for found, items in zip(files, (inputs, params, outputs), strict=True):
+        for item in items:
+            name, value = item if isinstance(item, tuple) else (None, item)
+            start, several = len(found), isinstance(value, list) and found is not files[1]
+            found.extend(value if several else [value])
+            if name:
+                found._set_name(name, start, end=len(found) if several else None)
+    return SimpleNamespace(
+        input=files[0],
+        params=files[1],
+        output=files[2],
+        wildcards_dict=wildcards,
+        rule=SimpleNamespace(name="train"),
+    )
+
+
+A, B = ("a", "x.csv"), ("b", "y.csv")
+PLANNED = job(inputs=[A, B], params=[("low", 1), ("high", 2)], case="one")
+
+
+@pytest.mark.parametrize(
+    ("other", "runs"),
+    [
+        (PLANNED, False),
+        (job([A, B], [("low", 1.0), ("high", np.int64(2))], case="one"), False),
+        (job([("a", "./x.csv"), B], [("low", 1), ("high", 2)], case="one"), False),
+        (job([("a", "results/../x.csv"), B], [("low", 1), ("high", 2)], case="one"), False),
+        (job([A, B], [("low", 1), ("high", 2)], [f"{'./' * 2}results/a.nc"], case="one"), False),
+        (job([A, B], [("low", 2), ("high", 1)], case="one"), True),
+        (job([A, B], [("high", 2), ("low", 1)], case="one"), True),
+        (job([A, B], [("low", True), ("high", 2)], case="one"), True),
+        (job([A, B], [1, 2], case="one"), True),
+        (job([("a", "y.csv"), ("b", "x.csv")], [("low", 1), ("high", 2)], case="one"), True),
+        (job([B, A], [("low", 1), ("high", 2)], case="one"), True),
+        (job([("b", "x.csv"), ("a", "y.csv")], [("low", 1), ("high", 2)], case="one"), True),
+        (job([("a", ["x.csv"]), B], [("low", 1), ("high", 2)], case="one"), True),
+        (job(["x.csv", "y.csv"], [("low", 1), ("high", 2)], case="one"), True),
+        (job([A, B, A[1]], [("low", 1), ("high", 2)], case="one"), True),
+        (job([A, B], [("low", 1), ("high", 2)], [("o", "results/a.nc")], case="one"), True),
+        (job([A, B], [("low", 1), ("high", 2)], case="other"), True),
+    ],
+)
+def test_names_and_order_count_and_spellings_do_not(tmp_path, monkeypatch, other, runs):
+    monkeypatch.chdir(tmp_path)
+    Path("results").mkdir()
+    for path in ("x.csv", "y.csv", "results/a.nc"):
+        Path(path).write_text("equal")
+    records, digests = Records("results"), {path: digest(path) for path in ("x.csv", "y.csv")}
+    names = [records.name(path) for path in PLANNED.input]
+    told = shape(PLANNED.input, names, PLANNED.output, ["a.nc"], PLANNED.wildcards_dict)
+    values = {"low": 1, "high": 2}
+    records.write(["results/a.nc"], {"rule": "train"}, values, digests, "", 1.0, shape=told)
     install(KnownResults("results"), print)
-    assert known().input != ["series.csv"]
-    source.unlink()  # Snakemake itself says that a source is missing
+    path = other.output[0]
+    changed = PersistenceBase.params_changed(None, other, path)
+    assert (bool(changed) or PersistenceBase._input_changed(None, other, path)) == runs
+
+
+@pytest.mark.parametrize(
+    "value", [(1, (2,)), {1: "a", 20: "b"}, {"b": 1, "a": 4.0}, np.float64(0.5), [np.int8(3)], ""]
+)
+def test_parameters_of_any_plain_kind_settle(tmp_path, monkeypatch, value):
+    monkeypatch.chdir(tmp_path)
+    Path("results").mkdir()
+    Path("results/a.nc").write_text("")
+    kept = {"settings": plain(value)}
+    Records("results").write(["results/a.nc"], {"rule": "train"}, kept, {}, "", 1.0)
     install(KnownResults("results"), print)
-    assert known().input == ["series.csv"]
-    made.write_text("damaged")
-    assert known().params == ["results/a.nc is not what its job wrote"]
+    planned = job(params=[("settings", value)])
+    assert not PersistenceBase.params_changed(None, planned, "results/a.nc")
+    planned = job(params=[("settings", {"1": "a", "20": "b"})])
+    assert PersistenceBase.params_changed(None, planned, "results/a.nc")
+
+
+def test_a_damaged_result_says_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("results").mkdir()
+    Path("results/a.nc").write_text("a")
+    Records("results").write(["results/a.nc"], {"rule": "train"}, {}, {}, "", 1.0)
+    Path("results/a.nc").write_text("b")
+    install(KnownResults("results"), print)
+    changed = PersistenceBase.params_changed(None, job())
+    assert changed.only_old == {"results/a.nc is not what its job wrote"}
 
 
 def test_outputs_without_a_record_are_incomplete(tmp_path, monkeypatch):

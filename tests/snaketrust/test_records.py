@@ -147,14 +147,13 @@ def test_results_that_may_only_be_read_are_used(place, monkeypatch):
 
 
 def read(*paths: str) -> Inputs:
-    return Inputs.read({"networks": list(paths), "first": [paths[0]]}, Records("results"))
+    return Inputs.read(paths, Records("results"))
 
 
 def test_inputs_are_verified(place):
     Path("source.csv").write_text("a")
     inputs = read(path_of(0), path_of(1), "source.csv")
     assert inputs.by_path == {path: digest(path) for path in (path_of(0), path_of(1), "source.csv")}
-    assert inputs.by_name["first"] == [digest(path_of(0))]
     inputs.check()
 
 

@@ -268,6 +268,18 @@ def test_records_say_the_revision_and_files_do_not(finished):
     assert record.environment[0].encode() not in path.read_bytes()
 
 
+def test_a_damaged_record_does_not_stop_an_archive(tmp_path):
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text("1")
+    records = Records(str(tmp_path))
+    paths = [str(tmp_path / name) for name in ("a.csv", "b.csv")]
+    records.write(paths, {"rule": "table"}, {}, {}, "", 1.0, "revision", ["kernel"])
+    records.file(paths[1]).write_text("{")
+    told = versions(tmp_path)
+    assert told["files by revision"] == {"damaged record": 1, "revision": 1}
+    assert told["linear algebra"] == ["kernel"]
+
+
 # -- the wheel -------------------------------------------------------------------------------------
 
 

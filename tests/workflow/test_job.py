@@ -14,18 +14,15 @@ import numpy as np
 from pathlib import Path
 from types import SimpleNamespace
 from dataclasses import replace
+from snakemake.iocontainers import Namedlist
 import burstcast
 from burstcast_workflow.project import code_of
 from snaketrust.fingerprint import Sources
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.storage import atomic, write_json
 
-class Files(dict):
-    def __iter__(self):
-        return iter(self.values())
-
-class Params(dict):
-    __getattr__ = dict.__getitem__
+def Files(**items):
+    return Namedlist(fromdict=items)
 
 Path("data.nc").write_text("data")
 script = Path("train.py").resolve()
@@ -38,7 +35,7 @@ snakemake = SimpleNamespace(
     rule="train", resources={}, scriptdir=str(script.parent), log=["logs/train.log"],
     wildcards={"case": "Re400", "seed": "3"},
     input=Files(data="data.nc"), output=Files(network="deep/er/network.json"),
-    params=Params(settings={"number": 3.0, "name": "Re400"}, code=code),
+    params=Files(settings={"number": 3.0, "name": "Re400"}, code=code),
 )
 """
 
@@ -94,7 +91,7 @@ def test_a_job_of_a_run_finds_own_modules_and_records_how_long_it_took(tmp_path)
     assert result.returncode == 0, log
     record = json.loads((tmp_path / "results" / ".records" / "network.json.json").read_text())
     assert 0.2 <= record["seconds"] < 60
-    assert record["parameters"]["settings"] == {"number": 3.0, "name": "Re400"}
+    assert record["parameters"]["settings"] == {"name": "Re400", "number": 3}
 
 
 def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):

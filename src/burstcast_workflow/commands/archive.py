@@ -65,9 +65,13 @@ def versions(results: Path) -> dict[str, Any]:
     revisions: Counter[str] = Counter()
     kernels: set[str] = set()
     for path in sorted((results / DIRECTORY).rglob("*.json")):
-        record = json.loads(path.read_bytes())
-        revisions[record.get("revision") or "unknown"] += 1
-        kernels.update(record.get("environment", ()))
+        try:
+            record = dict(json.loads(path.read_bytes()))
+        except (ValueError, TypeError, RecursionError):
+            revisions["damaged record"] += 1
+            continue
+        revisions[str(record.get("revision") or "unknown")] += 1
+        kernels.update(map(str, record.get("environment") or ()))
     return {
         "python": platform.python_version(),
         "libraries": {library: library_version(library) for library in LIBRARIES},

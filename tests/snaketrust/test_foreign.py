@@ -1,0 +1,233 @@
+"""What any workflow may do: what counts reruns, what does not settles, and the rest is refused."""
+
+import pytest
+from helpers_toy import Toy
+
+SNAKEFILE = """
+from pathlib import Path
+
+import numpy as np
+
+from snaketrust.project import Project
+from snaketrust.start import start
+
+
+configfile: "config.yaml"
+
+
+ROOT = Path(str(workflow.current_basedir))
+PROJECT = Project(root=ROOT, scripts=ROOT / "scripts", sources=ROOT / "lib", packages=("toy",))
+started = start(workflow, PROJECT, lambda config: config["results"], lambda: dict(config))
+config, sources = started.config, started.sources
+RESULTS = config["results"]
+
+
+rule join:
+    input:
+        config["list"],
+        a=config["first"],
+        b=config["second"],
+    output:
+        f"{RESULTS}/joined.txt",
+    params:
+        settings=SETTINGS,
+        low=config["low"],
+        high=config["high"],
+        code=sources.fingerprint("join.py"),
+    script:
+        "scripts/join.py"
+
+
+MORE
+"""
+SCRIPT = """
+import json
+from pathlib import Path
+
+import common
+from snaketrust.job import run_job
+from toy import settled
+
+
+def compute():
+    named = snakemake.input.a, snakemake.input.b
+    texts = [Path(path).read_text() for path in [*snakemake.input[:-2], *named]]
+    limits = snakemake.params.low, snakemake.params.high
+    said = common.join([*texts, str(limits), json.dumps(snakemake.params.settings), settled()])
+    Path(snakemake.output[0]).write_text(said)
+
+
+run_job(snakemake, compute)
+"""
+CONFIG = """
+results: results
+first: x.txt
+second: y.txt
+list: [x.txt, y.txt]
+low: 1
+high: 2
+"""
+FILES = {
+    "Snakefile": SNAKEFILE,
+    "config.yaml": CONFIG,
+    "scripts/join.py": SCRIPT,
+    "scripts/common.py": "def join(texts):\n    return ' '.join(texts)\n",
+    "lib/toy/__init__.py": "from other import more\n\n\ndef settled():\n    return more()\n",
+    "lib/other.py": "def more():\n    return 'more'\n",
+    "x.txt": "x",
+    "y.txt": "y",
+}
+SETTINGS = '{"odd": (1, [2.0]), 3: {"b": np.float64(0.5), "a": 4.0}}'
+
+
+def foreign(directory, settings=SETTINGS, more="", **changes):
+    snakefile = SNAKEFILE.replace("SETTINGS", settings).replace("MORE", more)
+    return Toy(directory, {**FILES, "Snakefile": snakefile, **changes})
+
+
+@pytest.fixture(scope="module")
+def workflow(tmp_path_factory):
+    toy = foreign(tmp_path_factory.mktemp("foreign"))
+    assert toy.run() == {"join": 1}
+    return toy
+
+
+def content(toy):
+    return (toy.directory / "results" / "joined.txt").read_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("config.yaml", "first: x.txt\nsecond: y.txt", "first: y.txt\nsecond: x.txt"),
+        ("config.yaml", "[x.txt, y.txt]", "[y.txt, x.txt]"),
+        ("config.yaml", "low: 1\nhigh: 2", "low: 2\nhigh: 1"),
+        ("scripts/common.py", "' '", "'-'"),
+        ("lib/other.py", "'more'", "'less'"),
+        ("Snakefile", "[2.0]", "[2.5]"),
+        ("x.txt", "x", "z"),
+    ],
+)
+def test_whatever_changes_the_result_makes_it_again(workflow, name, old, new):
+    before = content(workflow)
+    workflow.edit(name, old, new)
+    assert workflow.run() == {"join": 1}
+    assert content(workflow) != before
+    workflow.edit(name, new, old)
+    assert workflow.run() == {"join": 1}
+    assert content(workflow) == before
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("first: x.txt", "first: ./x.txt"),
+        ("first: x.txt", "first: {directory}/x.txt"),
+        ("[x.txt, y.txt]", "[{directory}/x.txt, ./y.txt]"),
+        ("low: 1", "low: 1.0"),
+        ("results: results", "results: ./results"),
+        ("results: results", "results: {directory}/results"),
+        ("low: 1\nhigh: 2", "high: 2\nlow: 1"),
+    ],
+)
+def test_another_spelling_of_the_same_runs_nothing(workflow, old, new):
+    spelt = new.format(directory=workflow.directory)
+    workflow.edit("config.yaml", old, spelt)
+    assert workflow.run() == {}
+    workflow.edit("config.yaml", spelt, old)
+    assert workflow.run() == {}
+
+
+def test_the_same_file_twice_settles(tmp_path):
+    toy = foreign(tmp_path)
+    toy.edit("config.yaml", "[x.txt, y.txt]", "[x.txt, x.txt]")
+    assert toy.run() == {"join": 1}
+    assert toy.run() == {}
+
+
+REFUSED = {
+    "shell:": 'output: f"{RESULTS}/1.txt"\n    shell: "touch {output}"',
+    "run:": 'output: f"{RESULTS}/2.txt"\n    run: Path(output[0]).touch()',
+    "the output directory()": (
+        'output: directory(f"{RESULTS}/3")\n    params: code=sources.fingerprint("join.py")\n'
+        '    script: "scripts/join.py"'
+    ),
+    "the output touch()": (
+        'output: touch(f"{RESULTS}/4.txt")\n    params: code=sources.fingerprint("join.py")\n'
+        '    script: "scripts/join.py"'
+    ),
+    "no parameter code": 'output: f"{RESULTS}/5.txt"\n    script: "scripts/join.py"',
+    "but its code is the fingerprint of join.py": (
+        'output: f"{RESULTS}/6.txt"\n    params: code=sources.fingerprint("join.py")\n'
+        '    script: "scripts/common.py"'
+    ),
+    "elsewhere": (
+        'output: f"{RESULTS}/7.txt", "else.txt"\n'
+        '    params: code=sources.fingerprint("join.py")\n    script: "scripts/join.py"'
+    ),
+    "parameters that cannot be compared": (
+        'output: f"{RESULTS}/8.txt"\n'
+        '    params: code=sources.fingerprint("join.py"), some={1, 2}\n'
+        '    script: "scripts/join.py"'
+    ),
+    "writes outside of results": (
+        'output: "else2.txt"\n    params: code=sources.fingerprint("join.py")\n'
+        '    script: "scripts/join.py"'
+    ),
+    "derives threads_too from threads": (
+        'output: f"{RESULTS}/9.txt"\n'
+        '    params: code=sources.fingerprint("join.py"), '
+        "threads_too=lambda wildcards, threads: threads\n"
+        '    script: "scripts/join.py"'
+    ),
+}
+
+
+def test_rules_without_records_are_refused_before_any_job_in_a_sentence_each(tmp_path):
+    rules = [f"rule odd{place}:\n    {text}\n" for place, text in enumerate(REFUSED.values())]
+    toy = foreign(tmp_path, more="\n\n".join(rules))
+    names = [f"odd{place}" for place in range(len(REFUSED))]
+    said = toy.run("--dry-run", *names, fails=True)
+    for name, words in zip(names, REFUSED, strict=True):
+        assert any(f"the rule {name} " in line and words in line for line in said.splitlines()), (
+            name,
+            words,
+        )
+    assert said.count("the rule ") == len(REFUSED)
+    assert not (toy.directory / "results").exists()
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "exec(Path('x.txt').read_text())",
+        "__import__(snakemake.params.low)",
+        "Path('x.txt').read_text()",
+        "snakemake.config['low']",
+        "getattr(snakemake, 'con' + 'fig')",
+        "eval('1')",
+    ],
+)
+def test_what_fingerprints_do_not_see_is_refused(tmp_path, code):
+    toy = foreign(tmp_path)
+    toy.edit("scripts/join.py", "def compute():\n", f"def compute():\n    {code}\n")
+    said = toy.run("--dry-run", fails=True)
+    assert "join.py, line 11: " in said
+    assert "fingerprints do not see what is there" in said
+
+
+def test_two_workflows_in_one_snakefile_are_refused(tmp_path):
+    more = """
+module again:
+    snakefile: "Again"
+    prefix: "again"
+
+
+use rule * from again as again_*
+"""
+    toy = foreign(tmp_path, more=more)
+    again = (toy.directory / "Snakefile").read_text().replace(more, "").replace("MORE", "")
+    (toy.directory / "Again").write_text(again)
+    said = toy.run("--dry-run", fails=True)
+    assert "one run owns one results directory" in said
+    assert "run the two workflows one after the other" in said
