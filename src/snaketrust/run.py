@@ -70,8 +70,12 @@ class Run:
         code: Mapping[str, str],
         directories: Iterable[str] = (),
         revision: str = "",
+        wanted: Iterable[str] = (),
     ) -> None:
-        """Take the results directory, and let the jobs that this process starts know the run."""
+        """Take the results directory, and let the jobs that this process starts know the run.
+
+        ``wanted`` has the names of all files that it is to make, if they are not there yet.
+        """
         self.check_idle()
         host, process = socket.gethostname(), os.getpid()
         claim = {
@@ -83,6 +87,7 @@ class Run:
             "code": code,
             "directories": list(directories),
             "revision": revision,
+            "wanted": list(wanted),
         }
         with replaced(Path(self.results) / CLAIM) as partial:
             partial.write_text(json.dumps(claim, indent=1))
@@ -90,7 +95,7 @@ class Run:
 
     def check_idle(self) -> None:
         """Check that no other run is at work in the results directory, as far as one can see."""
-        found = self._read()
+        found = self.claimed()
         other = found.get("process", 0)
         here = found.get("host") == socket.gethostname() and other != os.getpid()
         started = found.get("started")  # empty where there is no /proc, and then nothing is known
@@ -102,7 +107,7 @@ class Run:
 
     def plan(self) -> dict[str, Any]:
         """Read what was planned: the claim with what `claim` has got."""
-        claim = self._read()
+        claim = self.claimed()
         if claim.get("token") != self.token:
             by = f"{claim.get('host')}, process {claim.get('process')}" if claim else "unknown"
             raise OvertakenError(
@@ -110,7 +115,8 @@ class Run:
             )
         return claim
 
-    def _read(self) -> dict[str, Any]:
+    def claimed(self) -> dict[str, Any]:
+        """Claim of the newest run, whichever it is; empty if there is none."""
         try:
             found = json.loads((Path(self.results) / CLAIM).read_bytes())
         except (OSError, ValueError, RecursionError):

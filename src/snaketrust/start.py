@@ -96,7 +96,12 @@ def start(
         _refuse_what_nothing_makes(workflow, known)
         if not workflow.dryrun and any(True for _ in workflow.dag.needrun_jobs()):
             try:
-                run.claim(planned, sources.all_code(), directories, project.revision)
+                made = sorted(
+                    known.records.name(str(path))
+                    for job in workflow.dag.jobs
+                    for path in job.output
+                )
+                run.claim(planned, sources.all_code(), directories, project.revision, made)
             except OvertakenError as error:
                 raise WorkflowError(str(error)) from None
 

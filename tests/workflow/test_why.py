@@ -15,6 +15,7 @@ from burstcast_workflow.commands.why import (
     report,
 )
 from snaketrust.records import Records
+from snaketrust.run import Run
 
 CODE = ["burstcast.systems.mfe@1", "train.py@2"]
 
@@ -160,7 +161,7 @@ def test_files_of_more_and_of_fewer_forecasters():
 
 
 def test_jobs_with_results_are_known_whether_they_run_or_not(tmp_path):
-    run = SimpleNamespace(results=str(tmp_path))
+    run = Run.new(str(tmp_path))
     (tmp_path / "made").write_text("")
     Records(run.results).write([f"{tmp_path}/made"], {"rule": "train"}, {}, {}, "", 1.0)
     rule = SimpleNamespace(name="train", module_globals={"campaign": None, "run": run})
@@ -180,6 +181,35 @@ def test_new_jobs_are_described_by_what_is_new_about_them():
     made = job(wildcards=network(seed=2), recorded_inputs=None, **new)
     assert [cause.text for cause in causes([made], known)] == ["one more seed, 2 -> 3 (2)"]
     assert [cause.text for cause in causes([made], {})] == ["not made yet"]
+
+
+def test_an_unfinished_campaign_is_told_in_a_line_before_what_changed():
+    new = {"missing": ["n.nc"], "recorded_settings": None, "recorded_code": None}
+    known = {"train": [network(seed=0), network(seed=1)]}
+    rest = [job(wildcards=network(seed=seed), asked_before=True, **new) for seed in (2, 3)]
+    edited = job("events", {"threshold": 2}, {"threshold": 1})
+    table = job("horizon_table", wildcards={}, upstream=[0, 2], asked_before=True, **new)
+    made = job("horizon", upstream=[2])
+    jobs = [*rest, edited, table, made]
+    assert report(jobs, known).splitlines() == [
+        "not made yet: 3 jobs",
+        "threshold 1 -> 2 (Re400): events (1), horizon (1)",
+        "",
+        "In all 5 jobs: train (2), events (1), horizon_table (1), horizon (1)",
+    ]
+    more = job(wildcards=network(seed=4), **new)
+    assert report([*rest, more], known).splitlines()[:2] == [
+        "not made yet: 2 jobs",
+        "one more seed, 2 -> 3 (4) (Re400): train (1)",
+    ]
+    waiting = job("horizon", upstream=[0])
+    assert report([rest[0], waiting], known).splitlines()[0] == "not made yet: 2 jobs"
+
+
+def test_another_order_of_inputs_is_told():
+    inputs = ["a.nc", "b.nc"]
+    exchanged = job(inputs=inputs[::-1], recorded_inputs=dict.fromkeys(inputs, True))
+    assert [cause.text for cause in causes([exchanged], {})] == ["inputs in another order"]
 
 
 def test_figures_are_counted_together():

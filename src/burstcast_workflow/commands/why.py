@@ -11,7 +11,7 @@ settings by their path in the config, modules, files.
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from burstcast.forecasters._names import parsed
@@ -20,6 +20,9 @@ from burstcast_workflow.harness.settings import leaves
 from burstcast_workflow.start import names_of_rules
 from snaketrust.plan import planned
 from snaketrust.planning import Known, KnownResults
+
+UNMADE = "not made yet"
+"""Text of the cause of jobs that never ran, and that the last run was to make, too."""
 
 _MISSING = object()
 _LONGEST_VALUE = 60
@@ -62,6 +65,7 @@ class Job:
     changed_files: Sequence[str] = ()
     #: what is wrong with outputs that are there: damaged, or without a record of what made them
     problems: Sequence[str] = ()
+    asked_before: bool = False  #: whether the last run was to make it, too
     forced: bool = False  #: whether it was asked for by an option
     upstream: Sequence[int] = ()  #: numbers of the jobs that would run before it, among all jobs
     #: wildcards of the jobs that made the inputs, now and at its last run, by file
@@ -178,20 +182,42 @@ def causes(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> list
     ``known`` has the wildcards of the jobs that have results already, by rule.
     """
     found: dict[str, Cause] = {}
+    unmade = {number for number, job in enumerate(jobs) if _unmade(job, known)}
     for number, job in enumerate(jobs):
+        if number in unmade:
+            continue
         for case, text in _own_causes(job, known):
             cause = found.setdefault(text, Cause(text))
             cause.jobs.add(number)
             cause.cases.update(filter(None, [case or job.wildcards.get("case", "")]))
     downstream = _downstream(jobs)
     for cause in found.values():
-        cause.jobs = set().union(*(downstream[number] for number in cause.jobs))
-    unexplained = set(range(len(jobs))).difference(*(cause.jobs for cause in found.values()))
+        cause.jobs = set().union(*(downstream[number] for number in cause.jobs)) - unmade
+    unmade |= (
+        set()
+        .union(*(downstream[number] for number in unmade))
+        .difference(*(cause.jobs for cause in found.values()))
+    )
+    unexplained = set(range(len(jobs))).difference(
+        unmade, *(cause.jobs for cause in found.values())
+    )
     if unexplained:
         # nothing of their own has changed, nor anything they come from: Snakemake knows why
         text = "other reasons (see snakemake -n)"
         found[text] = Cause(text, jobs=unexplained)
-    return _joined(found.values())
+    first = [Cause(UNMADE, jobs=unmade)] if unmade else []
+    return [*first, *_joined(found.values())]
+
+
+def _unmade(job: Job, known: Mapping[str, Sequence[Identity]]) -> bool:
+    """Whether a job never ran, and nothing was added to the campaign that asks for it."""
+    never_made = bool(job.missing) and job.recorded_settings is None
+    return never_made and (job.asked_before or not _additions(job, known))
+
+
+def _additions(job: Job, known: Mapping[str, Sequence[Identity]]) -> list[str]:
+    others = known.get(job.rule, [])
+    return new_values([job.wildcards], others) if others and job.wildcards else []
 
 
 def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[tuple[str, str]]:
@@ -207,9 +233,7 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
     for problem in job.problems:
         yield "", problem
     if job.missing and job.recorded_settings is None:
-        others = known.get(job.rule, [])
-        texts = new_values([job.wildcards], others) if others and job.wildcards else []
-        for text in texts or ["not made yet"]:
+        for text in _additions(job, known):
             yield "", text
         return
     settled = False
@@ -227,7 +251,9 @@ def _own_causes(job: Job, known: Mapping[str, Sequence[Identity]]) -> Iterator[t
     if not settled and recorded is not None:
         former = sorted(path for path, same in recorded.items() if not same)
         other = []
-        if {*recorded} != {*job.inputs}:
+        if {*recorded} == {*job.inputs} and [*recorded] != [*dict.fromkeys(job.inputs)]:
+            other = ["inputs in another order"]
+        elif {*recorded} != {*job.inputs}:
             makers = [
                 [job.makers[path] for path in paths if path in job.makers]
                 for paths in (recorded, job.inputs)
@@ -261,12 +287,15 @@ def report(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> str:
     if not jobs:
         return "Nothing would run: all results are up to date."
     lines = []
-    found = sorted(causes(jobs, known), key=lambda cause: -len(cause.jobs))
+    found = sorted(causes(jobs, known), key=lambda cause: (cause.text != UNMADE, -len(cause.jobs)))
     for cause in found:
+        if cause.text == UNMADE:
+            lines.append(f"{UNMADE}: {len(cause.jobs)} job{'s' * (len(cause.jobs) != 1)}")
+            continue
         cases = f" ({', '.join(sorted(cause.cases, key=natural_order))})" if cause.cases else ""
         counted = _counted(jobs[number] for number in sorted(cause.jobs))
         lines.append(f"{cause.text}{cases}: {counted}")
-    rules = f": {_counted(jobs)}" if len(found) > 1 else ""
+    rules = f": {_counted(jobs)}" if len(found) > 1 or found[0].text == UNMADE else ""
     lines.append(f"\nIn all {len(jobs)} job{'' if len(jobs) == 1 else 's'}{rules}")
     return "\n".join(lines)
 
@@ -284,7 +313,8 @@ def jobs_to_run(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
 
     Beside them, the wildcards of the jobs that have results already, by rule.
     """
-    dag, results = workflow.dag, KnownResults(names_of_rules(workflow)["run"].results)
+    dag, run = workflow.dag, names_of_rules(workflow)["run"]
+    results, wanted = KnownResults(run.results), {*run.claimed().get("wanted", ())}
     known: dict[str, list[Identity]] = {}
     running = {}
     for level in dag.toposorted():
@@ -298,7 +328,11 @@ def jobs_to_run(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
                 known.setdefault(job.rule.name, []).append(dict(job.wildcards_dict))
     numbers = {job: number for number, job in enumerate(running)}
     jobs = [_described_job(job, dag, results, found, numbers) for job, found in running.items()]
-    return jobs, known
+    asked = [
+        any(results.records.name(str(path)) in wanted for path in job.output) for job in running
+    ]
+    pairs = zip(jobs, asked, strict=True)
+    return [replace(job, asked_before=before) for job, before in pairs], known
 
 
 def _described_job(
