@@ -110,9 +110,12 @@ class _Untracked:
 
 def _hand_on(snakemake: Any, parameters: Mapping[str, Any]) -> None:
     """Give a script the parameters that are compared, and no config."""
-    names = {place: name for name, (place, _) in snakemake.params._get_names()}
+    handed, kind = snakemake.params, type(snakemake)
+    names = {place: name for name, (place, _) in handed._get_names()}
     for place, value in enumerate(parameters.values()):
-        snakemake.params[place] = value
+        handed[place] = value
         if place in names:
-            setattr(snakemake.params, names[place], value)
+            setattr(handed, names[place], value)
+    if isinstance(getattr(kind, "params", None), property):  # a copy each time that it is read
+        snakemake.__class__ = type(kind.__name__, (kind,), {"params": handed})
     snakemake.config = _Untracked()
