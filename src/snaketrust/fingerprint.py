@@ -229,6 +229,10 @@ class Sources:
         digest_ = self.codes.of(path, strict=self._strict).digest
         return digest_, self.codes.content(path, strict=self._strict)
 
+    def reached(self) -> list[Path]:
+        """Files of all modules that fingerprints were taken of."""
+        return [module.path for module in self._imported if module.path.suffix == ".py"]
+
     def own_files(self) -> list[Path]:
         """Files of modules outside the project: those found by name, and what they import."""
         return [module.path for module in self._own(self._own_modules)]

@@ -92,6 +92,7 @@ def start(
 
     def planning_is_over(workflow: Any) -> None:
         sources.codes.keep()
+        compile_by_content(sources.reached())
         check_rules(workflow, known, sources.unseen)
         _refuse_what_nothing_makes(workflow, known)
         if not workflow.dryrun and any(True for _ in workflow.dag.needrun_jobs()):

@@ -206,7 +206,10 @@ class Workflow:
             path = directory / name
             path.parent.mkdir(parents=True, exist_ok=True)
             if not path.exists() or path.read_text() != text:
+                state = path.stat() if path.exists() and path.suffix == ".py" else None
                 path.write_text(text)
+                if state:  # Python alone would run what it had compiled
+                    os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
 
     def made(self, rule):
         """Names of the files of a rule, from the results directory."""
@@ -345,12 +348,12 @@ class Workflow:
         chance, results = self.random, directory / "results"
         made = sorted(results.glob("r*/*.txt"))
         kind = chance.choice(["emptied", "edited", "exchanged", "removed", "record", "restored"])
-        one, other = chance.choice(made), chance.choice(made)
+        one, other = chance.sample(made, 2)
         state = one.stat()
         if kind == "emptied":
             one.write_text("")
         elif kind == "edited":
-            text = one.read_text()
+            text = one.read_text() or "0"
             one.write_text(f"{text[:-1]}{'0' if text[-1] == '1' else '1'}")
         elif kind == "exchanged":
             shutil.copy2(other, one)
@@ -413,7 +416,7 @@ def run(directory, *arguments):
         for number in (1, 2):
             os.dup2(file, number)
         sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
-        os.environ["SNAKETRUST_RUN"] = ""
+        os.environ["SNAKETRUST_RUN"], sys.dont_write_bytecode = "", False
         sys.path.insert(0, str(directory / "lib"))
         PythonScript.execute_script = _execute_script
         cli.main([*OPTIONS, *arguments])

@@ -153,6 +153,59 @@ def test_the_same_file_twice_settles(tmp_path):
     assert toy.run() == {}
 
 
+CHECKPOINT = """
+checkpoint split:
+    output: f"{RESULTS}/number.txt"
+    params: code=sources.fingerprint("write.py"), said=config["low"]
+    script: "scripts/write.py"
+
+
+def parts(wildcards):
+    number = int(Path(checkpoints.split.get().output[0]).read_text())
+    return [f"{RESULTS}/part{place}.txt" for place in range(number)]
+
+
+rule part:
+    output: f"{RESULTS}/part{{place}}.txt"
+    params: code=sources.fingerprint("write.py"), said=config["high"]
+    script: "scripts/write.py"
+
+
+rule gather:
+    input: parts
+    output: f"{RESULTS}/gathered.txt"
+    params: code=sources.fingerprint("write.py"), said=lambda wildcards, input: [*input]
+    script: "scripts/write.py"
+"""
+WRITE = """
+from pathlib import Path
+from snaketrust.job import run_job
+
+
+def compute():
+    read = [Path(path).read_text() for path in snakemake.input]
+    Path(snakemake.output[0]).write_text(" ".join([*read, str(snakemake.params.said)]))
+
+
+run_job(snakemake, compute)
+"""
+
+
+def test_what_a_checkpoint_finds_is_made_once(tmp_path):
+    toy = foreign(tmp_path, more=CHECKPOINT, **{"scripts/write.py": WRITE})
+    target = "--nocolor", "results/gathered.txt"
+    assert toy.run(*target) == {"part": 1, "gather": 1}
+    assert toy.run(*target) == {}
+    toy.edit("config.yaml", "low: 1", "low: 3")
+    assert toy.run(*target) == {"part": 2, "gather": 1}
+    assert toy.run(*target) == {}
+    gathered = toy.directory / "results" / "gathered.txt"
+    assert gathered.read_text().startswith("2 2 2 ['results/part0.txt'")
+    toy.edit("config.yaml", "high: 2", "high: 5")
+    assert toy.run(*target) == {"part": 3, "gather": 1}
+    assert gathered.read_text().startswith("5 5 5 ")
+
+
 REFUSED = {
     "shell:": 'output: f"{RESULTS}/1.txt"\n    shell: "touch {output}"',
     "run:": 'output: f"{RESULTS}/2.txt"\n    run: Path(output[0]).touch()',
