@@ -17,6 +17,7 @@ show must not happen, and a test of the project should keep it out. Two things a
 
 import hashlib
 import os
+import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -41,7 +42,7 @@ class _Module(NamedTuple):
     name: str
     path: Path
     own: bool  # whether it is a user's own
-    beside: Path | None = None  # directory of the script that it lies beside
+    scripts: Path | None = None  # directory of the script that imports it, where Python looks last
 
 
 class Sources:
@@ -61,6 +62,7 @@ class Sources:
         self._own_packages = {name.partition(".")[0] for name in self._own_modules}
         self.codes = Codes(memory)
         self._located: dict[tuple[str, bool], _Module | None] = {}
+        self._near: dict[tuple[str, Path | None], _Module | None] = {}
         self._imported: dict[_Module, list[_Module]] = {}
         self._fingerprints: dict[object, list[str]] = {}
         self._beneath: dict[str, bool] = {}
@@ -135,29 +137,26 @@ class Sources:
         if module not in self._imported:
             is_package = module.path.stem == "__init__"
             dotted = module.name
-            if module.beside is not None:
-                parts = module.path.relative_to(module.beside).with_suffix("").parts
+            if module.scripts and module.name.startswith(_BESIDE):
+                parts = module.path.relative_to(module.scripts).with_suffix("").parts
                 dotted = ".".join(parts).removesuffix(".__init__")
             package = dotted if is_package else dotted.rpartition(".")[0]
             found: dict[str, _Module] = {}
             for name, level in self._code(module).imports:
                 absolute = _absolute(name, level, package)
-                for one in self._run_by_import(absolute, module.own, module.beside):
+                for one in self._run_by_import(absolute, module.own, module.scripts):
                     found.setdefault(one.name, one)
             self._imported[module] = [*found.values()]
         return self._imported[module]
 
     def _run_by_import(
-        self, wanted: str, maybe_own: bool, beside: Path | None = None
+        self, wanted: str, maybe_own: bool, scripts: Path | None = None
     ) -> list[_Module]:
         """Modules that an import runs: the packages that a module lies in, and itself."""
         parts = wanted.split(".")
         names = (".".join(parts[:count]) for count in range(1, len(parts) + 1))
-        located = (
-            self._module(name, maybe_own) or _beside(self._project.stand_in(name), beside)
-            for name in names
-        )
-        found = [one for one in located if one is not None]
+        located = (self._module(name, maybe_own) or self._beside(name, scripts) for name in names)
+        found = [one._replace(scripts=scripts) for one in located if one is not None]
         if parts[-1] == "*" and found and found[-1].path.stem == "__init__":
             # a package may name modules of its own in __all__
             inside = {file.stem for file in found[-1].path.parent.iterdir()} - {"__init__"}
@@ -175,6 +174,16 @@ class Sources:
             self._located[wanted, maybe_own] = None if path is None else _Module(name, path, own)
         return self._located[wanted, maybe_own]
 
+    def _beside(self, module: str, scripts: Path | None) -> _Module | None:
+        """The module of this name beside a script; None if Python finds another one first."""
+        if scripts and (module, scripts) not in self._near:
+            path, first = _file_in(scripts, self._project.stand_in(module)), module.split(".")[0]
+            self._near[module, scripts] = None
+            if path and first not in sys.stdlib_module_names and not module_file(first):
+                name = f"{_BESIDE}{path.relative_to(scripts)}"
+                self._near[module, scripts] = _Module(name, path, False)
+        return self._near[module, scripts] if scripts else None
+
     def _file(self, module: str) -> Path | None:
         """File of a module of the project; None for other names."""
         if not self._is_beneath(module.partition(".")[0]):
@@ -186,13 +195,10 @@ class Sources:
         sources = self._project.sources
         if first not in self._beneath:
             maybe = first in self._project.packages
-            if (
-                not maybe
-                and not _LIBRARIES.intersection(sources.parts)
-                and _file_in(sources, first)
-            ):
-                path = module_file(first)
-                maybe = path is not None and path.resolve().is_relative_to(sources.resolve())
+            there = _file_in(sources, first) or (sources / first).is_dir()
+            if not maybe and there and not _LIBRARIES.intersection(sources.parts):
+                path = module_file(first)  # none of a package without __init__.py
+                maybe = path is None or path.resolve().is_relative_to(sources.resolve())
             self._beneath[first] = maybe
         return self._beneath[first]
 
@@ -264,14 +270,6 @@ def _file_in(directory: Path, module: str) -> Path | None:
     path = directory.joinpath(*module.split("."))
     candidates = path / "__init__.py", *(path.with_name(path.name + one) for one in SUFFIXES)
     return next((candidate for candidate in candidates if candidate.is_file()), None)
-
-
-def _beside(module: str, directory: Path | None) -> _Module | None:
-    """The module of this name beside a script, where Python looks last."""
-    path = directory and _file_in(directory, module)
-    if not path or directory is None:
-        return None
-    return _Module(f"{_BESIDE}{path.relative_to(directory)}", path, False, directory)
 
 
 def _own_file(module: str, packages: Collection[str]) -> Path | None:

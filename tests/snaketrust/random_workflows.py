@@ -142,9 +142,10 @@ class Workflow:
         self.spelling = dict.fromkeys(self.sources, 0)
         paths = [f"scripts/helper{place}.py" for place in range(chance.randint(1, 3))]
         paths += ["lib/pack/__init__.py", "lib/pack/one.py", "lib/pack/two.py"]
-        paths += ["lib/more/__init__.py", "lib/more/deep.py", "lib/single.py"]
+        paths += ["lib/more/__init__.py", "lib/more/deep.py", "lib/single.py", "lib/bare/part.py"]
+        chance.shuffle(paths)
         self.modules = []
-        for path in reversed(paths):
+        for path in paths:
             known = [one for one in self.modules if not one.path.endswith("__init__.py")]
             used = chance.sample(known, min(len(known), chance.choice([0, 0, 1, 2])))
             used = [] if path.endswith("__init__.py") else used

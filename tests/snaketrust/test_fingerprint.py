@@ -70,12 +70,13 @@ def test_closure_follows_imports_and_nothing_else(tmp_path, project):
         ("try:\n    import pack.unused\nexcept ImportError: pass", {"pack", "pack.unused"}),
         ("from pack import deep, unused", {"pack", "pack.deep", "pack.unused"}),
         ("import neighbour", {"beside:neighbour.py"}),
-        ("import json, os.path", set()),
+        ("import json, numpy, os.path", set()),
         ("from pack import missing", {"pack"}),
     ],
 )
 def test_forms_of_import(tmp_path, project, statement, expected):
-    project("scripts/neighbour.py", "X = 1\n")
+    for name in ("neighbour", "json", "numpy"):  # Python finds libraries first
+        project(f"scripts/{name}.py", "X = 1\n")
     project("scripts/train.py", statement + "\n")
     assert set(taken(tmp_path)) == expected | {"train.py"}
 
