@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from snakemake.exceptions import WorkflowError
-
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.aware_checks import extrapolations
 from burstcast_workflow.config.cases import own_modules
@@ -25,12 +23,6 @@ REFUSALS = (ConfigError, OvertakenError, UnlikeCodeError)
 
 
 OFF_WITHOUT_NETWORKS = "hyperparameters, examples of forecasts, control by networks, their figures"
-
-
-class RefusedError(WorkflowError):  # type: ignore[misc]
-    """A run does not start; Snakemake prints no lines of the rules below the reason."""
-
-    __traceback__ = None
 
 
 def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Started:

@@ -22,8 +22,14 @@ _KINDS = {
 _FLAGS = ("directory", "touch", "pipe", "service", "update", "storage_object")
 
 
+class RefusedError(WorkflowError):  # type: ignore[misc]
+    """A run does not start; Snakemake prints no lines of files below the reason."""
+
+    __traceback__ = property(lambda self: None, lambda self, value: None)
+
+
 def check_rules(workflow: Any, known: KnownResults, unseen: Iterable[str]) -> None:
-    """Check a job of each rule, and raise `WorkflowError` with a sentence for each fault.
+    """Check a job of each rule, and raise `RefusedError` with a sentence for each fault.
 
     Rules that write nothing into the results directory may be anything.
     """
@@ -39,7 +45,7 @@ def check_rules(workflow: Any, known: KnownResults, unseen: Iterable[str]) -> No
         for place in unseen
     ]
     if faults:
-        raise WorkflowError("\n".join([*faults, "docs/trust.md lists what rules may have"]))
+        raise RefusedError("\n".join([*faults, "docs/trust.md lists what rules may have"]))
 
 
 def _what(job: Any) -> tuple[str, str]:

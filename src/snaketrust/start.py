@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from snakemake.exceptions import WorkflowError
-
 from snaketrust import hooks, plan
-from snaketrust.checks import check_rules
+from snaketrust.checks import RefusedError, check_rules
 from snaketrust.fingerprint import Sources
 from snaketrust.modules import compile_by_content, make_importable, search_directories
 from snaketrust.planning import KnownResults
@@ -60,7 +58,7 @@ def start(
     ------
     UnlikeCodeError
         If Python imports other packages than those beside the workflow, or runs an old version.
-    WorkflowError
+    RefusedError
         If the Snakefile starts a second workflow with other results or another config, or a rule
         (at the end of planning) is one whose results cannot be trusted.
     OvertakenError
@@ -104,7 +102,7 @@ def start(
                 )
                 run.claim(planned, sources.all_code(), directories, project.revision, made)
             except OvertakenError as error:
-                raise WorkflowError(str(error)) from None
+                raise RefusedError(str(error)) from None
 
     known = KnownResults(run.results)
     hooks.install(known, planning_is_over)
@@ -124,13 +122,13 @@ def _told(config: dict[str, Any]) -> Any:
             raise ValueError("it changes when it is written and read")
         return dict(config) if repr(json.loads(json.dumps(config))) == text else text
     except (TypeError, ValueError, SyntaxError) as error:
-        raise WorkflowError(f"the config is no plain data ({error}): jobs cannot read it") from None
+        raise RefusedError(f"the config is no plain data ({error}): jobs cannot read it") from None
 
 
 def _once_more(project: Project, results: str, planned: Any) -> Started:
     """Repeat what the same module was given when `use rule` read it before."""
     if [project.root, results, repr(planned)] != _first[:3]:
-        raise WorkflowError(
+        raise RefusedError(
             f"this Snakefile starts snaketrust for {_first[1]} and for {results}: one run owns one "
             f"results directory; run the two workflows one after the other, from a Snakefile each"
         )
@@ -151,7 +149,7 @@ def _refuse_what_nothing_makes(workflow: Any, known: KnownResults) -> None:
     wanted = {str(path) for job in workflow.dag.jobs for path in job.input}
     if lost := sorted(path for path in wanted - made if path in known):
         more = f", as {len(lost) - 1} others" if len(lost) > 1 else ""
-        raise WorkflowError(
+        raise RefusedError(
             f"{lost[0]} is there, but nothing makes it{more}: its name matches no rule, or is "
             f"spelt otherwise there, or a source file is missing that it comes from (without it, "
             f"Snakemake says which)"

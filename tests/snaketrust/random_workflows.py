@@ -308,7 +308,10 @@ class Workflow:
         elif kind == "rename" and rule.params and rule.params[-1][0]:
             rule.params[-1][0] = chance.choice(["last", "least"])
         elif kind == "module":
-            chance.choice(self.modules).value = chance.randrange(10, 99)
+            module = chance.choice(self.modules)
+            module.value = chance.randrange(10, 99)
+            if module.path.endswith("__init__.py"):
+                return kind, None  # imports run it, and may not use its value
         elif kind == "way":
             used = chance.choice(self.scripts)
             used[1] = [chance.randrange(5) for _ in used[0]]

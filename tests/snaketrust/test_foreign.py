@@ -246,6 +246,29 @@ REFUSED = {
         'output: "else2.txt"\n    params: code=sources.fingerprint("join.py")\n'
         '    script: "scripts/join.py"'
     ),
+    "has shadow:": (
+        'output: f"{RESULTS}/10.txt"\n    params: code=sources.fingerprint("join.py")\n'
+        '    shadow: "minimal"\n    script: "scripts/join.py"'
+    ),
+    "params.some is PosixPath": (
+        'output: f"{RESULTS}/11.txt"\n'
+        '    params: code=sources.fingerprint("join.py"), some=Path("x.txt")\n'
+        '    script: "scripts/join.py"'
+    ),
+    "runs scripts/join.R": (
+        'output: f"{RESULTS}/12.txt"\n    params: code=sources.fingerprint("join.py")\n'
+        '    script: "scripts/join.R"'
+    ),
+    "has a module called py": (
+        'output: f"{RESULTS}/13.txt"\n    params: code=sources.fingerprint("odd.py")\n'
+        '    script: "scripts/odd.py"'
+    ),
+    "the output pipe()": (
+        'output: pipe(f"{RESULTS}/14.txt")\n    params: code=sources.fingerprint("join.py")\n'
+        '    script: "scripts/join.py"\n\n\n'
+        'rule reader:\n    input: f"{RESULTS}/14.txt"\n    output: "read.txt"\n'
+        '    shell: "cat {input} > {output}"'
+    ),
     "derives threads_too from threads": (
         'output: f"{RESULTS}/9.txt"\n'
         '    params: code=sources.fingerprint("join.py"), '
@@ -257,15 +280,18 @@ REFUSED = {
 
 def test_rules_without_records_are_refused_before_any_job_in_a_sentence_each(tmp_path):
     rules = [f"rule odd{place}:\n    {text}\n" for place, text in enumerate(REFUSED.values())]
-    toy = foreign(tmp_path, more="\n\n".join(rules))
+    odd = {"scripts/odd.py": "import toy.py\n", "lib/toy/py.py": "", "scripts/join.R": ""}
+    toy = foreign(tmp_path, more="\n\n".join(rules), **odd)
     names = [f"odd{place}" for place in range(len(REFUSED))]
-    said = toy.run("--dry-run", *names, fails=True)
+    said = toy.run("--dry-run", *names, "reader", fails=True)
     for name, words in zip(names, REFUSED, strict=True):
         assert any(f"the rule {name} " in line and words in line for line in said.splitlines()), (
             name,
             words,
         )
     assert said.count("the rule ") == len(REFUSED)
+    assert "Traceback" not in said
+    assert "checks.py" not in said
     assert not (toy.directory / "results").exists()
 
 

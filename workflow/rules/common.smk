@@ -19,9 +19,9 @@ from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.storage import write_table
 from burstcast_workflow.commands.prune import stale_note
 from burstcast_workflow.stages.stages import Stages, of_job, one_of
+from snaketrust.checks import RefusedError
 from burstcast_workflow.start import (
     REFUSALS,
-    RefusedError,
     covers_campaign,
     start,
     tell_what_is_off,
