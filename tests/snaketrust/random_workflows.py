@@ -327,6 +327,7 @@ class Workflow:
             rule.outputs.sort(key=lambda name: name is not None)
         elif kind == "script":
             rule.script = chance.randrange(len(self.scripts))
+            return kind, None  # scripts of the same modules have the same result
         else:
             self._same(kind, rule)
             return kind, False
