@@ -213,7 +213,8 @@ class Inputs:
         changed = [
             path
             for path, before in self.stamps.items()
-            if stamp(path) != before and digest(path) != self.by_path[path]
+            if not os.path.exists(path)
+            or (stamp(path) != before and digest(path) != self.by_path[path])
         ]
         if changed:
             raise DamagedFileError(f"{', '.join(changed)} changed while the job ran: run again")

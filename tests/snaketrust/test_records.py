@@ -181,6 +181,10 @@ def test_an_input_that_changes_while_the_job_runs_is_an_error(place):
     inputs = read(path_of())
     os.utime(path_of())  # as Snakemake does
     inputs.check()
+    Path(path_of()).rename("away")
+    with pytest.raises(DamagedFileError, match="changed while the job ran"):
+        inputs.check()
+    Path("away").rename(path_of())
     Path(path_of()).write_text("network 7")
     with pytest.raises(DamagedFileError, match="changed while the job ran"):
         inputs.check()
