@@ -10,7 +10,7 @@ import pytest
 import snaketrust
 
 MODULES = sorted(Path(snaketrust.__path__[0]).glob("*.py"))
-OF_SNAKEMAKE = {"checks", "hooks", "plan", "start"}
+OF_SNAKEMAKE = {"checks", "hooks", "plan"}
 
 
 def imported(path: Path) -> set[str]:
