@@ -15,9 +15,9 @@ import pytest
 ROOT = Path(__file__).parents[1]
 BUDGET = {
     "product, all lines": 49_600,
-    "product, code": 29_500,
+    "product, code": 29_700,
     "product, docstrings": 8_800,
-    "tests, all lines": 40_700,
+    "tests, all lines": 41_500,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}
