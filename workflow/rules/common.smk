@@ -165,6 +165,7 @@ def stage(
     constraints={},
     rule_name=None,
     found_by_name={},
+    priority=0,
     **values,
 ):
     """A stage of the workflow: the one rule of a script, and of its name.
@@ -197,6 +198,8 @@ def stage(
         The class of its cost, and whether the cache keeps its results (see `Stages.needs`).
     constraints
         Constraints of wildcards, beside the constraints of all rules.
+    priority
+        Jobs with a higher one run earlier.
     rule_name, found_by_name
         For a script that several rules run: the rule's name, and modules that it finds by name.
     """
@@ -229,6 +232,7 @@ def stage(
             f"{TIMES}/{record}.tsv"
         wildcard_constraints:
             **constraints,
+        priority: priority
         group:
             group_of(JOB_GROUPS[folder])
         conda:

@@ -100,6 +100,22 @@ stage(
     constraints={"case": MEASURED},
     sets_time_unit=of_case(Campaign.estimates_time_unit),
 )
+stage(
+    # what does not fit fails here at once, with one list
+    "data/lengths",
+    "whether what is asked of the series fits into them",
+    inputs=files("ensemble"),
+    outputs={"lengths": f"{CASE}/lengths.json"},
+    settings="TIME washout_lt search.interval_lt search.single_shot_lead_steps WINDOWS "
+    "classification.start_spacing_lt probability.start_spacing_lt "
+    "horizon.longest_lead_time_lt horizon.lead_time_step_lt case.training.series "
+    "case.recycle_validation statistics.fixed_point_interval_lt statistics.duration "
+    "forecasters.quadratic.window_lt",
+    cost="data",
+    constraints={"case": one_of(campaign.computed_times)},
+    priority=1,
+    asked=of_case(Campaign.asked_of_series),
+)
 EVALUATION_SET = {"evaluation_set": f"{CASE}/evaluation_set.nc"}
 EVALUATED = (
     "SYSTEM TIME OBSERVED WINDOWS case.test_series washout_lt "

@@ -169,6 +169,7 @@ rule tables:
 rule forecasters:
     # all that is computed forecaster by forecaster: the target for planning a large campaign in batches
     input:
+        of_cases("lengths.json", campaign.computed_times),
         of_forecasters("forecaster.nc", campaign.fitted_forecasters),
         of_forecasters("forecast.nc"),
         of_forecasters("calibration_forecast.nc", campaign.fitted_forecasters),

@@ -610,6 +610,20 @@ class Campaign:
         known = self.cases[case].steps_per_lyapunov_time is not None
         return [] if known else f"{self.source_case(case)}/lyapunov.json"
 
+    @property
+    def computed_times(self) -> tuple[str, ...]:
+        """Cases whose unit of time is computed, so that no length is known before."""
+        return tuple(case for case in self.case_names if self.time_unit(case))
+
+    def asked_of_series(self, case: str) -> dict[str, Any]:
+        """Kinds, validation strategies and long runs of a case, for which series must be long."""
+        names = [one.name for one in self.forecasters if one.case == case]
+        return {
+            "kinds": sorted({name.kind for name in names}),
+            "validations": sorted({name.validation for name in names if name.validation}),
+            "long_runs": any(one.case == case for one in self.long_term_forecasters),
+        }
+
     def space(self, case: str) -> StateSpace:
         """State space of a case."""
         space = space_of(self.cases[case])

@@ -1,31 +1,40 @@
 """Whether what a case asks of its series fits into them, as far as the config tells.
 
-The checks are the library's, which refuses the same in a job and in a notebook.
+Where its Lyapunov time is computed, a job checks it (`burstcast_workflow.jobs.lengths`).
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager, suppress
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import suppress
 from operator import attrgetter
-
-import numpy as np
+from typing import Any
 
 from burstcast import durations
 from burstcast.control.strategies.registry import make_strategy as make_control_strategy
 from burstcast.control.timing import Schedule
-from burstcast.data.starting_points import starting_points, steps_before_events
+from burstcast.data.starting_points import starting_points
 from burstcast.forecasters._options import sections_of_kind
 from burstcast.forecasters.precursor import lag_steps
-from burstcast.forecasters.quadratic import window_steps
-from burstcast.statistics.long_term import FixedPointCriterion, LongTermSettings
 from burstcast.statistics.warning_signs import FEW_POSITIVES
-from burstcast.tuning.strategies.base import ValidationPlan
-from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.config.cases import campaign_cases, case_of, sound_case
 from burstcast_workflow.config.measured_cases import space_of
 from burstcast_workflow.config.model import Case, Configuration, Ensemble, Simulated
-from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, LONG_RUNS, VALIDATION
+from burstcast_workflow.harness.settings import CLASSIFICATION
+from burstcast_workflow.jobs import lengths
+from burstcast_workflow.jobs.lengths import listing
+
+
+class _Settings(dict[str, Any]):
+    """Settings of a case by their paths, as its jobs are given them."""
+
+    def __init__(self, config: Configuration, case: Simulated) -> None:
+        self.config, self.case = config, case
+
+    def __missing__(self, path: str) -> Any:
+        below = path.removeprefix("case.")
+        return attrgetter(below)(self.config if below == path else self.case)
+
 
 FINE = 1000
 """Steps per Lyapunov time where it is unknown: no duration is too short then."""
@@ -35,61 +44,28 @@ def misfits(
     config: Configuration,
     name: str,
     case: Simulated,
-    kinds: Iterable[str],
-    validations: Iterable[str],
+    kinds: Collection[str],
+    validations: Collection[str],
 ) -> list[str]:
     """Durations that do not fit into the series of a case, if its Lyapunov time is known.
 
-    Where it is computed, only the durations of control are compared with each other. The case has
-    forecasters of these kinds, and networks of these validation strategies.
+    Where it is computed, only the durations of control are compared with each other: a job compares
+    the others. The case has forecasters of these kinds, and networks of these validation
+    strategies.
     """
     ensemble = case.ensemble
     problems: list[str] = []
-
-    @contextmanager
-    def telling(settings: str) -> Iterator[None]:
-        try:
-            yield
-        except ValueError as error:
-            problems.append(f"{settings}: {error}".removeprefix(": "))
-
     steps: int | None = 0
-    with telling("lyapunov.published_exponent"):
+    with listing(problems, "lyapunov.published_exponent"):
         steps = case.steps_per_lyapunov_time
-    if steps is None:
-        _control(config, name, case, FINE, telling)
-        return list(dict.fromkeys(problems))
-    if not steps:
-        return problems
-    samples = _samples(ensemble)
-    counts: dict[str, int] = {}
-    for path in _DURATIONS:
-        with telling(""):
-            counts[path] = durations.positive_steps(attrgetter(path)(config), steps, path)
-    if len(counts) == len(_DURATIONS):
-        washout, classified = counts["washout_lt"], config.classification
-        training, intervals = case.training.series, case.recycle_validation.intervals_per_series
-        validated = min(case.recycle_validation.series, training)  # more are another mistake
-        lead = config.search.single_shot_lead_steps
-        plan = ValidationPlan(washout, counts["search.interval_lt"], validated, intervals, lead)
-        for validation in dict.fromkeys([*VALIDATED_TOGETHER, *validations]):
-            with telling(f"{VALIDATION} or ensemble.duration"):
-                make_strategy(validation).folds(plan, training, samples)
-        reach_lt = classified.longest_prediction_time_lt + classified.window_lt
-        with telling(f"{CLASSIFICATION} or ensemble.duration"):
-            starting_points(1, samples, 1, washout, durations.steps(reach_lt, steps))
-        with telling(f"{HORIZON} or ensemble.duration"):
-            steps_before_events(samples, counts["horizon.longest_lead_time_lt"], washout)
-        judged = durations.steps(config.statistics.fixed_point_interval_lt, steps)
-        run = config.statistics.duration
-        closed_loop = samples - 1 if run is None else round(run / ensemble.sampling_interval)
-        with telling(f"{LONG_RUNS} or ensemble.duration" if run is None else LONG_RUNS):
-            rest = FixedPointCriterion(variation=0.0, above=0.0, interval=judged)
-            LongTermSettings(closed_loop, np.empty(0), None, rest)
-    if any("quadratic" in sections_of_kind(kind) for kind in kinds):
-        with telling(""):
-            window_steps(config.forecasters.quadratic.window_lt, steps, samples)
-    _control(config, name, case, steps, telling)
+    if steps is None or steps:
+        _control(config, name, case, steps or FINE, problems)
+    if steps:
+        interval, samples = ensemble.sampling_interval, _samples(ensemble)
+        found = lengths.misfits(
+            _Settings(config, case), steps, samples, interval, kinds, validations
+        )
+        problems = [*found, *problems]
     return list(dict.fromkeys(problems))
 
 
@@ -165,7 +141,7 @@ def _control(
     name: str,
     case: Simulated,
     steps: int,
-    telling: Callable[[str], AbstractContextManager[None]],
+    problems: list[str],
 ) -> None:
     """Check the strategies that control a case, at so many steps per Lyapunov time."""
     ensemble = case.ensemble
@@ -180,7 +156,7 @@ def _control(
                 strategy = make_control_strategy(plan.strategy, dict(plan.settings))
             except ValueError:  # told with the block
                 continue
-            with telling(f"control.strategies[{index}]"):
+            with listing(problems, f"control.strategies[{index}]"):
                 schedule = Schedule(
                     washout=max(1, durations.steps(config.washout_lt, steps)),
                     quiet_lt=plan.quiet_lt,
@@ -195,15 +171,3 @@ def _control(
                 strategy.check(schedule)
                 if (space := space_of(seen)) is not None:
                     strategy.check_system(space, case.actuation.force is not None)
-
-
-_DURATIONS = (
-    "washout_lt",
-    "search.interval_lt",
-    "classification.start_spacing_lt",
-    "classification.resolution_lt",
-    "probability.start_spacing_lt",
-    "horizon.longest_lead_time_lt",
-    "horizon.lead_time_step_lt",
-)
-"""Durations of the config that take a step of the network at least."""
