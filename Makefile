@@ -53,7 +53,7 @@ pages: $(VENV)/installed ## pages and the schema of settings, from the model and
 
 # make results ARGS="collect results/paper" takes a campaign's tables first
 results: $(VENV)/installed ## docs/results.md, from the tables in docs/results
-	$(BIN)/python -m burstcast_report.results_page $(ARGS)
+	$(BIN)/python docs/results/$(if $(ARGS),keep,make_page).py $(ARGS)
 
 docs: $(VENV)/documented ## the site, build/site/index.html, in two minutes
 	$(BIN)/python docs/site/build.py $(ARGS)
@@ -66,7 +66,7 @@ slurm: $(VENV)/installed ## the paper's campaign on a Slurm cluster
 
 check: $(VENV)/developed ## linters and types alone
 	$(BIN)/ruff check .
-	$(BIN)/ruff format --check src tests workflow/scripts benchmarks examples docs/site
+	$(BIN)/ruff format --check src tests workflow/scripts benchmarks examples docs/results docs/site
 	$(BIN)/mypy
 	$(BIN)/snakefmt --check Snakefile workflow/rules
 

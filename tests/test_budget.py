@@ -14,9 +14,9 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 49_600,
-    "product, code": 29_700,
-    "product, docstrings": 8_800,
+    "product, all lines": 49_000,
+    "product, code": 29_100,
+    "product, docstrings": 8_450,
     "tests, all lines": 41_500,
 }
 ROOM = 0.02
@@ -43,7 +43,8 @@ def lines_of(text: str, python: bool) -> Counter[str]:
 
 def sums() -> Counter[str]:
     """Lines of the files that git knows, by the names of budgets."""
-    command = ["git", "ls-files", "-z", "src", "workflow", "Snakefile", "setup.py", "tests"]
+    command = ["git", "ls-files", "-z", "src", "workflow", "docs/results"]
+    command += ["Snakefile", "setup.py", "tests"]
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     found: Counter[str] = Counter()
     for name in filter(None, listed.split("\0")):

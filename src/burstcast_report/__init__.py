@@ -1,1 +1,1 @@
-"""Presentation of finished campaigns: a page to hand on, docs/results.md, the claims."""
+"""Presentation of finished campaigns: a page to hand on, and the list of tables."""

@@ -103,7 +103,7 @@ stage(
 stage(
     # what does not fit fails here at once, with one list
     "data/lengths",
-    "whether what is asked of the series fits into them",
+    "compare what the config needs with the lengths of the series",
     inputs=files("ensemble"),
     outputs={"lengths": f"{CASE}/lengths.json"},
     settings="TIME washout_lt search.interval_lt search.single_shot_lead_steps WINDOWS "

@@ -209,10 +209,10 @@ WITHOUT_EFFECT = [
     Edit(
         "a check of lengths",
         f"{WORKFLOW}/config/lengths.py",
-        "    _control(config, name, case, steps, telling)\n",
-        "    if samples < 3:\n"
+        "    if steps is None or steps:\n",
+        "    if _samples(ensemble) < 3:\n"
         '        problems.append("ensemble.duration is too short")\n'
-        "    _control(config, name, case, steps, telling)\n",
+        "    if steps is None or steps:\n",
     ),
     Edit(
         "caption of a figure",

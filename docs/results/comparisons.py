@@ -1,0 +1,349 @@
+"""Comparisons on docs/results.md that take more than one row of a table."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from kept_tables import PUBLISHED, Part, Tables, part, published_rows, published_value
+from scipy.stats import t as student
+
+from burstcast.arrays import FloatArray
+from burstcast.data.training_realisations import realisation_of
+from burstcast.files.tables import read_table
+from burstcast.statistics.analysis_of_variance import mean_and_margin
+from burstcast.tables.published import compare
+from burstcast.tables.ranked import SAME_EVERYWHERE, shown_once
+
+CASE = "Re400"
+CONFIDENCE = 0.95
+TRUE = "esn_true_washout"
+
+# -- published values ------------------------------------------------------------------------------
+
+_HIGHER_IS_BETTER = ("precision", "recall", "f_score", "mean_horizon_lt")
+
+
+def beside_published(tables: Tables) -> pd.DataFrame:
+    """Our value beside each published one, and a ``group`` of both: `tables.published.compare`."""
+    names = ("classification", "horizon", "hyperparameters", "statistics", "control")
+    both = (
+        {name: rows for name in names if len(rows := tables.rows(f"{name}_{ending}"))}
+        for ending in ("percentiles", "intervals")
+    )
+    found = compare(read_table(PUBLISHED), *both)
+    time, small = found["prediction_time_lt"], found["neurons"] < 1000
+    ahead = np.where(time == time.min(), "0.5 LT", np.where(time == time.max(), "5 LT", "between"))
+    scores = np.where(small, "scores below 1000 neurons", "scores from 1000 neurons, " + ahead)
+    return found.assign(group=found["kind"].where(found["kind"] != "classification", scores))
+
+
+def sides(compared: pd.DataFrame) -> pd.DataFrame:
+    """Counts by group: values, ours inside, better, better and outside, worse and outside.
+
+    Objectives, errors and the exceedance under control are better where they are smaller;
+    hyperparameters are no better anywhere.
+    """
+    known = compared[compared["inside"].notna()]
+    better = (known["p50"] > known["published_p50"]) == known["metric"].isin(_HIGHER_IS_BETTER)
+    inside = known["inside"].astype(bool)
+    chosen = known["metric"].isin(["spectral_radius", "tikhonov"])
+    counts = pd.DataFrame(
+        {
+            "values": True,
+            "inside": inside,
+            "better": better & ~chosen,
+            "better_outside": better & ~inside & ~chosen,
+            "worse_outside": ~better & ~inside & ~chosen,
+        }
+    )
+    found = counts.groupby(known["group"], sort=False).sum()
+    return pd.concat([found, found.sum().rename("all").to_frame().T]).rename_axis("group")
+
+
+# -- training sets ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Score:
+    """A score of networks: its column in a kept table, and how many digits it is shown with."""
+
+    title: str
+    table: str
+    metric: str
+    digits: int = 3
+    where: tuple[tuple[str, float], ...] = ()
+
+    def networks(self, tables: Tables, drawn: bool = True, **where: Any) -> pd.DataFrame:
+        """Values of networks: rows are training sets (the drawn ones), columns are seeds."""
+        rows = tables.rows(self.table, **{"forecaster": "esn", **dict(self.where), **where})
+        if rows.empty or self.metric not in rows:
+            return pd.DataFrame()
+        rows = rows[[(realisation_of(name)[1] > 0) or not drawn for name in rows["case"]]]
+        return rows.pivot_table(self.metric, "case", "seed")
+
+    def median(self, tables: Tables, **where: Any) -> float:
+        """Median over all networks; NaN for none."""
+        values = self.networks(tables, False, **where).to_numpy().ravel()
+        known = values[~np.isnan(values)]
+        return float(np.median(known)) if len(known) else float("nan")
+
+    def error(self, tables: Tables, **where: Any) -> float:
+        """Standard error of one network over the test data, from its interval; 0 for none."""
+        where = {"forecaster": "esn", "metric": self.metric, **dict(self.where), **where}
+        ends = tables.rows(f"{self.table}_intervals", **where)
+        return float((ends["high"] - ends["low"]).median()) / (2 * 1.96) if len(ends) else 0.0
+
+    def published(self, **network: Any) -> float:
+        """The published median at Re = 400; NaN if there is none."""
+        return published_value(self.table, self.metric, reynolds=400, **dict(self.where), **network)
+
+
+def f_score(time: float) -> Score:
+    """The F-score so many Lyapunov times ahead."""
+    where = (("prediction_time_lt", time),)
+    return Score(f"F-score, {time:g} LT ahead", "classification", "f_score", 3, where)
+
+
+HORIZON = Score("mean PH_ee [LT]", "horizon", "mean_horizon_lt", 2)
+SCORES = (f_score(2.0), f_score(3.0), HORIZON)
+
+
+def all_published(**network: Any) -> Iterator[Score]:
+    """All that is published of a size and strategy and that campaigns of networks have."""
+    for metric in ("precision", "recall", "f_score"):
+        rows = published_rows("classification", metric, reynolds=400, **network)
+        for time in rows["prediction_time_lt"]:
+            where = (("prediction_time_lt", float(time)),)
+            yield Score(metric, "classification", metric, 3, where)
+    yield HORIZON
+
+
+def networks_of(tables: Tables) -> list[dict[str, Any]]:
+    """Sizes and strategies of the networks of a campaign, as conditions of rows."""
+    rows = tables.rows("classification", forecaster="esn")
+    if rows.empty:
+        return []
+    found = rows[["neurons", "validation"]].drop_duplicates().sort_values(["neurons", "validation"])
+    return [{str(key): value for key, value in row.items()} for row in found.to_dict("records")]
+
+
+def inside_counts(authors: Tables, paper: Tables) -> dict[str, int]:
+    """Published values inside intervals around the paper's campaign, and the authors' choices.
+
+    Both by one rule. ``narrow``: 1.96 standard errors of one network over the test series.
+    ``wide``: what a further training set and two choices of the test series give, ours and the
+    authors'. Degrees of freedom of the sum of both variances are Welch and Satterthwaite's.
+    """
+    counts = dict.fromkeys(("values", "narrow", "narrow_authors", "wide", "wide_authors"), 0)
+    for network in networks_of(authors):
+        for score in all_published(**network):
+            values = score.networks(authors, **network).mean(axis=1)
+            median = score.median(paper, case=CASE, **network)
+            published, error = score.published(**network), score.error(paper, case=CASE, **network)
+            if np.isnan([published, median, *values]).any():
+                continue
+            of_sets, of_test = values.var(ddof=1) * (1 + 1 / len(values)), 2 * error**2
+            degrees = (of_sets + of_test) ** 2 / (of_sets**2 / (len(values) - 1))
+            wide = student.ppf((1 + CONFIDENCE) / 2, degrees) * np.sqrt(of_sets + of_test)
+            narrow = {"narrow": 1.96 * error}
+            narrow["narrow_authors"] = 1.96 * score.error(authors, **network)
+            counts["values"] += 1
+            for name, margin in {**narrow, "wide": wide, "wide_authors": wide}.items():
+                centre = float(values.mean()) if name.endswith("authors") else median
+                counts[name] += int(abs(published - centre) <= margin)
+    return counts
+
+
+def _with_margin(values: pd.Series, digits: int) -> str:
+    mean, margin = mean_and_margin(values.tolist(), CONFIDENCE)
+    return f"{mean:+.{digits}f} ± {margin:.{digits}f}"
+
+
+def differences(authors: Tables, own: Tables, paper: Tables) -> Part:
+    """Distance of published values from the paper's campaign (RV), as a sum of three.
+
+    The choices, on the same training sets and seeds; the five training sets beside the campaign's
+    own, with our choices; and what is left between the published value and the five training sets
+    with the authors' choices.
+    """
+    cells: Part = []
+    for network in networks_of(own):
+        for score in SCORES:
+            both = [score.networks(tables, **network) for tables in (authors, own)]
+            choices = (both[0] - both[1]).dropna(axis=1, how="all").dropna()
+            median = score.median(paper, case=CASE, **network)
+            if np.isnan(published := score.published(**network)) or choices.empty:
+                continue
+            ours = (both[0][choices.columns].loc[choices.index] - choices).mean(axis=1) - median
+            change, digits = choices.mean(axis=1), score.digits
+            left = published - median - change.mean() - ours.mean()
+            label = f"{network['neurons']:g} neurons, {score.title}"
+            cells += [
+                (label, "paper less its campaign here", f"{published - median:+.{digits}f}"),
+                (label, "choices", _with_margin(change, digits)),
+                (label, "other training sets", _with_margin(ours, digits)),
+                (label, "left", f"{left:+.{digits}f}"),
+            ]
+    return cells
+
+
+def gaps(name: str, tables: Tables, score: Score) -> Part:
+    """Share of the distance of networks from F = 1 that a washout without noise removes."""
+    cells: Part = []
+    for network in networks_of(tables):
+        noisy, true = (score.networks(tables, forecaster=one, **network) for one in ("esn", TRUE))
+        if true.empty:
+            continue
+        both = (noisy + 0 * true).dropna(axis=1, how="all").dropna()
+        clean = true.loc[both.index, both.columns]
+        shares = ((clean - both) / (1 - both)).mean(axis=1).tolist()
+        mean, margin = mean_and_margin(shares, CONFIDENCE)
+        label = f"{name} choices, {network['neurons']:g} neurons"
+        cells += [
+            (label, "noisy washout", f"{both.to_numpy().mean():.3f}"),
+            (label, "true washout", f"{clean.to_numpy().mean():.3f}"),
+            (label, "share of the gap due to the state", f"{mean:.2f} ± {margin:.2f}"),
+        ]
+    return cells
+
+
+def scatter(tables: Tables, scores: tuple[Score, ...]) -> Part:
+    """Means of scores, and their scatter over training sets, seeds and test data.
+
+    The last is the standard error of one network over test series, events or closed loops.
+    """
+    cells: Part = []
+    for score in scores:
+        where = {"metric": score.metric, **dict(score.where)}
+        for row in tables.rows("training_realisations", forecaster="esn", **where).to_dict(
+            "records"
+        ):
+            network = {"neurons": row["neurons"], "validation": row["validation"]}
+            digits = score.digits
+            values = {
+                "mean": row["mean"],
+                "over training sets": row["standard_deviation_over_training_sets"],
+                "over seeds": row["standard_deviation_over_seeds"],
+                "over test data": score.error(tables, **network),
+            }
+            label = f"{row['neurons']:g} neurons, {score.title}"
+            cells += [(label, head, f"{value:.{digits}f}") for head, value in values.items()]
+    return cells
+
+
+def own_ranks(tables: Tables, times: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.0)) -> str:
+    """How often the campaign's own training set is the best or the worst of all, in F-scores."""
+    best, worst, count = 0, 0, 0
+    for network in networks_of(tables):
+        for time in times:
+            means = f_score(time).networks(tables, False, **network).mean(axis=1)
+            best += int(means.idxmax() == CASE)
+            worst += int(means.idxmin() == CASE)
+            count += 1
+    return f"the best in {best} and the worst in {worst} of {count} F-scores"
+
+
+def choices_compared(first: Tables, second: Tables) -> Part:
+    """Networks of both campaigns whose hyperparameters were chosen in two ways.
+
+    Medians with the least and the largest.
+    """
+    scores = (
+        Score("escape rate [1e-4 per time unit]", "survival", "escape_rate", 2),
+        Score("Kantorovich metric of k [1e-3]", "statistics", "kantorovich", 2),
+        *(f_score(4.0), HORIZON),
+    )
+    cells: Part = []
+    for network in networks_of(second):
+        for score in scores:
+            unit = {"escape_rate": 1e4, "kantorovich": 1e3}.get(score.metric, 1.0)
+            both = [score.networks(t, False, case=CASE, **network) for t in (first, second)]
+            shared = [unit * table[both[1].columns].to_numpy() for table in both]
+            label = f"{network['neurons']:g} neurons, {score.title}"
+            for head, values in zip(("by the objective alone", "by survival"), shared, strict=True):
+                ends = f"{values.min():.{score.digits}f}–{values.max():.{score.digits}f}"
+                cells.append((label, head, f"{np.median(values):.{score.digits}f} ({ends})"))
+    return cells
+
+
+# -- readouts --------------------------------------------------------------------------------------
+
+READOUTS = {
+    "esn": "as in the paper",
+    "esn_bias": "input bias 1",
+    "esn_quadratic": "squares",
+    "esn_quadraticbias": "squares, input bias 1",
+    "esn_quadraticleak": "squares, leak searched",
+}
+"""Networks by their readout, as they are named in tables."""
+
+
+def over_sets(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
+    """Means over the training sets of networks, by readout, size and Reynolds number.
+
+    ``low``, ``high``: 95 % interval of Student's t over the means of the seeds of each set, which
+    leaves out what other test series would give. ``least``, ``largest``: Of these means.
+    """
+    rows = tables.rows(score.table, forecaster=list(READOUTS), **{**dict(score.where), **where})
+    keys = ["forecaster", "neurons", "reynolds"]
+    of_sets = rows.groupby([*keys, "case"], sort=False)[score.metric].mean()
+    found = of_sets.groupby(level=keys, sort=False).agg(["mean", "std", "count", "min", "max"])
+    half = student.ppf((1 + CONFIDENCE) / 2, found["count"] - 1)
+    half = half * found["std"] / np.sqrt(found["count"])
+    found = found.assign(low=found["mean"] - half, high=found["mean"] + half).reset_index()
+    order = found["forecaster"].map(list(READOUTS).index)
+    found = found.assign(readout=found["forecaster"].map(READOUTS), order=order)
+    return found.sort_values(["order", "reynolds", "neurons"], kind="stable")
+
+
+def draw_readouts(tables: Tables, path: Path) -> None:
+    """Draw F-score and PH_ee against the size, one curve for each readout."""
+    from matplotlib.figure import Figure  # the page itself is made without it
+
+    figure = Figure(figsize=(7.0, 3.0), layout="constrained")
+    for axes, score in zip(figure.subplots(1, 2), (f_score(3.0), HORIZON), strict=True):
+        found = over_sets(tables, score)
+        for number, (name, curve) in enumerate(found.groupby("readout", sort=False)):
+            sizes: FloatArray = curve["neurons"].to_numpy() * 1.02 ** (number - 2)
+            axes.errorbar(
+                *(sizes, curve["mean"], curve["high"] - curve["mean"]),
+                **{"label": name, "marker": "osD^v"[number], "markersize": 4},
+                **{"linewidth": 1, "capsize": 2},
+            )
+        axes.set_xscale("log", base=2)
+        ticks = sorted(found["neurons"].unique())
+        axes.set_xticks(ticks, [f"{size:g}" for size in ticks])
+        axes.set_xlabel("neurons")
+        axes.set_ylabel(score.title)
+    axes.legend(fontsize=7, frameon=False, loc="lower right")
+    figure.savefig(path, dpi=150)
+
+
+# -- bursts of turbulence --------------------------------------------------------------------------
+
+
+def onsets(tables: Tables, source: str = "turbulence") -> pd.DataFrame:
+    """Average precision of onsets, of a case and of what is observed of it, each alarm once."""
+    cases = tables.rows("dataset").set_index("case")[["series_kept", "mean_observable"]]
+    same = [*cases.index[(cases == cases.loc[source]).all(axis=1)]]
+    rows = shown_once(tables.rows("ranking", event="onset", metric="average_precision", case=same))
+    common = rows["alarm"].isin(SAME_EVERYWHERE)
+    name = rows["name"].mask(common, rows["forecaster"].str.replace("_", " "))
+    return rows.assign(name=name, case=rows["case"].mask(common, "any"))
+
+
+# -- costs -----------------------------------------------------------------------------------------
+
+
+def costs(tables: Tables, shown: int = 6) -> Part:
+    """Times of the jobs of the most expensive rules, and of all."""
+    found = tables.rows("rule_costs").sort_values("minutes", ascending=False)
+    sums = found[["jobs", "predicted_minutes", "minutes", "disk_mib"]].sum()
+    total = {**sums.to_dict(), "memory_mib": found["memory_mib"].max(), "rule": "**all**"}
+    cells = {"jobs": "{jobs:.0f}", "predicted [min]": "{predicted_minutes:.0f}"}
+    cells |= {"took [min]": "{minutes:.0f}", "largest memory [MiB]": "{memory_mib:.0f}"}
+    rows = pd.concat([found.head(shown), pd.DataFrame([total])])
+    return part(rows, "{rule}", cells)

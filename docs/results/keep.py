@@ -1,0 +1,182 @@
+"""Kept tables: which a campaign has, how they come here, whether another run has the same.
+
+::
+
+    make results ARGS="collect RESULTS"         # a campaign's tables into docs/results
+    make results ARGS="same paper RESULTS"      # whether another run's rows are in it
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pandas as pd
+from kept_tables import KEPT
+
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.opened import open_campaign
+from burstcast_workflow.commands.archive import versions
+from burstcast_workflow.costs.records import RULE_COSTS
+from burstcast_workflow.tables.registry import table_names
+from snaketrust.records import Records
+from snaketrust.run import OvertakenError, Run
+
+OF_SINGLE_NETWORKS = (
+    *("dataset", "hyperparameters", "classification", "classification_intervals"),
+    *("horizon", "horizon_intervals", "statistics", "statistics_intervals", "survival"),
+    *("kaplan_yorke", "lyapunov_spectrum", "control", "control_strategies"),
+)
+"""Kept tables with rows of their own for each network, whatever other networks there are."""
+
+KEPT_TABLES = (
+    *OF_SINGLE_NETWORKS,
+    *("warnings", "control_choices", "control_density", "control_differences"),
+    *("training_realisations", "ranking"),
+    *(
+        f"{name}_percentiles"
+        for name in (
+            *("hyperparameters", "classification", "horizon", "statistics", "survival"),
+            *("kaplan_yorke", "lyapunov_spectrum", "control"),
+        )
+    ),
+)
+
+# Probabilities of single networks fill large tables: only committees are kept, in campaigns about
+# probabilities.
+WITH_PROBABILITIES = ("beyond_the_paper", "learnt_precursor", "readout_committee")
+
+VERSIONS = "versions.json"
+COLLECTED = {f"{name}.csv" for name in (*KEPT_TABLES, "probability_scores")}
+COLLECTED |= {RULE_COSTS, VERSIONS}
+
+
+class RefusedError(ValueError):
+    """A campaign's tables cannot be collected or compared."""
+
+
+def collect(results: Path) -> None:
+    """Copy a finished campaign's tables to docs/results, with what made them.
+
+    The copy is made beside the tables that were kept before and replaces them when it is complete.
+
+    ``results``: Results directory of the campaign; its last name is the campaign's.
+    """
+    results = Path(os.path.abspath(results))
+    target = KEPT / results.name
+    tables = _finished_tables(results)
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", results.name):
+        raise RefusedError(
+            f"{results.name!r} cannot be the name of a campaign in {KEPT}: name the results "
+            f"directory by a letter, then letters, digits and _, all of them small"
+        )
+    others = {path.name for path in target.iterdir()} - COLLECTED if target.is_dir() else set()
+    if others or target.is_symlink() or target.is_file():
+        what = ", ".join(sorted(others)) or "no directory"
+        raise RefusedError(f"{target} holds what was not collected ({what}): move it first")
+    with TemporaryDirectory(dir=KEPT, prefix=f".{results.name}.") as building:
+        new, former = Path(building) / "new", Path(building) / "former"
+        new.mkdir()
+        for path in tables:
+            if path.stat().st_size:
+                shutil.copyfile(path, new / path.name)
+        costs = results / "benchmarks" / RULE_COSTS
+        if costs.exists():
+            shutil.copyfile(costs, new / costs.name)
+        made_by = versions(results)
+        del made_by["revision"]  # the collecting revision, not the computing one
+        text = json.dumps(made_by, indent=2, sort_keys=True)
+        (new / VERSIONS).write_text(f"{text}\n", encoding="utf-8")
+        if target.exists():
+            target.rename(former)
+        try:
+            new.rename(target)
+        except OSError:
+            if former.exists():
+                former.rename(target)
+            raise
+
+
+def _finished_tables(results: Path) -> list[Path]:
+    """Files of the tables to collect, each of which is as its job wrote it."""
+    try:
+        made = table_names(Campaign(open_campaign(results).config))
+        Run("", str(results)).check_idle()
+    except (ValueError, OvertakenError) as error:
+        raise RefusedError(str(error)) from error
+    more = ["probability_scores"] if results.name in WITH_PROBABILITIES else []
+    records, found = Records(str(results)), []
+    for name in (*KEPT_TABLES, *more):
+        if name not in made:
+            continue
+        path = results / "tables" / f"{name}.csv"
+        problem = records.found(str(path))[1] if path.exists() else f"{path} is missing"
+        if problem:
+            raise RefusedError(f"{results} is not finished: {problem}; run the campaign first")
+        found.append(path)
+    return found
+
+
+def differences(campaign: str, results: Path) -> list[str]:
+    """Rows of another run's tables that a campaign's kept ones do not have.
+
+    ``results``: Results directory of a campaign that is part of the kept one: the same cases, fewer
+    networks. Tables with rows for each network are compared, as text, to the last digit, in the
+    columns that are kept.
+    """
+    kept = KEPT / campaign
+    if not any((results / "tables" / f"{name}.csv").exists() for name in OF_SINGLE_NETWORKS):
+        raise RefusedError(f"{results} has no tables to compare: give a campaign's results")
+    if not (kept / VERSIONS).exists():
+        raise RefusedError(f"{kept} has no tables to compare with: collect them first")
+    found = []
+    for name in OF_SINGLE_NETWORKS:
+        theirs = results / "tables" / f"{name}.csv"
+        if not theirs.exists() or not theirs.stat().st_size:
+            continue
+        ours, others = (
+            pd.read_csv(path, dtype=str, keep_default_na=False)
+            for path in (kept / f"{name}.csv", theirs)
+        )
+        if missing := [str(column) for column in ours if column not in others]:
+            found.append(f"{name}: without {', '.join(missing)}")
+            continue
+        rows, known = (
+            [",".join(row) for row in table[list(ours)].to_numpy().tolist()]
+            for table in (others, ours)
+        )
+        found += [f"{name}: {row}" for row in rows if row not in set(known)]
+        print(f"{name}: {len(rows)} rows looked up", file=sys.stderr)
+    return found
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Collect a campaign's tables, or compare another run's with them."""
+    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
+    commands = parser.add_subparsers(dest="command", required=True)
+    collecting, comparing = (commands.add_parser(name) for name in ("collect", "same"))
+    comparing.add_argument("campaign")
+    for command in (collecting, comparing):
+        command.add_argument("results", type=Path)
+    chosen = parser.parse_args(arguments)
+    try:
+        if not KEPT.is_dir():
+            raise RefusedError(f"{KEPT} is missing: kept tables are in the repository")
+        if chosen.command == "collect":
+            collect(chosen.results)
+            return 0
+        found = differences(chosen.campaign, chosen.results)
+        print("\n".join(found) or "the same")
+        return 1 if found else 0
+    except RefusedError as error:
+        print(error, file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,252 @@
+"""Claims of the paper, judged by the paper's own numbers and by numbers that are turned round."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from claims import CLAIMS, NOT_KEPT, RV, all_of, claims_table, verdict
+from comparisons import beside_published, sides
+from kept_tables import PUBLISHED, Tables
+from make_page import PAGE, PUBLISHED_VALUES, UnsupportedError, page, published_values, said
+
+from burstcast.tables.published import published_percentiles
+
+CASES = {400: "Re400", 600: "Re600", 800: "Re800", 1000: "Re1000"}
+HALF_WIDTH = 0.02  # of all intervals, relative
+
+
+def test_the_page_is_that_of_the_kept_tables():
+    text = page()
+    assert PAGE.read_text(encoding="utf-8") == text, "make results"
+    assert PUBLISHED_VALUES.read_text(encoding="utf-8") == published_values(), "make results"
+    assert all(one in text for one in NOT_KEPT)
+    linked = re.findall(r"\]\(([\w/.]+)[)#]", text)
+    assert all((PAGE.parent / name).exists() for name in linked)
+
+
+def test_a_sentence_whose_comparison_fails_is_refused():
+    assert said(True, True, caller=lambda: "a is\nlarger ") == "a is larger\n"
+    with pytest.raises(UnsupportedError, match=r"\(True, False\): a is larger"):
+        said(True, False, caller=lambda: "a is larger")
+
+
+# -- the paper's numbers as if they were ours ------------------------------------------------------
+
+
+def published(table):
+    """Percentiles that the paper published, with the sizes and cases that are not published.
+
+    What is missing is like the nearest that is there: 2500 and 3000 neurons like 2000 (but what
+    the text says of 2500 and 3000), other Reynolds numbers like 600, later ones a little better in
+    the horizon as the text says.
+    """
+    found = published_percentiles(pd.read_csv(PUBLISHED), table)
+    networks = found[found["forecaster"] == "esn"]
+    parts = [found]
+    for size in (2500, 3000):
+        like = networks[(networks["reynolds"] == 400) & (networks["neurons"] == 2000)]
+        keys = ["reynolds", "neurons", "validation", "prediction_time_lt", "metric"]
+        new = like.assign(neurons=float(size))
+        there = set(map(str, found[keys].to_numpy().tolist()))
+        parts.append(new[[str(row) not in there for row in new[keys].to_numpy().tolist()]])
+    for number, reynolds in enumerate((800, 1000), 1):
+        like = networks[networks["reynolds"] == 600].assign(reynolds=reynolds)
+        later = 1 + 0.01 * number * (like["metric"] == "mean_horizon_lt")
+        parts.append(like.assign(**{p: like[p] * later for p in ("p25", "p50", "p75")}))
+    return pd.concat(parts, ignore_index=True)
+
+
+def write(directory, name, rows):
+    """Percentile table of a campaign, and intervals of one network, of published rows."""
+    rows = rows.assign(case=rows["reynolds"].map(CASES), networks=10)
+    rows[["p25", "p75"]] = rows[["p25", "p75"]].apply(lambda column: column.fillna(rows["p50"]))
+    rows.to_csv(directory / f"{name}_percentiles.csv", index=False)
+    ends = rows.assign(
+        seed=0, low=rows["p50"] * (1 - HALF_WIDTH), high=rows["p50"] * (1 + HALF_WIDTH)
+    )
+    ends.drop(columns=["p25", "p50", "p75", "networks"]).to_csv(
+        directory / f"{name}_intervals.csv", index=False
+    )
+    return ends
+
+
+@pytest.fixture
+def like_the_paper(tmp_path):
+    exponents = (0.0163, 0.0135, 0.0126, 0.0121)
+    dataset = pd.DataFrame(
+        {
+            "case": CASES.values(),
+            "reynolds": CASES.keys(),
+            "series_generated": 2000,
+            "series_kept": [1436, 1900, 1980, 1998],
+            "mean_observable": 0.06,
+            "events_per_series": 2.4,
+            **{
+                f"lyapunov_exponent{way}{end}": np.array(exponents) * factor
+                for way in ("", "_by_growth")
+                for end, factor in (("", 1.0), ("_low", 0.99), ("_high", 1.01))
+            },
+            "lyapunov_exponent_paper": exponents,
+        }
+    )
+    dataset.to_csv(tmp_path / "dataset.csv", index=False)
+    for name in ("classification", "horizon", "statistics", "hyperparameters"):
+        write(tmp_path, name, published(name))
+    counts = {"true_positive": 360, "false_positive": 0, "true_negative": 6554}
+    equations = {"case": "Re400", "forecaster": "equations", "prediction_time_lt": 5.0}
+    pd.DataFrame([{**equations, **counts, "false_negative": 0}]).to_csv(
+        tmp_path / "classification.csv", index=False
+    )
+    # a tail that control makes steeper: times beyond 0.1 and 0.3 are divided by 4 and 11
+    low = np.linspace(0.1, 0.48, 39)[:-1]
+    density = {
+        "density_uncontrolled": np.exp(-low / 0.1) / np.exp(-1),
+        "density_controlled": np.exp(-low / 0.06) / np.exp(-1 / 0.6) / 3,
+    }
+    pd.concat(
+        pd.DataFrame({"low": low, "high": low + 0.01, **density}).assign(
+            case=case, neurons=2000, prediction_time_lt=time, **RV
+        )
+        for case in CASES.values()
+        for time in (1.0, 2.0)
+    ).to_csv(tmp_path / "control_density.csv", index=False)
+    control = published("control")
+    without = control.assign(metric="exceedance_uncontrolled", p25=0.13, p50=0.13, p75=0.13)
+    ends = write(tmp_path, "control", pd.concat([control, without]))
+    (tmp_path / "control_intervals.csv").unlink()
+    ours = ends[ends["metric"] == "exceedance_controlled"].reset_index(drop=True)
+    ours["value"] = published("control")["p50"].to_numpy()
+    ours.assign(strategy="prediction_triggered").to_csv(
+        tmp_path / "control_strategies.csv", index=False
+    )
+    ours.assign(exceedance_controlled=ours["value"]).to_csv(tmp_path / "control.csv", index=False)
+    return tmp_path
+
+
+def findings(tables):
+    """Verdicts by claim, as the page shows them."""
+    head, _, *lines = (line.strip("| ").split(" | ") for line in claims_table(tables).splitlines())
+    agrees = head.index("agrees")
+    return {line[0]: line[agrees] for line in lines}
+
+
+def test_the_paper_agrees_with_its_own_claims(like_the_paper):
+    found = findings(Tables(like_the_paper))
+    # the authors' networks of 1000 are worse than their training set, by the formulas
+    density = (
+        "the density of k improves on the training set (Kantorovich metric; mean logarithmic error)"
+    )
+    profiles = "profiles improve on the training set (NRMSE of u; u^2; uv)"
+    assert found.pop(density) == "11 of 12"
+    assert found.pop(profiles) == "16 of 18"
+    # their networks of 500 have clearly larger logarithmic errors than those from 2000 on
+    size = "and does not improve with size"
+    assert found.pop(size) == "27 of 30"
+    # and their profiles improve by more than their densities at two of six sizes
+    field = "the flow field improves less on the training set than the kinetic energy"
+    assert found.pop(field) == "4 of 6"
+    assert {*found.values()} == {"yes"}, found
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.text)
+def test_every_claim_can_fail(claim, like_the_paper):
+    """Numbers that are all the same, or turned round, agree with no claim."""
+    for path in like_the_paper.glob("*.csv"):
+        table = pd.read_csv(path)
+        for column in ("p25", "p50", "p75", "low", "high"):
+            if column not in table or "metric" not in table:
+                continue
+            value = table[column]
+            opposed = {"RV": 0.5, "SSV": 0.7}
+            table[column] = value * table["validation"].map(opposed).fillna(0.1)
+            early = table.get("prediction_time_lt", pd.Series(2.0, table.index)) < 1.5
+            table[column] *= np.where(early & table["metric"].eq("exceedance_controlled"), 5, 1)
+            table[column] *= np.where(table["case"] != "Re400", 3 - table["reynolds"] / 500, 1)
+            sizes = table["neurons"].fillna(1000)
+            table[column] *= np.where(table["metric"].eq("f_score"), sizes / 3000, 1)
+            errors = table["metric"].isin(["kantorovich", "mean_log_error", "nrmse_u"])
+            table[column] *= np.where(errors, 3000 / sizes, 1)
+        if "density_controlled" in table:
+            table["density_controlled"] = table["density_uncontrolled"] * 1.1
+        if "true_positive" in table:
+            table["true_positive"] = 2 * table["true_positive"]
+        for column in ("series_kept", "lyapunov_exponent_low", "lyapunov_exponent_high"):
+            if column in table:
+                table[column] = table[column] * 0.8 if "low" in column else table[column] * 0.9
+        table.to_csv(path, index=False)
+    assert claim.find(Tables(like_the_paper)).agrees != "yes"
+
+
+def claim(text):
+    (found,) = (one for one in CLAIMS if one.text.startswith(text))
+    return found
+
+
+def test_an_order_of_magnitude_is_looked_up_for_each_prediction_time(like_the_paper):
+    path = like_the_paper / "control_density.csv"
+    table = pd.read_csv(path)
+    weak = (table["prediction_time_lt"] == 2) & (table["case"] != "Re1000")
+    table.loc[weak, "density_controlled"] = table.loc[weak, "density_uncontrolled"] / 3
+    table.to_csv(path, index=False)
+    found = claim("the density's tail").find(Tables(like_the_paper))
+    assert found.agrees == "2 of 3"
+    assert found.why == "by 5 or more 1 LT ahead at 4 of 4, 2 LT ahead at 1 of 4 Reynolds numbers"
+
+
+@pytest.mark.parametrize(
+    ("uncontrolled", "agrees"), [(0.13, "yes"), (0.11, "nearly"), (0.1, "1 of 2"), (0.06, "no")]
+)
+def test_how_much_rarer_events_become(like_the_paper, uncontrolled, agrees):
+    path = like_the_paper / "control_percentiles.csv"
+    table = pd.read_csv(path)
+    free = table["metric"] == "exceedance_uncontrolled"
+    table.loc[free, ["p25", "p50", "p75"]] = uncontrolled
+    table.to_csv(path, index=False)
+    found = claim("extreme events become rarer").find(Tables(like_the_paper))
+    # what the paper leaves at Re = 600, the least: 0.0127 and 0.0220, the interval 2 % either way
+    factors = (
+        uncontrolled
+        / published_percentiles(pd.read_csv(PUBLISHED), "control")
+        .query("reynolds == 600 and metric == 'exceedance_controlled' and neurons == 2000")
+        .set_index("prediction_time_lt")["p50"]
+    )
+    assert f"1 LT ahead by {factors[1]:.1f} (" in found.ours
+    assert f"2 LT ahead by {factors[2]:.1f} (" in found.ours
+    assert found.agrees == agrees
+
+
+def test_verdicts():
+    assert verdict(1.0, 0.8, 1.0) == "yes"
+    assert verdict(1.03, 0.8, 1.0) == "nearly"  # within 0.1 * sqrt(2) of the middle
+    assert verdict(1.05, 0.8, 1.0) == "no"
+    assert verdict(1.04, 0.8, 1.0, unit=0.1) == "yes"  # what is printed as 1.0 may be 0.95
+    assert verdict(1.08, 0.8, 1.0, unit=0.1) == "nearly" == verdict(0.72, 0.8, 1.0, unit=0.1)
+    assert (all_of([True, True]), all_of([True, False]), all_of([False])) == ("yes", "1 of 2", "no")
+    assert (all_of(["yes", "nearly"]), all_of(["nearly", "no"])) == ("nearly", "1 of 2")
+
+
+def test_published_values_are_counted_by_group(like_the_paper):
+    compared = beside_published(Tables(like_the_paper))
+    compared = compared[compared["inside"].notna()].copy()
+    theirs, metric = compared["published_p50"], compared["metric"]
+    compared["p50"], compared["inside"] = theirs + 1e-6, True
+    small = (compared["kind"] == "classification") & (compared["neurons"] == 500)
+    compared.loc[small, "p50"] = theirs[small] + 0.1
+    compared.loc[small & (metric == "recall"), "inside"] = False
+    objectives = metric == "objective"
+    compared.loc[objectives, ["p50", "inside"]] = [-9.0, False]
+    late = (compared["prediction_time_lt"] == 5) & (compared["kind"] == "classification") & ~small
+    compared.loc[late, ["p50", "inside"]] = [0.0, False]
+    rows = {name: row.tolist() for name, row in sides(compared).iterrows()}
+    recalls = int((small & (metric == "recall")).sum())
+    kinds = compared["kind"].value_counts()
+    # published values, inside, better, better and outside, worse and outside
+    counts = [small.sum(), small.sum() - recalls, small.sum(), recalls, 0]
+    assert rows["scores below 1000 neurons"] == counts
+    parameters, chosen = kinds["hyperparameters"], objectives.sum()
+    assert rows["hyperparameters"] == [parameters, parameters - chosen, chosen, chosen, 0]
+    assert rows["scores from 1000 neurons, 5 LT"] == [late.sum(), 0, 0, 0, late.sum()]
+    assert rows["statistics"] == [kinds["statistics"], kinds["statistics"], 0, 0, 0]
+    assert rows["horizon"] == [kinds["horizon"]] * 3 + [0, 0]
+    assert rows["all"][0] == len(compared)

@@ -1,0 +1,251 @@
+"""Comparisons of the page, on made-up campaigns whose parts are known."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from comparisons import (
+    HORIZON,
+    TRUE,
+    Score,
+    choices_compared,
+    costs,
+    differences,
+    draw_readouts,
+    f_score,
+    gaps,
+    inside_counts,
+    onsets,
+    over_sets,
+    own_ranks,
+    scatter,
+)
+from kept_tables import Tables, published_value
+from scipy import stats
+
+SETS = (-0.02, 0.01, 0.03, -0.01, -0.01)  # effects of training sets on F; they sum to zero
+SEEDS = (-0.005, 0.005)
+CHOICES = 0.04  # by which the authors' choices lower F
+TRUTH = 0.25  # part of the gap that true washouts close
+ERROR = 0.02  # of one network over test data
+NETWORK = {"neurons": 500, "validation": "RV"}
+
+
+def scored(level, forecaster="esn", part=0.0):
+    """Rows of the classification 2 and 3 LT ahead, additive in sets and seeds."""
+    for number, effect in enumerate(SETS, 1):
+        for seed, of_seed in enumerate(SEEDS):
+            for time in (2.0, 3.0):
+                value = level - 0.2 * (time - 2) + effect + of_seed
+                keys = {"case": f"Re400-training{number}", "reynolds": 400, "seed": seed}
+                keys |= {"forecaster": forecaster, **NETWORK, "prediction_time_lt": time}
+                yield {**keys, "f_score": value + part * (1 - value)}
+
+
+def campaign(directory, rows):
+    directory.mkdir()
+    table = pd.DataFrame(rows)
+    table.to_csv(directory / "classification.csv", index=False)
+    ends = table.drop(columns="f_score").assign(metric="f_score", low=0.5, high=0.5 + 3.92 * ERROR)
+    ends.to_csv(directory / "classification_intervals.csv", index=False)
+    return Tables(directory)
+
+
+@pytest.fixture
+def authors(tmp_path):
+    return campaign(tmp_path / "authors", [*scored(0.7), *scored(0.7, TRUE, TRUTH)])
+
+
+@pytest.fixture
+def own(tmp_path):
+    return campaign(tmp_path / "own", scored(0.7 + CHOICES))
+
+
+@pytest.fixture
+def paper(tmp_path):
+    rows = enumerate(scored(0.76))
+    return campaign(tmp_path / "paper", [{**r, "case": "Re400", "seed": n} for n, r in rows])
+
+
+def rows_of(part):
+    """Texts of cells by row."""
+    found = {}
+    for row, _, cell in part:
+        found.setdefault(row, []).append(cell)
+    return found
+
+
+def published(time):
+    where = {"reynolds": 400, **NETWORK, "prediction_time_lt": time}
+    return published_value("classification", "f_score", **where)
+
+
+def test_differences_are_taken_apart(authors, own, paper):
+    row = rows_of(differences(authors, own, paper))["500 neurons, F-score, 3 LT ahead"]
+    # by hand: t(4) = 2.776; five sets with our choices have the mean 0.54, the campaign 0.555
+    margin = 2.776445 * np.std(SETS, ddof=1) / np.sqrt(5)
+    assert row == [
+        f"{published(3.0) - 0.555:+.3f}",
+        "-0.040 ± 0.000",
+        f"-0.015 ± {margin:.3f}",
+        f"{published(3.0) - 0.5:+.3f}",
+    ]
+    nothing = Tables(paper.directory / "none")
+    assert differences(authors, nothing, paper) == []
+
+
+def test_published_values_inside_are_counted_by_one_rule(authors, paper):
+    counts = inside_counts(authors, paper)
+    of_sets, of_test = np.var(SETS, ddof=1) * 1.2, 2 * ERROR**2
+    # by hand, Welch and Satterthwaite: four degrees for the sets, any number for the test series
+    degrees = (of_sets + of_test) ** 2 / (of_sets**2 / 4)
+    wide = stats.t.ppf(0.975, degrees) * np.sqrt(of_sets + of_test)
+    assert 2.0 < stats.t.ppf(0.975, degrees) < 2.3
+    values = np.array([published(2.0), published(3.0)])
+    apart = {"": abs(values - [0.755, 0.555]), "_authors": abs(values - [0.7, 0.5])}
+    assert counts == {
+        "values": 2,
+        **{
+            f"{name}{side}": int((distance <= margin).sum())
+            for name, margin in (("narrow", 1.96 * ERROR), ("wide", wide))
+            for side, distance in apart.items()
+        },
+    }
+
+
+def test_the_gap_is_split_by_true_washouts(authors, own):
+    found = gaps("authors'", authors, f_score(2.0))
+    assert rows_of(found) == {"authors' choices, 500 neurons": ["0.700", "0.775", "0.25 ± 0.00"]}
+    assert gaps("our", own, f_score(2.0)) == []
+
+
+def test_sources_of_scatter_stand_beside_each_other(authors):
+    spread = {"standard_deviation_over_training_sets": 0.02, "standard_deviation_over_seeds": 0.03}
+    row = {"case": "Re400", "forecaster": "esn", **NETWORK, "prediction_time_lt": 3.0}
+    row |= {"metric": "f_score", "mean": 0.5, **spread}
+    other = {**row, "prediction_time_lt": 2.0, "mean": 0.7}
+    path = authors.directory / "training_realisations.csv"
+    pd.DataFrame([row, other]).to_csv(path, index=False)
+    found = rows_of(scatter(authors, (f_score(3.0),)))
+    cells = ["0.500", "0.020", "0.030", f"{ERROR:.3f}"]
+    assert found == {"500 neurons, F-score, 3 LT ahead": cells}
+
+
+def test_how_often_the_own_training_set_is_best(tmp_path):
+    ours = {2.0: 0.9, 3.0: 0.2, 4.0: 0.6}
+    rows = [
+        {"case": case, "forecaster": "esn", **NETWORK, "seed": seed, "prediction_time_lt": time}
+        | {"f_score": score + (0.05, -0.05)[seed]}
+        for case, shift in (("Re400", None), ("Re400-training1", 0.1), ("Re400-training2", -0.1))
+        for time, own in ours.items()
+        for score in [own if shift is None else 0.6 + shift]
+        for seed in (0, 1)
+    ]
+    text = own_ranks(campaign(tmp_path / "sets", rows), (2.0, 3.0, 4.0))
+    assert text == "the best in 1 and the worst in 1 of 3 F-scores"
+
+
+def test_choices_are_compared_for_networks_that_both_have(tmp_path):
+    def write(name, seeds, shift):
+        (tmp_path / name).mkdir()
+        keys = [{"case": "Re400", "forecaster": "esn", **NETWORK, "seed": seed} for seed in seeds]
+        scores = {
+            "survival": ("escape_rate", 1e-4),
+            "statistics": ("kantorovich", 1e-3),
+            "horizon": ("mean_horizon_lt", 1.0),
+            "classification": ("f_score", 0.1),
+        }
+        for file, (column, unit) in scores.items():
+            rows = [{**row, column: unit * (row["seed"] + shift)} for row in keys]
+            rows = [{**row, "prediction_time_lt": 4.0} for row in rows] if unit == 0.1 else rows
+            pd.DataFrame(rows).to_csv(tmp_path / name / f"{file}.csv", index=False)
+        return Tables(tmp_path / name)
+
+    found = rows_of(choices_compared(write("first", range(9), 1), write("second", (0, 1, 2), 2)))
+    assert found["500 neurons, escape rate [1e-4 per time unit]"] == [
+        "2.00 (1.00–3.00)",
+        "3.00 (2.00–4.00)",
+    ]
+    assert found["500 neurons, F-score, 4 LT ahead"] == [
+        "0.200 (0.100–0.300)",
+        "0.300 (0.200–0.400)",
+    ]
+
+
+@pytest.fixture
+def readouts(tmp_path):
+    """Two kinds of networks, of two sizes, three training sets, two seeds."""
+    generator = np.random.default_rng(0)
+    rows = [
+        {"case": case, "reynolds": 400, "forecaster": kind, "neurons": size, "seed": seed}
+        | {"validation": "RV", "prediction_time_lt": time, "f_score": generator.uniform(0.2, 0.9)}
+        | {"mean_horizon_lt": generator.uniform(1, 5)}
+        for case in ("Re400", "Re400-training1", "Re400-training2")
+        for kind in ("esn_quadratic", "esn", "equations")
+        for size in (500, 2000)
+        for seed in (0, 1)
+        for time in (1.0, 3.0)
+    ]
+    table = pd.DataFrame(rows)
+    table.to_csv(tmp_path / "classification.csv", index=False)
+    table[table["prediction_time_lt"] == 3].to_csv(tmp_path / "horizon.csv", index=False)
+    return Tables(tmp_path), table[table["prediction_time_lt"] == 3]
+
+
+def test_intervals_are_over_training_sets(readouts):
+    tables, rows = readouts
+    found = over_sets(tables, f_score(3.0))
+    assert found["readout"].tolist() == ["as in the paper"] * 2 + ["squares"] * 2
+    for row in found.to_dict("records"):
+        of = rows[(rows["forecaster"] == row["forecaster"]) & (rows["neurons"] == row["neurons"])]
+        means = of.groupby("case")["f_score"].mean()
+        low, high = stats.t.interval(0.95, 2, means.mean(), stats.sem(means))
+        expected = [means.mean(), low, high, means.min(), means.max()]
+        assert [row[name] for name in ("mean", "low", "high", "min", "max")] == pytest.approx(
+            expected
+        )
+
+
+def test_the_figure_has_a_curve_for_each_readout(readouts, tmp_path):
+    draw_readouts(readouts[0], tmp_path / "readout.png")
+    assert (tmp_path / "readout.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_only_cases_with_the_same_series_are_ranked_beside_each_other(tmp_path):
+    means = {"turbulence": 0.12, "sensors": 0.12, "viscous": 0.1, "viscous_sensors": 0.1}
+    cases = [{"case": c, "series_kept": 9, "mean_observable": mean} for c, mean in means.items()]
+    pd.DataFrame(cases).to_csv(tmp_path / "dataset.csv", index=False)
+    same = {"event": "onset", "metric": "average_precision", "neurons": None, "validation": None}
+    same |= {"seed": None, "prediction_time_lt": 1.0, "low": 0.1, "high": 1.0}
+    rows = [
+        {**same, "case": case, "alarm": alarm, "forecaster": alarm, "value": 0.5}
+        for case in ("sensors", "turbulence", "viscous_sensors")
+        for alarm in ("equations_filtered", "climatology")
+    ]
+    pd.DataFrame(rows).to_csv(tmp_path / "ranking.csv", index=False)
+    found = onsets(Tables(tmp_path), "turbulence")
+    assert found[["case", "alarm"]].to_numpy().tolist() == [
+        ["sensors", "equations_filtered"],
+        ["any", "climatology"],
+        ["turbulence", "equations_filtered"],
+    ]
+
+
+def test_the_most_expensive_rules_and_the_sum(tmp_path):
+    rows = [
+        {"rule": rule, "jobs": 2, "predicted_minutes": 1, "minutes": minutes, "memory_mib": 5}
+        for rule, minutes in (("cheap", 1), ("dear", 9), ("middle", 3))
+    ]
+    pd.DataFrame(rows).assign(disk_mib=0).to_csv(tmp_path / "rule_costs.csv", index=False)
+    found = rows_of(costs(Tables(tmp_path), 2))
+    assert found == {
+        "dear": ["2", "1", "9", "5"],
+        "middle": ["2", "1", "3", "5"],
+        "**all**": ["6", "3", "13", "5"],
+    }
+
+
+def test_scores_name_their_tables():
+    assert HORIZON.published(**NETWORK) == published_value(
+        "horizon", "mean_horizon_lt", reynolds=400, **NETWORK
+    )
+    assert np.isnan(Score("none", "horizon", "none").published(**NETWORK))

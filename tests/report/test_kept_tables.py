@@ -1,0 +1,190 @@
+"""Kept tables: what is collected, what is refused, and how rows become cells."""
+
+import re
+import shutil
+from pathlib import Path
+
+import keep
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from kept_tables import Tables, best, name_of, part, table, text
+
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.tables.registry import table_names
+from snaketrust.records import Records
+from snaketrust.run import VARIABLE, Run
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def results(tmp_path, monkeypatch):
+    """Results of a finished campaign, and an empty directory where tables are kept."""
+    monkeypatch.setattr(keep, "KEPT", tmp_path / "kept")
+    keep.KEPT.mkdir()
+    results = tmp_path / "results" / "small"
+    preset = yaml.safe_load((ROOT / "workflow/presets/tiny.yaml").read_text(encoding="utf-8"))
+    config = load(preset, defaults=ROOT / "config.yaml")
+    monkeypatch.setenv(VARIABLE, "")
+    Run.new(str(results)).claim(config, [])
+    (results / "tables").mkdir()
+    for name in table_names(Campaign(config)):
+        put_table(results, name, "case,seed,f_score\nRe400,0,0.5\nRe400,1,0.75\n")
+    return results
+
+
+def put_table(results, name, text):
+    path = results / "tables" / f"{name}.csv"
+    path.write_text(text)
+    Records(str(results)).write([str(path)], {"rule": "all_cases"}, {}, {}, "a.log", 1.0)
+
+
+def test_collected_tables_are_those_of_the_campaign(results, capsys):
+    put_table(results, "survival", "")
+    for _ in range(2):  # the second time over the first
+        assert keep.main(["collect", f"{results}/"]) == 0
+        kept = {path.name for path in (keep.KEPT / "small").iterdir()}
+        assert {"classification.csv", "versions.json"} < kept < keep.COLLECTED
+        assert "survival.csv" not in kept  # empty: of a campaign without long runs
+        assert [path.name for path in keep.KEPT.iterdir()] == ["small"]
+    assert keep.main(["same", "small", str(results)]) == 0
+    # one network alone, its last digit another one
+    put_table(results, "classification", "case,seed,f_score\nRe400,1,0.7500000001\n")
+    assert keep.main(["same", "small", str(results)]) == 1
+    assert "classification: Re400,1,0.7500000001" in capsys.readouterr().out
+    # a later version has a further column
+    put_table(results, "classification", "case,events,seed,f_score\nRe400,7,1,0.75\n")
+    assert keep.main(["same", "small", str(results)]) == 0
+    put_table(results, "classification", "case,f_score\nRe400,0.75\n")
+    assert keep.main(["same", "small", str(results)]) == 1
+    assert "classification: without seed" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("results/small/..", "holds no campaign"),
+        (".", "holds no campaign"),
+        ("", "holds no campaign"),
+        ("/", "holds no campaign"),
+        ("results/smal", "holds no campaign"),
+        ("results/small/tables", "holds no campaign"),
+        ("results/page.md.jinja", "cannot be the name of a campaign"),
+        ("results/unfinished", "horizon.csv is missing; run the campaign first"),
+        ("results/edited", "is not what its job wrote"),
+        ("results//small/", r"small holds what was not collected \(notes.txt\)"),
+    ],
+)
+def test_nothing_is_removed_that_was_not_collected(path, message, results, monkeypatch, capsys):
+    """Neither all kept tables nor all of docs, whatever directory is named."""
+    monkeypatch.chdir(results.parents[1])
+    for name in ("page.md.jinja", "unfinished", "edited"):
+        shutil.copytree(results, results.parent / name)
+    (results.parent / "unfinished/tables/horizon.csv").unlink()
+    (results.parent / "edited/tables/horizon.csv").write_text("case\n")
+    (keep.KEPT / "page.md.jinja").write_text("of the page")
+    assert keep.main(["collect", str(results)]) == 0
+    (keep.KEPT / "small" / "notes.txt").write_text("a note")
+    before = {one: one.is_file() and one.read_bytes() for one in keep.KEPT.rglob("*")}
+    assert keep.main(["collect", path]) == 2
+    assert re.search(message, capsys.readouterr().err)
+    assert before == {one: one.is_file() and one.read_bytes() for one in before}
+
+
+@pytest.mark.parametrize(
+    ("campaign", "where", "message"),
+    [("small", "resutls", "no tables to compare: "), ("smal", "results", "compare with: collect")],
+)
+def test_nothing_is_not_the_same(campaign, where, message, results, capsys):
+    assert keep.main(["collect", str(results)]) == 0
+    other = results.parents[1] / where / "small"
+    assert keep.main(["same", campaign, str(other)]) == 2
+    assert message in capsys.readouterr().err
+
+
+# -- rows and cells --------------------------------------------------------------------------------
+
+
+def test_the_first_alternative_whose_numbers_are_known():
+    template = "{p50:.2f} ({low:.1f})||{p50:.2f}||none"
+    assert text(template, {"p50": 1.0, "low": 2.0}) == "1.00 (2.0)"
+    assert text(template, {"p50": 1.0, "low": np.nan}) == "1.00"
+    assert text(template, {"p50": None, "low": 2.0}) == "none"
+    assert text("{p50}", {"p50": np.nan}) == ""
+    shares = (0.1234, 0.04217, 0.0, 1.5, -0.00123)
+    assert [text("{x:share}", {"x": x}) for x in shares] == ["12", "4.2", "0", "150", "-0.12"]
+    with pytest.raises(KeyError):  # a column that no table has is a mistake, not a gap
+        text("{p5}||x", {"p50": 1.0})
+
+
+def test_cells_of_several_tables_share_their_rows():
+    first = pd.DataFrame({"size": [10, 20, 10], "time": [1, 1, 2], "f": [0.5, 0.6, 0.4]})
+    second = pd.DataFrame({"size": [30, 10], "h": [np.nan, 4.0]})
+    parts = (
+        part(first, "{size}", {"{time} LT": "{f:.1f}"}),
+        part(second, "{size}", {"H": "{h:.0f}"}),
+    )
+    lines = ["| n | 1 LT | 2 LT | H |", "| --- | --- | --- | --- |"]
+    assert table("n", *parts).splitlines() == [
+        *lines,
+        "| 10 | 0.5 | 0.4 | 4 |",
+        "| 20 | 0.6 |  |  |",
+    ]
+    with pytest.raises(ValueError, match=r"two cells for 10, f: 0\.5 and 0\.4"):
+        table("n", part(first, "{size}", {"f": "{f}"}))
+
+
+def test_names_of_forecasters():
+    network = {"neurons": 500.0, "validation": "RV"}
+    assert name_of({"forecaster": "esn", **network}) == "500 neurons, RV"
+    assert name_of({"forecaster": "esn_aware", **network}) == "aware network, 500 neurons, RV"
+    assert name_of({"forecaster": "esn_committee", **network}) == "committee: 500 neurons, RV"
+    assert name_of({"forecaster": "esn_direct", "neurons": np.nan}) == "esn direct"
+    members = {"forecaster": "quadratic_filtered_committee", "neurons": None}
+    assert name_of(members) == "members of learnt equations, filtered"
+
+
+def test_medians_have_the_interval_of_one_network(tmp_path):
+    keys = {"case": "A", "forecaster": "esn", "neurons": 5, "validation": "RV", "metric": "f"}
+    middle = {"p25": 0.1, "p50": 0.2, "p75": 0.3, "networks": 3}
+    rows = [{**keys, **middle}, {**keys, **middle, "case": "B", "p50": np.nan}]
+    pd.DataFrame(rows).to_csv(tmp_path / "scores_percentiles.csv", index=False)
+    ends = [{**keys, "seed": n, "low": low, "high": 1} for n, low in enumerate((0.0, 0.5, 0.1))]
+    pd.DataFrame(ends).to_csv(tmp_path / "scores_intervals.csv", index=False)
+    found = Tables(tmp_path).one("scores", "f", forecaster="esn")
+    assert (found.case, found.p50, found.low, found.high) == ("A", 0.2, 0.1, 1)
+    with pytest.raises(LookupError, match=r"scores: 0 rows of f with \{'case': 'B'\}, not one"):
+        Tables(tmp_path).one("scores", "f", case="B")
+    assert not Tables(tmp_path / "none")
+
+
+def run(forecaster, left, acting, **conditions):
+    """Rows of one run of control."""
+    keys = {"case": "A", "forecaster": forecaster, "neurons": None, "validation": None}
+    keys |= {"strategy": "reactive", "options": None, "starts": "quiet", "noise": 0.01}
+    keys |= {"strength": 1, "delay_lt": 0, **conditions}
+    values = {"relative_exceedance": left, "control_fraction": acting, "effort": 7}
+    ends = {"low": 0.0, "high": 1.0}
+    return [{**keys, "metric": name, "value": value, **ends} for name, value in values.items()]
+
+
+def test_a_run_of_control_is_a_row(tmp_path):
+    rows = [
+        *run("equations", 0.2, 0.1, strength=0.5, delay_lt=1.0, noise=0.1),
+        *run("none", 0.1, 0.4, options="watch=a1 aware=True", starts="unselected"),
+        *run("none", 0.1, 0.3, options="watch=a1 aware=True", starts="unselected", level=2),
+    ]
+    pd.DataFrame(rows).to_csv(tmp_path / "runs.csv", index=False)
+    found = Tables(tmp_path).runs("runs", case="A")
+    assert list(found["condition"])[:2] == [
+        "strength 0.5, 1 LT late, 10 % noise",
+        "unselected states",
+    ]
+    assert list(found["means"])[:2] == ["reactive", "reactive, on a1, aware"]
+    assert found[["left", "left_low", "acting", "effort"]].iloc[0].tolist() == [0.2, 0.0, 0.1, 7]
+    assert best(found, ["forecaster"])["acting"].tolist() == [0.1, 0.3]
+    empty = Tables(tmp_path).runs("runs", case="B")
+    assert empty.empty
