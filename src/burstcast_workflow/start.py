@@ -2,6 +2,7 @@
 
 import atexit
 import gc
+import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -31,6 +32,7 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Star
     # time takes a tenth of it; doing so once more when the process ends is as useless.
     gc.set_threshold(200_000, 50, 1000)
     atexit.register(gc.freeze)
+    os.environ["MPLBACKEND"] = "agg"  # jobs draw to files, also if a notebook has started them
     started = trust.start(
         workflow,
         code_of(project),

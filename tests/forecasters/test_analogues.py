@@ -68,3 +68,10 @@ def test_persistence_stays(washout):
     for state in outputs:
         np.testing.assert_array_equal(state, washout[-1])
     np.testing.assert_array_equal(memory, washout[-1])
+
+
+def test_a_component_that_is_constant_in_training_tells_no_analogues_apart(training, washout):
+    with_gauge = np.concatenate([training, np.full((3, 30, 1), 7.0)], axis=2)
+    seen = np.concatenate([washout, np.full((5, 1, 7), 7.0)], axis=1)
+    found = Analogues.fit(with_gauge, CASE).start(seen)
+    np.testing.assert_array_equal(found, Analogues.fit(training, CASE).start(washout))

@@ -223,3 +223,18 @@ def test_factors_of_another_shape_and_too_few_windows_are_refused():
     restless = np.random.default_rng(1).normal(size=(2, 49, 1))
     with pytest.raises(ValueError, match="too few for 12 coefficients"):
         factored_coefficients(series, np.zeros(2), 1.0, 2, 5, 0.0, restless)
+
+
+@pytest.mark.parametrize("centre", [(1e4, -3e5, 2e6), (0.0, 1e5, 0.0)])
+def test_the_zero_of_a_unit_does_not_matter(centre):
+    """The vector field on the attractor is the same, whatever offset the components have."""
+    start = np.random.default_rng(1).normal(size=(3, 6)) + np.array([[0], [0], [25]])
+    series = integrate(Lorenz63(), start, 0.01, 1200, stride=2)[200:].transpose(2, 0, 1)
+    noise = np.zeros(3)
+    plain = polynomial_coefficients(series, noise, 0.02, 2, 8, 4.0)
+    moved = polynomial_coefficients(series + np.array(centre), noise, 0.02, 2, 8, 4.0)
+    states = series[:, ::50].reshape(-1, 3).T
+    rates = PolynomialSystem(plain, 2, Lorenz63()).right_hand_side(states)
+    shifted = states + np.array(centre)[:, np.newaxis]
+    found = PolynomialSystem(moved, 2, Lorenz63()).right_hand_side(shifted)
+    np.testing.assert_allclose(found, rates, atol=1e-2 * np.abs(rates).max())

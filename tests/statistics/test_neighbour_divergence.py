@@ -181,9 +181,24 @@ def test_correlation_time_of_a_known_process() -> None:
 
 def test_what_does_not_part_has_no_exponent() -> None:
     time = 0.05 * np.arange(2000)
-    phases = np.linspace(0, 1, 5)[:, None]
+    phases = np.linspace(0, 1.013, 5)[:, None]
     circles = np.stack([np.cos(time + phases), np.sin(time + phases)], axis=2)
     with pytest.raises(NoExponentError, match="no exponent can be seen in these series"):
         estimate(circles, 0.05)
     with pytest.raises(NoExponentError, match="no state has a neighbour"):
         estimate(lorenz(series=1, steps=8), 0.02)
+
+
+def test_coarse_readings_have_no_exponent() -> None:
+    series = lorenz(series=8, steps=1600)
+    with pytest.raises(NoExponentError, match=r"\d+ of \d+ pairs .* are at distance 0"):
+        estimate(np.round(series / 4) * 4, 0.02)
+
+
+def test_an_exponent_that_cannot_be_told_from_zero_is_none() -> None:
+    # of three short series, seeds are found on both sides
+    with pytest.raises(NoExponentError, match=r"\(-.* to .*\), cannot be told from 0"):
+        for seed in range(20):
+            walk = np.random.default_rng(seed).normal(size=(3, 90, 2)).cumsum(axis=1)
+            found = estimate(walk, 1.0)
+            assert 0 < found.low < found.high

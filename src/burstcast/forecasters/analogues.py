@@ -52,7 +52,7 @@ class Analogues(Forecaster):
     @cached_property
     def _scale(self) -> FloatArray:
         scale: FloatArray = self.training.std(axis=(0, 1))
-        return scale
+        return np.where(scale > 0, scale, 1.0)  # a constant component tells no states apart
 
     @cached_property
     def _tree(self) -> KDTree:

@@ -191,6 +191,11 @@ def neighbour_divergence(
     error = 1.0 + METHOD_ERROR * generator.standard_normal((len(fits), resamples))
     low, high = percentile_interval(np.ravel(samples * error) / sampling_interval, confidence)
     exponent = float(np.mean([fit.rate for fit in fits])) / sampling_interval
+    if not low > 0:
+        raise NoExponentError(
+            f"the exponent of these series, {exponent:.3g} ({low:.3g} to {high:.3g}), cannot be told "
+            "from 0"
+        )
     return NeighbourDivergence(exponent, low, high, mean, (1, max(ends)), window)
 
 
@@ -295,6 +300,11 @@ class _Neighbours:
             distance[:, ahead] = _across(apart, directions[series, step + ahead])
         # states that were measured twice have no distance at first
         apart_at_all = (distance > 0).all(axis=1)
+        if 2 * apart_at_all.sum() < len(distance):
+            raise NoExponentError(
+                f"{len(distance) - apart_at_all.sum()} of {len(distance)} pairs of neighbouring "
+                "states are at distance 0: the readings are too coarse, or stuck"
+            )
         return cls(series[apart_at_all], np.log(distance[apart_at_all]))
 
 

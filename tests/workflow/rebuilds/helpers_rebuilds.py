@@ -79,6 +79,8 @@ class JobServer:
 
 
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+# as in the shell of a notebook
+NOTEBOOK = {"MPLBACKEND": "module://matplotlib_inline.backend_inline"}
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ class Project:
         paths.append(str(HERE / "server"))
         if self.server is not None:
             variables["BURSTCAST_TEST_JOB_SERVER"] = self.server.address
-        return {**variables, **THREADS, "PYTHONPATH": ":".join(paths)}
+        return {**variables, **THREADS, **NOTEBOOK, "PYTHONPATH": ":".join(paths)}
 
     def snakemake(self, *arguments: str, overlay: dict | None = None, **variables: str) -> Outcome:
         """Run Snakemake with the preset and what is laid over it."""
