@@ -193,8 +193,8 @@ def neighbour_divergence(
     exponent = float(np.mean([fit.rate for fit in fits])) / sampling_interval
     if not low > 0:
         raise NoExponentError(
-            f"the exponent of these series, {exponent:.3g} ({low:.3g} to {high:.3g}), cannot be told "
-            "from 0"
+            f"the exponent of these series, {exponent:.3g} ({low:.3g} to {high:.3g}), cannot be "
+            "told from 0"
         )
     return NeighbourDivergence(exponent, low, high, mean, (1, max(ends)), window)
 
