@@ -28,12 +28,17 @@ def unreadable_config(arguments: Sequence[str], own: Path = Path("config.yaml"))
             )
             return f"--configfile {file}: there is {what} of this name{hint}"
     for file in [*([own] if own.is_file() else []), *files]:
+        text = ""
         try:
-            yaml.load(file.read_text(encoding="utf-8"), _LOADER)
+            text = file.read_text(encoding="utf-8")
+            if not isinstance(yaml.load(text, _LOADER), dict):
+                return f"{file}: holds no settings: a config is lines such as random_seed: 1"
         except yaml.MarkedYAMLError as error:
-            mark = error.problem_mark or error.context_mark
+            mark, problem = error.problem_mark or error.context_mark, error.problem or error.context
             place = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-            return f"{file}{place}: no valid YAML: {error.problem or error.context}"
+            if mark and text[mark.index : mark.index + 1] == "\t":
+                problem = "there is a tab: indent by spaces"
+            return f"{file}{place}: no valid YAML: {problem}"
         except (yaml.YAMLError, OSError, UnicodeDecodeError) as error:
             return f"{file}: cannot be read: {error}".replace("\n", " ")
     return None

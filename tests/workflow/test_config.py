@@ -577,8 +577,14 @@ def test_mistake_in_one_setting(config, name, value, parts):
 
 
 def test_yaml_keys_that_are_not_text(config):
-    config["cases"][400] = {}
-    assert "the key 400 must be text" in only_problem(config)
+    config["search"][5] = None  # of {interval_lt: 1,5}
+    told = "search.5: the key 5 must be text; in braces a comma ends a value"
+    assert told in only_problem(config)
+
+
+def test_a_threshold_above_the_laminar_flow_is_one_mistake(config):
+    config["case_defaults"]["event_threshold"] = 0.6
+    assert "below laminarisation_threshold" in only_problem(config)
 
 
 def test_all_mistakes_are_told_at_once(config):
@@ -624,7 +630,7 @@ def test_all_mistakes_are_told_at_once(config):
         (
             "figures.example_forecaster",
             "esn-N2000-RV-seed10",
-            ["RV-seed10", "not part of the campaign"],
+            ["RV-seed10", "not part of the campaign", "(Re400 has esn-N500-SSV-seed0)"],
         ),
         ("figures.fixed_neurons", 700, ["figures.fixed_neurons is 700", "500, 1000, 1500"]),
         ("figures.fixed_prediction_time_lt", 7, ["figures.fixed_prediction_time_lt is 7", "0.5"]),

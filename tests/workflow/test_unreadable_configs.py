@@ -16,6 +16,8 @@ def directory(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "good.yaml").write_text("results: results/x\n")
     (tmp_path / "bad.yaml").write_text("results: results/x\ncampaign: [\n  - a: b: c\n")
+    (tmp_path / "tab.yaml").write_text("search:\n\tgrid: 3\n")
+    (tmp_path / "empty.yaml").write_text("# nothing\n")
     return tmp_path
 
 
@@ -34,6 +36,8 @@ def directory(tmp_path, monkeypatch):
             "after it: put targets before it",
         ),
         (["--configfile", "good.yaml", "bad.yaml"], "bad.yaml, line 3, column 3: no valid YAML: "),
+        (["--configfile", "tab.yaml"], "tab.yaml, line 2, column 1: no valid YAML: there is a tab"),
+        (["--configfile", "empty.yaml"], "empty.yaml: holds no settings: a config is lines such"),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(directory, arguments, said):

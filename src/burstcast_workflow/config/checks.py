@@ -6,6 +6,7 @@ Bounds of one setting that are other settings stand in the model, what holds wit
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from pydantic import ValidationError
 
@@ -300,20 +301,25 @@ def _figures(config: Configuration) -> Iterator[str]:
                 f"figures.example_case is {name}, which is not part of the campaign, or has no "
                 "network of the size figures.fixed_neurons"
             )
-    elif not any(
-        example.neurons in networks.neurons
-        and example.validation in networks.validation
-        and (example.seed or 0) < networks.seeds
-        for networks in (block.forecasters.esn for block in blocks_of(config, name))
-        if networks and not networks.variants
-    ):
-        yield (
-            f"the example network of the figures ({name}, {example.identifier}) is not part of the "
-            "campaign: change figures.example_case or figures.example_forecaster"
-        )
+    else:
+        there = [
+            replace(example, neurons=neurons, validation=validation, seed=seed).identifier
+            for networks in (block.forecasters.esn for block in blocks_of(config, name))
+            if networks and not networks.variants
+            for neurons in networks.neurons
+            for validation in networks.validation
+            for seed in range(networks.seeds)
+        ]
+        if replace(example, seed=example.seed or 0).identifier not in there:
+            known = f"{name} has {there[0]}" if there else f"{name} has none"
+            yield (
+                f"the example network of the figures ({name}, {example.identifier}) is not part of "
+                f"the campaign: change figures.example_case or figures.example_forecaster ({known})"
+            )
     case, peak = sound_case(config, name), figures.flow_event.peak
     threshold = case.event_threshold if isinstance(case, Simulated) else None
-    if isinstance(threshold, float) and peak <= threshold and case and is_flow(case):
+    laminar = getattr(case, "laminarisation_threshold", None) or math.inf
+    if isinstance(threshold, float) and peak <= threshold < laminar and case and is_flow(case):
         yield (
             f"figures.flow_event.peak is {peak:g}; it must be above the event_threshold of "
             f"{name}, {threshold:g}"

@@ -38,7 +38,9 @@ def _message(root: Place, error: str, path: Sequence[str | int], value: Any, tex
     for part in path[:-1] if of_key else path:
         above, place = place, place.below(part)
     if error == "invalid_key" or (of_key and error == "string_type"):
-        return f"{place.name}: the key {value!r} must be text"
+        comma = "; in braces a comma ends a value: write a decimal number with a point"
+        number = comma if isinstance(value, int | float) else ""
+        return f"{place.name}: the key {value!r} must be text{number}"
     if of_key:
         return f"{place.name}: the name must be {above.key.allowed()}"
     if error == "missing":
