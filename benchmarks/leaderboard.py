@@ -196,6 +196,14 @@ FORECASTERS: Mapping[str, tuple[str, Made]] = {
         "an echo state network of 1000 neurons, chosen by recycle validation",
         of_kind("esn", neurons=1000, members=1),
     ),
+    "esn_500_quadratic": (
+        "an echo state network of 500 neurons with squares in the readout",
+        of_kind("esn", neurons=500, members=1, options={"readout": "quadratic"}),
+    ),
+    "esn_1000_quadratic": (
+        "an echo state network of 1000 neurons with squares in the readout",
+        of_kind("esn", neurons=1000, members=1, options={"readout": "quadratic"}),
+    ),
     "esn_500_committee": (
         "five echo state networks of 500 neurons, which vote",
         of_kind("esn", neurons=500, members=5),
